@@ -1,0 +1,54 @@
+"""The one gate through which meshes enter the compiled kernels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from numpy.typing import NDArray
+
+from ..errors import MeshError
+
+__all__ = ["FloatArray", "IntArray", "MeshError", "mesh_arrays"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+    """Return contiguous float64 vertices and int64 faces, or say what is wrong with them.
+
+    Arrays that already fit are passed on without a copy.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+
+    Raises
+    ------
+    MeshError
+        If a shape is wrong, a coordinate is not finite, or an index does not exist.
+    """
+    try:
+        V = np.ascontiguousarray(vertices, dtype=np.float64)
+        raw = np.asarray(faces)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"vertices and faces must be arrays of numbers ({error}); triangulate n-gons first") from None
+    if V.ndim != 2 or V.shape[1] != 3:
+        raise MeshError(f"vertices must have the shape (n, 3), not {V.shape}")
+    if raw.size == 0:
+        raw = raw.reshape(0, 3).astype(np.int64)
+    if raw.ndim != 2 or raw.shape[1] != 3:
+        raise MeshError(f"faces must have the shape (m, 3), not {raw.shape}; triangulate quads and n-gons first")
+    if raw.dtype.kind not in "iu":
+        raise MeshError(f"faces must hold integers, not {raw.dtype}")
+    F = np.ascontiguousarray(raw, dtype=np.int64)
+    if F.size and (F.min() < 0 or F.max() >= len(V)):
+        bad = int(np.flatnonzero(((F < 0) | (F >= len(V))).any(axis=1))[0])
+        raise MeshError(f"face {bad} names a vertex that does not exist: {F[bad].tolist()} of {len(V)} vertices")
+    if not np.isfinite(V).all():
+        bad = int(np.flatnonzero(~np.isfinite(V).all(axis=1))[0])
+        raise MeshError(f"vertex {bad} has a coordinate that is not a finite number: {V[bad].tolist()}")
+    return V, F

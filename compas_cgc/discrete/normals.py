@@ -1,0 +1,55 @@
+"""Unit normals of faces and vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _kernels
+from .arrays import FloatArray
+from .arrays import mesh_arrays
+
+__all__ = ["face_normals", "vertex_normals"]
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+
+
+def face_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
+    """Return the outward unit normal of every face (Eq. 17).
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+
+    Returns
+    -------
+    (m, 3) float64
+        Unit vectors; zero where a face has no area.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    return _unit(_kernels.cross_vectors(V, F))
+
+
+def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
+    """Return the outward unit normal of every vertex: the area-weighted mean of its faces (Eqs. 11-13).
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+
+    Returns
+    -------
+    (n, 3) float64
+        Unit vectors; zero where the faces cancel or where there are none.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    return _unit(_kernels.sum_at_vertices(len(V), F, _kernels.cross_vectors(V, F)))

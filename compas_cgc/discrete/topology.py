@@ -1,0 +1,113 @@
+"""Which vertices and edges lie on an open boundary."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+from numpy.typing import NDArray
+
+from .arrays import FloatArray
+from .arrays import IntArray
+from .arrays import MeshError
+from .arrays import mesh_arrays
+
+__all__ = ["boundary_vertices", "edge_faces"]
+
+
+@njit(cache=True)
+def _scramble(i):
+    # The bijective finaliser of splitmix64: distinct vertices have distinct images.
+    z = np.uint64(i) + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
+@njit(cache=True)
+def boundary_mask(n, F):
+    """Mark the vertices whose fan of faces is not closed.
+
+    Around a closed fan every neighbour is once the next and once the previous one, so
+    the sum over (next - previous) vanishes; around an open fan it is first - last.
+    One pass over the faces, without sorting edges.
+    """
+    balance = np.zeros(n, np.uint64)
+    for f in range(F.shape[0]):
+        i, j, k = F[f, 0], F[f, 1], F[f, 2]
+        hi, hj, hk = _scramble(i), _scramble(j), _scramble(k)
+        balance[i] += hj - hk
+        balance[j] += hk - hi
+        balance[k] += hi - hj
+    return balance != np.uint64(0)
+
+
+def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.bool_]:
+    """Mark the vertices on an open boundary.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, consistently oriented.
+
+    Returns
+    -------
+    (n,) bool
+    """
+    V, F = mesh_arrays(vertices, faces)
+    return boundary_mask(len(V), F)
+
+
+def edge_faces(faces: ArrayLike) -> IntArray:
+    """List every edge once with the faces on its two sides.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` vertex indices of an oriented manifold.
+
+    Returns
+    -------
+    (e, 4) int64
+        ``u, v, left, right`` in order of first appearance: the edge runs from ``u`` to
+        ``v`` in the face ``left`` and back in ``right``, which is -1 on a boundary.
+
+    Raises
+    ------
+    MeshError
+        If an edge belongs to more than two faces, or to two of the same orientation.
+    """
+    F = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
+    m = len(F)
+    u = F.ravel()
+    v = np.roll(F, -1, axis=1).ravel()
+    owner = np.repeat(np.arange(m), 3)
+    low, high = np.minimum(u, v), np.maximum(u, v)
+    order = np.lexsort((np.arange(3 * m), high, low))
+    low, high = low[order], high[order]
+    first = np.ones(3 * m, bool)
+    first[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
+    start = np.flatnonzero(first)
+    count = np.diff(np.append(start, 3 * m))
+    left = order[start]
+    edges = np.full((len(start), 4), -1, np.int64)
+    edges[:, 0], edges[:, 1], edges[:, 2] = u[left], v[left], owner[left]
+    paired = count >= 2
+    second = order[start[paired] + 1]
+    wrong = count > 2
+    wrong[paired] |= u[second] == edges[paired, 0]
+    if wrong.any():
+        a, b = edges[np.flatnonzero(wrong)[0], :2].tolist()
+
+        raise MeshError(f"edge {a}-{b} does not join exactly two faces of opposite direction; the mesh is not an oriented manifold")
+    edges[paired, 3] = owner[second]
+    return edges[np.argsort(left, kind="stable")]
+
+
+def closed_vertices(V: FloatArray, F: IntArray) -> NDArray[np.bool_]:
+    """Mark the vertices of a closed fan: used, and not on a boundary."""
+    used = np.zeros(len(V), bool)
+    used[F.ravel()] = True
+    return used & ~boundary_mask(len(V), F)

@@ -1,0 +1,37 @@
+"""Volume between a surface and a point (Eq. 19)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _kernels
+from .arrays import mesh_arrays
+
+__all__ = ["enclosed_volume"]
+
+
+def enclosed_volume(vertices: ArrayLike, faces: ArrayLike) -> float:
+    """Return the signed volume of the pyramids from the origin to every face.
+
+    For a closed mesh that is the volume inside, wherever the origin is; for an open one
+    the volume of the cone over it.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+
+    Returns
+    -------
+    float
+        Volume [L^3].
+
+    References
+    ----------
+    Paper, Eqs. 16-19.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    return float(_kernels.pyramids(V, F, np.ones(len(F))))

@@ -1,0 +1,31 @@
+"""What can go wrong, in one place: every error is a sentence for the person who can mend it."""
+
+from __future__ import annotations
+
+__all__ = ["CGCError", "FileError", "MeshError", "ProblemError"]
+
+
+class CGCError(ValueError):
+    """Base of all errors that a user of the package can cause and mend."""
+
+
+class MeshError(CGCError):
+    """The vertices and faces do not form a mesh that curvature can be measured on."""
+
+
+class FileError(CGCError):
+    """A file cannot be read or written."""
+
+
+class ProblemError(CGCError):
+    """A solve is refused.
+
+    Attributes
+    ----------
+    problems
+        The sentences of :meth:`compas_cgc.datastructures.CGCMesh.check` that refuse it.
+    """
+
+    def __init__(self, problems: list[str]):
+        self.problems = list(problems)
+        super().__init__("; ".join(self.problems))
