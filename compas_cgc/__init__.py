@@ -27,7 +27,7 @@ _HOME = {
     "CGCProblem": ".problem",
     "FlowSettings": ".flow",
     "SolveResult": ".result",
-    "solve": ".solve",
+    "solve": ".solver",
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from dataclasses import replace
+from typing import TYPE_CHECKING
 from typing import NamedTuple
 from typing import Optional
 
@@ -12,9 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from .discrete import boundary_vertices
+from .discrete import face_areas
 from .discrete import mesh_arrays
 from .discrete.arrays import FloatArray
 from .discrete.arrays import IntArray
+from .meshing.ring import dummy_ring
+
+if TYPE_CHECKING:
+    from .datastructures import CGCMesh
 
 __all__ = ["CREASE", "DUMMY", "FIXED", "FREE", "INTERNAL", "ROLES", "CGCProblem", "Frame"]
 
@@ -78,6 +85,19 @@ class CGCProblem:
         if self.roles.shape != (n,):
             raise ValueError(f"roles must be one per vertex ({n}), not of shape {self.roles.shape}")
 
+    @classmethod
+    def from_mesh(cls, mesh: CGCMesh) -> CGCProblem:
+        """Return the problem that a mesh poses, with any dummy mesh, in the order of its vertices."""
+        keys = list(mesh.vertices())
+        vertices, faces = mesh.arrays(dummies=True)
+
+        def column(name: str) -> FloatArray:
+            values = mesh.vertices_attribute(name)
+            return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+        roles = np.array([ROLES.index(mesh.vertex_role(key)) for key in keys], dtype=np.int64)
+        return cls(vertices, faces, roles, column("target"), column("s"), column("e"))
+
     @property
     def asked(self) -> NDArray[np.bool_]:
         """Vertices where K is asked for, N_I of the paper (n,)."""
@@ -99,9 +119,29 @@ class CGCProblem:
         largest = float(np.abs(self.targets[self.asked]).max(initial=0.0))
         if largest > 0.0:
             return largest
-        from .discrete import face_areas
-
         return 1.0 / float(face_areas(self.vertices, self.faces[self.real_faces]).sum())
+
+    def with_dummy_ring(self) -> CGCProblem:
+        """Return the problem with dummy faces along the free edges, where K is then asked for too.
+
+        The dummy vertices come last. A problem without open edges that move is returned
+        as it is.
+        """
+        rim = boundary_vertices(self.vertices, self.faces)
+        if not (rim & self.movable).any():
+            return self
+        vertices, faces, inner = dummy_ring(self.vertices, self.faces, self.movable)
+        dummies = np.full(len(inner), DUMMY)
+        roles = np.where(self.roles == FREE, INTERNAL, self.roles)
+        nothing = np.full(len(inner), np.nan)
+        return CGCProblem(
+            vertices,
+            faces,
+            np.concatenate([roles, dummies]),
+            np.concatenate([self.targets, nothing]),
+            np.concatenate([self.s, nothing]),
+            np.concatenate([self.e, nothing]),
+        )
 
     def face_targets(self) -> FloatArray:
         """Return the target of every face: the mean over its corners where K is asked (m,).

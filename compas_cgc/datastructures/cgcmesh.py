@@ -1,0 +1,520 @@
+"""CGCMesh: a COMPAS mesh that knows its supports, creases, regions and targets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from compas.datastructures import Mesh
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import MeshError
+from ..meshing import Problem
+from ..meshing import crease_paths
+from ..meshing import dummy_ring
+from ..meshing import face_regions
+from ..meshing import path_edges
+from ..meshing import triangulate
+from ..meshing.triangulate import distinct_corners
+from ..problem import ROLES
+
+__all__ = ["CGCMesh"]
+
+
+class CGCMesh(Mesh):
+    """A triangle mesh with what is asked of it.
+
+    Every vertex has a ``role``:
+
+    ========  ==========================================================
+    internal  K is asked for here
+    fixed     a support, it stays where it is
+    crease    on an internal boundary: it moves, no K is asked
+    free      on a free edge of the mesh: it moves, no K is asked
+    dummy     outside the real mesh, never part of a result
+    ========  ==========================================================
+
+    and a ``target`` K̄ [1/L^2], read at internal vertices. Along creases, ``s`` and ``e``
+    override the settings of the flow. The normals of the faces point to the side to
+    which a surface of positive K rises; :meth:`flip` turns them.
+
+    Examples
+    --------
+    >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+    >>> mesh.set_supports("boundary")
+    >>> mesh.set_target(0.01)
+    >>> mesh.check()
+    []
+    """
+
+    VERTEX_DEFAULTS = {"role": "internal", "target": None, "s": None, "e": None}
+    EDGE_DEFAULTS = {"is_crease": False}
+
+    def __init__(
+        self,
+        default_vertex_attributes: Optional[dict] = None,
+        default_edge_attributes: Optional[dict] = None,
+        default_face_attributes: Optional[dict] = None,
+        name: Optional[str] = None,
+        **kwargs: object,
+    ):
+        super().__init__(
+            default_vertex_attributes={**self.VERTEX_DEFAULTS, **(default_vertex_attributes or {})},
+            default_edge_attributes={**self.EDGE_DEFAULTS, **(default_edge_attributes or {})},
+            default_face_attributes=default_face_attributes,
+            name=name,
+            **kwargs,
+        )
+
+    # ------------------------------------------------------------------
+    # Construction
+    # ------------------------------------------------------------------
+
+    @classmethod
+    def from_vertices_and_faces(cls, vertices: object, faces: object) -> CGCMesh:
+        """Make a mesh from vertices and faces; quads and n-gons are triangulated.
+
+        Parameters
+        ----------
+        vertices
+            ``(n, 3)`` coordinates [L], or a dict of them by key.
+        faces
+            Lists of vertex keys, of any length, or a dict of them by key. The keys of
+            faces are kept where none has to be split.
+
+        Raises
+        ------
+        MeshError
+            If a face names a vertex that does not exist.
+        """
+        points = _plain(vertices, float)
+        polygons = _plain(faces, int)
+        where = points if isinstance(points, Mapping) else dict(enumerate(points))
+        items = list(polygons.items()) if isinstance(polygons, Mapping) else list(enumerate(polygons))
+        for key, polygon in items:
+            for v in polygon:
+                if v not in where:
+                    raise MeshError(f"face {key} names the vertex {v}, which does not exist; correct the face")
+        if all(len(distinct_corners(polygon)) == 3 for _, polygon in items):
+            triangles: object = {key: distinct_corners(polygon) for key, polygon in items}
+        else:
+            triangles = [triangle for _, polygon in items for triangle in triangulate(where, polygon)]
+        mesh = super().from_vertices_and_faces(points, triangles)
+        dropped = [[key, polygon] for key, polygon in items if len(set(polygon)) < 3]
+        if dropped:
+            # COMPAS leaves such faces out without a word; check() says it.
+            mesh.attributes["dropped_faces"] = dropped
+        mesh.update_roles()
+        return mesh
+
+    @classmethod
+    def from_mesh(cls, mesh: Mesh) -> CGCMesh:
+        """Make a mesh from a COMPAS mesh, with its keys, attributes and name where they apply."""
+        keys = list(mesh.vertices())
+        result = cls.from_vertices_and_faces(
+            {key: mesh.vertex_coordinates(key) for key in keys}, {face: mesh.face_vertices(face) for face in mesh.faces()}
+        )
+        for key in keys:
+            own = {name: value for name, value in mesh.vertex[key].items() if value is not None}
+            result.vertex[key].update(own)
+        result.edgedata = {edge: dict(values) for edge, values in mesh.edgedata.items() if _has_edge(result, edge)}
+        result.attributes.update({name: value for name, value in mesh.attributes.items() if name != "name"})
+        if getattr(mesh, "_name", None) is not None:
+            result.name = mesh.name
+        result.update_roles()
+        return result
+
+    @classmethod
+    def from_meshgrid(cls, dx: float, nx: int, dy: Optional[float] = None, ny: Optional[int] = None) -> CGCMesh:
+        """Make a plane grid of nx by ny squares, each split along the same diagonal.
+
+        Parameters
+        ----------
+        dx, dy
+            Widths of the grid [L].
+        nx, ny
+            Numbers of squares.
+        """
+        grid = Mesh.from_meshgrid(dx, nx, dy, ny)
+        mesh = cls.from_mesh(grid)
+        if sum(mesh.face_normal(next(iter(mesh.faces())))[2:]) < 0:
+            mesh.flip()
+        return mesh
+
+    def triangulate(self) -> None:
+        """Split the faces with more than three corners."""
+        points = {key: self.vertex_coordinates(key) for key in self.vertices()}
+        for face in list(self.faces()):
+            corners = self.face_vertices(face)
+            if len(corners) > 3:
+                self.delete_face(face)
+                for triangle in triangulate(points, corners):
+                    self.add_face(triangle)
+
+    def flip(self) -> None:
+        """Turn all faces over, so that the other side is the outside."""
+        self.flip_cycles()
+
+    def unify(self) -> None:
+        """Turn the faces that run against the first face of their piece."""
+        self.unify_cycles()
+
+    # ------------------------------------------------------------------
+    # Arrays
+    # ------------------------------------------------------------------
+
+    def arrays(self, dummies: bool = False) -> tuple[FloatArray, IntArray]:
+        """Return vertices (n, 3) and faces (m, 3) in the order of their keys in the mesh.
+
+        Parameters
+        ----------
+        dummies
+            Keep the dummy mesh.
+        """
+        keys = [v for v in self.vertices() if dummies or not self.is_dummy(v)]
+        index = {key: i for i, key in enumerate(keys)}
+        vertices = np.array([[self.vertex[v]["x"], self.vertex[v]["y"], self.vertex[v]["z"]] for v in keys], dtype=np.float64)
+        faces = [[index[v] for v in corners] for corners in self.face.values() if all(v in index for v in corners)]
+        return vertices.reshape(-1, 3), np.array(faces, dtype=np.int64).reshape(-1, 3)
+
+    def with_coordinates(self, vertices: FloatArray) -> CGCMesh:
+        """Return a copy without dummies whose vertices are at `vertices` (n, 3)."""
+        mesh = self.without_dummies()
+        for key, (x, y, z) in zip(list(mesh.vertices()), np.asarray(vertices, dtype=np.float64).tolist()):
+            mesh.vertex[key].update(x=x, y=y, z=z)
+        return mesh
+
+    # ------------------------------------------------------------------
+    # Roles
+    # ------------------------------------------------------------------
+
+    def vertex_role(self, key: int, role: Optional[str] = None) -> Optional[str]:
+        """Get or set the role of a vertex."""
+        if role is None:
+            return self.vertex_attribute(key, "role")
+        if role not in ROLES:
+            raise ValueError(f"role must be one of {', '.join(ROLES)}, not {role!r}")
+        self.vertex_attribute(key, "role", role)
+        return None
+
+    def vertices_role(self, keys: Optional[Iterable[int]] = None) -> list[str]:
+        """Return the roles of some or all vertices."""
+        return [self.vertex_role(key) for key in (self.vertices() if keys is None else keys)]
+
+    def vertices_where_role(self, role: str) -> list[int]:
+        """Return the vertices of a role."""
+        return [key for key in self.vertices() if self.vertex_role(key) == role]
+
+    def is_dummy(self, key: int) -> bool:
+        """Tell whether a vertex belongs to the dummy mesh."""
+        return self.vertex[key].get("role") == "dummy"
+
+    def supports(self) -> list[int]:
+        """Return the fixed vertices."""
+        return self.vertices_where_role("fixed")
+
+    def set_supports(self, vertices: Union[str, Iterable[int]], add: bool = False) -> None:
+        """Fix vertices.
+
+        Parameters
+        ----------
+        vertices
+            Keys, ``"boundary"`` for every vertex on an open edge, or ``"corners"`` for
+            those where an open edge turns by more than 30 degrees.
+        add
+            Keep the supports set before.
+        """
+        if isinstance(vertices, str):
+            chosen = self._named_supports(vertices)
+        else:
+            chosen = [self._known(key) for key in vertices]
+        keep = set(self.supports()) if add else set()
+        for key in self.supports():
+            self.vertex_role(key, "internal")
+        for key in keep.union(chosen):
+            self.vertex_role(key, "fixed")
+        self.update_roles()
+
+    def _named_supports(self, name: str) -> list[int]:
+        if name not in ("boundary", "corners"):
+            raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
+        corners = []
+        for loop in self.boundary_loops():
+            if name == "boundary":
+                corners += loop
+                continue
+            points = np.array([self.vertex_coordinates(key) for key in loop])
+            ahead = np.roll(points, -1, axis=0) - points
+            ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+            cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))
+            corners += [key for key, c in zip(loop, cosine) if c < math.cos(math.radians(30))]
+        return corners
+
+    def boundary_loops(self) -> list[list[int]]:
+        """Return the loops of vertices around the open edges of the real mesh, the longest first."""
+        real = {f for f, corners in self.face.items() if not any(self.is_dummy(v) for v in corners)}
+        after = {}
+        for face in real:
+            corners = self.face[face]
+            for u, v in zip(corners, corners[1:] + corners[:1]):
+                if self.halfedge[v].get(u) not in real:
+                    after.setdefault(u, v)
+        loops = []
+        while after:
+            key = min(after)
+            loop = []
+            while key in after:
+                loop.append(key)
+                key = after.pop(key)
+            loops.append(loop)
+        return sorted(loops, key=lambda loop: (-len(loop), loop))
+
+    def update_roles(self) -> None:
+        """Give every vertex that is neither fixed nor dummy the role that its place calls for.
+
+        ``set_supports``, ``set_creases`` and ``add_dummy_ring`` do so; call it after
+        changing the mesh by hand.
+        """
+        on_crease = {v for edge in self.crease_edges() for v in edge}
+        for key in self.vertices():
+            if self.vertex[key].get("role") not in ("fixed", "dummy"):
+                role = "crease" if key in on_crease else "free" if None in self.halfedge[key].values() else "internal"
+                self.vertex[key]["role"] = role
+
+    # ------------------------------------------------------------------
+    # Creases and regions
+    # ------------------------------------------------------------------
+
+    def set_creases(self, creases: Iterable[Sequence[int]], add: bool = False) -> None:
+        """Let the surface fold along edges.
+
+        Parameters
+        ----------
+        creases
+            Edges ``(u, v)`` or paths of vertices ``[u, v, w, ...]``.
+        add
+            Keep the creases set before.
+
+        Raises
+        ------
+        ValueError
+            If two vertices that follow each other are not joined by an edge.
+        """
+        edges = path_edges([[self._known(key) for key in path] for path in creases])
+        for u, v in edges:
+            if v not in self.halfedge[u] and u not in self.halfedge[v]:
+                raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
+        if not add:
+            for edge in self.crease_edges():
+                self.unset_edge_attribute(edge, "is_crease")
+        for edge in edges:
+            self.edge_attribute(edge, "is_crease", True)
+        self.update_roles()
+
+    def crease_edges(self) -> list[tuple[int, int]]:
+        """Return the crease edges."""
+        edges = (_edge_ends(name) for name, values in self.edgedata.items() if values.get("is_crease"))
+        return sorted((u, v) for u, v in edges if u in self.vertex and v in self.vertex)
+
+    def creases(self) -> list[list[int]]:
+        """Return the creases as paths of vertices between ends and branchings, in a stable order."""
+        return crease_paths(self.crease_edges())
+
+    def regions(self) -> list[list[int]]:
+        """Return the faces of every region, numbered by their first face."""
+        faces = [f for f, corners in self.face.items() if not any(self.is_dummy(v) for v in corners)]
+        if not faces:
+            return []
+        keys = list(self.vertices())
+        index = {key: i for i, key in enumerate(keys)}
+        corners = np.array([[index[v] for v in self.face[f][:3]] for f in faces])
+        edges = np.array([[index[u], index[v]] for u, v in self.crease_edges()], dtype=np.int64).reshape(-1, 2)
+        labels = face_regions(corners, edges)
+        regions: list[list[int]] = [[] for _ in range(labels.max() + 1)]
+        for face, label in zip(faces, labels.tolist()):
+            regions[label].append(face)
+        return regions
+
+    def region_vertices(self, region: int) -> list[int]:
+        """Return the vertices of a region where K can be asked: not on creases."""
+        regions = self.regions()
+        if not 0 <= region < len(regions):
+            raise ValueError(f"there is no region {region}; the mesh has {len(regions)}, from 0 to {len(regions) - 1}")
+        keys = dict.fromkeys(v for f in regions[region] for v in self.face[f])
+        return [v for v in keys if self.vertex_role(v) != "crease"]
+
+    # ------------------------------------------------------------------
+    # Targets and strategies
+    # ------------------------------------------------------------------
+
+    def set_target(self, K: float, region: Optional[int] = None, vertices: Optional[Iterable[int]] = None) -> None:
+        """Ask for a Gaussian curvature, everywhere, in a region or at vertices.
+
+        Parameters
+        ----------
+        K
+            Target [1/L^2].
+        region
+            Number of a region, see :meth:`regions`.
+        vertices
+            Keys of vertices.
+        """
+        value = _number(K, "the target")
+        if region is not None and vertices is not None:
+            raise ValueError("give a region or vertices for the target, not both")
+        if region is not None:
+            keys: Iterable[int] = self.region_vertices(region)
+        else:
+            keys = self.vertices() if vertices is None else [self._known(key) for key in vertices]
+        self.vertices_attribute("target", value, keys=list(keys))
+
+    def vertex_target(self, key: int, K: Optional[float] = None) -> Optional[float]:
+        """Get or set the target of a vertex [1/L^2]."""
+        if K is None:
+            return self.vertex_attribute(key, "target")
+        self.vertex_attribute(key, "target", _number(K, "the target"))
+        return None
+
+    def vertices_target(self, keys: Optional[Iterable[int]] = None) -> list[Optional[float]]:
+        """Return the targets of some or all vertices [1/L^2]."""
+        return [self.vertex_target(key) for key in (self.vertices() if keys is None else keys)]
+
+    def region_target(self, region: int) -> Optional[float]:
+        """Return the target of a region [1/L^2], or None where it is not one number."""
+        keys = self.region_vertices(region)
+        values = {self.vertex_target(v) for v in keys if self.vertex_role(v) == "internal"} or {self.vertex_target(v) for v in keys}
+        return values.pop() if len(values) == 1 else None
+
+    def set_strategy(
+        self,
+        s: Optional[float] = None,
+        e: Optional[int] = None,
+        crease: Optional[int] = None,
+        vertices: Optional[Iterable[int]] = None,
+    ) -> None:
+        """Override the settings' strategies S1 (factor s) and S2 (delay e) along creases.
+
+        Parameters
+        ----------
+        s
+            Factor on the moves, 0 <= s <= 1.
+        e
+            First steps in which the vertices wait.
+        crease
+            Number of a crease, see :meth:`creases`; default: all of them.
+        vertices
+            Keys of vertices.
+        """
+        if s is not None and not 0 <= _number(s, "s") <= 1:
+            raise ValueError(f"s must be between 0 and 1, not {s!r}")
+        if e is not None and (int(e) != e or e < 0):
+            raise ValueError(f"e must be a whole number from 0 up, not {e!r}")
+        paths = self.creases()
+        if vertices is not None:
+            keys = [self._known(key) for key in vertices]
+        elif crease is None:
+            keys = [v for path in paths for v in path]
+        elif 0 <= crease < len(paths):
+            keys = paths[crease]
+        else:
+            raise ValueError(f"there is no crease {crease}; the mesh has {len(paths)}, from 0 on")
+        for key in keys:
+            if s is not None:
+                self.vertex_attribute(key, "s", float(s))
+            if e is not None:
+                self.vertex_attribute(key, "e", int(e))
+
+    def vertex_s(self, key: int, s: Optional[float] = None) -> Optional[float]:
+        """Get or set the factor s of a crease vertex; None where the settings hold."""
+        return self.vertex_attribute(key, "s") if s is None else self.set_strategy(s=s, vertices=[key])
+
+    def vertex_e(self, key: int, e: Optional[int] = None) -> Optional[int]:
+        """Get or set the delay e of a crease vertex; None where the settings hold."""
+        return self.vertex_attribute(key, "e") if e is None else self.set_strategy(e=e, vertices=[key])
+
+    # ------------------------------------------------------------------
+    # Dummy mesh
+    # ------------------------------------------------------------------
+
+    def add_dummy_ring(self) -> list[int]:
+        """Add a ring of dummy faces along the free edges, so that K is asked for on them too.
+
+        Returns
+        -------
+        list of int
+            The dummy vertices.
+        """
+        vertices, faces = self.arrays(dummies=True)
+        keys = list(self.vertices())
+        free = np.array([self.vertex_role(v) != "fixed" for v in keys])
+        points, corners, inner = dummy_ring(vertices, faces, free)
+        added = [self.add_vertex(x=x, y=y, z=z, role="dummy") for x, y, z in points[len(keys) :].tolist()]
+        names = keys + added
+        for face in corners[len(faces) :].tolist():
+            self.add_face([names[v] for v in face])
+        self.update_roles()
+        return added
+
+    def without_dummies(self) -> CGCMesh:
+        """Return a copy without the dummy mesh; its free edges are free again."""
+        mesh = self.copy()
+        for key in [v for v in mesh.vertices() if mesh.is_dummy(v)]:
+            mesh.delete_vertex(key)
+        mesh.update_roles()
+        return mesh
+
+    # ------------------------------------------------------------------
+    # Check
+    # ------------------------------------------------------------------
+
+    def check(self) -> list[Problem]:
+        """List what keeps the mesh from being solved, in readable sentences.
+
+        Returns
+        -------
+        list of Problem
+            Strings; those with ``fatal`` set make a solve refuse with the same text.
+        """
+        from .check import check
+
+        return check(self)
+
+    def _known(self, key: int) -> int:
+        if key not in self.vertex:
+            raise ValueError(f"there is no vertex {key!r} in the mesh")
+        return int(key)
+
+
+def _plain(items: object, kind: type) -> object:
+    """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
+    if isinstance(items, np.ndarray):
+        return items.tolist()
+    if isinstance(items, Mapping):
+        return {int(key): [kind(x) for x in item] for key, item in items.items()}
+    return [[kind(x) for x in item] for item in items]
+
+
+def _number(value: object, what: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{what} must be a number, not {value!r}") from None
+    if not math.isfinite(number):
+        raise ValueError(f"{what} must be a finite number, not {value!r}")
+    return number
+
+
+def _edge_ends(name: str) -> tuple[int, int]:
+    u, v = name.strip("()").split(",")
+    return int(u), int(v)
+
+
+def _has_edge(mesh: Mesh, name: str) -> bool:
+    u, v = _edge_ends(name)
+    return u in mesh.halfedge and (v in mesh.halfedge[u] or u in mesh.halfedge.get(v, {}))

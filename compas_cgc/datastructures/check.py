@@ -1,0 +1,103 @@
+"""What keeps a CGCMesh from being solved."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..meshing import Problem
+from ..meshing import existence_problems
+from ..meshing import face_regions
+from ..meshing import mesh_problems
+from ..meshing.checks import listed
+
+if TYPE_CHECKING:
+    from .cgcmesh import CGCMesh
+
+__all__ = ["check"]
+
+
+def check(mesh: CGCMesh) -> list[Problem]:
+    """List the problems of a mesh: first of its geometry, then of what is asked of it."""
+    problems = _polygon_problems(mesh)
+    if any(problem.fatal for problem in problems):
+        return problems
+    vertices, faces = mesh.arrays(dummies=True)
+    names = np.array(list(mesh.vertices()), dtype=np.int64)
+    problems += mesh_problems(vertices, faces, names, np.array(list(mesh.faces()), dtype=np.int64))
+    sound = not any(problem.fatal for problem in problems)
+    problems += _role_problems(mesh) + _target_problems(mesh)
+    if sound and not any(problem.fatal for problem in problems):
+        problems += _existence_problems(mesh)
+    return problems
+
+
+def _polygon_problems(mesh: CGCMesh) -> list[Problem]:
+    problems = []
+    dropped = mesh.attributes.get("dropped_faces") or []
+    if dropped:
+        named = listed([key for key, _ in dropped])
+        problems.append(Problem(f"faces {named} of the input have fewer than three different corners, they are degenerate; remove them"))
+    large = [face for face, corners in mesh.face.items() if len(corners) > 3]
+    if large:
+        problems.append(Problem(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate() does)"))
+    return problems
+
+
+def _role_problems(mesh: CGCMesh) -> list[Problem]:
+    problems = []
+    if not mesh.supports():
+        problems.append(
+            Problem("the mesh has no support, nothing holds it; fix vertices (mesh.set_supports('boundary') fixes the whole edge)")
+        )
+    lost = [tuple(int(v) for v in name.strip("()").split(",")) for name, values in mesh.edgedata.items() if values.get("is_crease")]
+    lost = [(u, v) for u, v in lost if u not in mesh.halfedge or v not in mesh.halfedge or v not in mesh.halfedge[u]]
+    if lost:
+        problems.append(Problem(f"the creases {listed(lost)} do not follow edges of the mesh; set the creases again (mesh.set_creases)"))
+    if not any(mesh.vertex_role(v) in ("internal", "free") for v in mesh.vertices()):
+        problems.append(
+            Problem("there is no internal vertex, so no curvature to ask for; refine the mesh or free some supports or creases")
+        )
+    return problems
+
+
+def _target_problems(mesh: CGCMesh) -> list[Problem]:
+    problems = []
+    # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
+    asked = [v for v in mesh.vertices() if mesh.vertex_role(v) == "internal"]
+    missing = [v for v in asked if mesh.vertex_target(v) is None]
+    wrong = [v for v in asked if v not in set(missing) and not _is_number(mesh.vertex_target(v))]
+    if missing and len(missing) == len(asked):
+        problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K))"))
+    elif missing:
+        problems.append(Problem(f"vertices {listed(missing)} have no target; set one for their region (mesh.set_target(K, region=r))"))
+    if wrong:
+        values = listed([repr(mesh.vertex_target(v)) for v in wrong[:3]])
+        problems.append(Problem(f"the targets of vertices {listed(wrong)} are not finite numbers ({values}); set numbers"))
+    return problems
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _existence_problems(mesh: CGCMesh) -> list[Problem]:
+    """Check every piece without creases whose only open edge is fixed all around."""
+    keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
+    index = {key: i for i, key in enumerate(keys)}
+    vertices, faces = mesh.arrays()
+    piece = face_regions(faces, np.empty((0, 2), dtype=np.int64))
+    creased = {index[v] for edge in mesh.crease_edges() for v in edge}
+    loops = [[index[v] for v in loop] for loop in mesh.boundary_loops()]
+    problems = []
+    for p in range(piece.max() + 1):
+        own = set(np.unique(faces[piece == p]).tolist())
+        around = [loop for loop in loops if loop[0] in own]
+        if len(around) != 1 or own & creased or any(mesh.vertex_role(keys[v]) != "fixed" for v in around[0]):
+            continue
+        targets = [mesh.vertex_target(keys[v]) for v in own if mesh.vertex_role(keys[v]) == "internal"]
+        if targets:
+            problems += existence_problems(vertices, faces[piece == p], np.array(around[0]), min(targets))
+    return problems

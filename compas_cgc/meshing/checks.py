@@ -1,0 +1,208 @@
+"""What keeps a mesh from being solved, each in one sentence that names the thing and the mend."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+
+__all__ = ["Problem", "existence_problems", "mesh_problems"]
+
+
+class Problem(str):
+    """A sentence about a mesh.
+
+    Attributes
+    ----------
+    fatal
+        Whether a solve is refused because of it.
+    """
+
+    fatal: bool
+
+    def __new__(cls, text: str, fatal: bool = True) -> Problem:
+        problem = super().__new__(cls, text)
+        problem.fatal = fatal
+        return problem
+
+    def __getnewargs__(self) -> tuple[str, bool]:
+        return str(self), self.fatal
+
+
+def listed(items: object, most: int = 5) -> str:
+    """Return the first few items as text, and how many more there are."""
+    items = [tuple(i) if isinstance(i, list) else i for i in np.asarray(items).tolist()]
+    shown = ", ".join("-".join(map(str, i)) if isinstance(i, tuple) else str(i) for i in items[:most])
+    return shown + (f" and {len(items) - most} more" if len(items) > most else "")
+
+
+def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Problem]:
+    """List what is wrong with the mesh itself, whatever is asked of it.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` coordinates, not necessarily finite, and ``(m, 3)`` existing indices.
+    vertex_names, face_names
+        ``(n,)`` and ``(m,)``: what the user calls them.
+    """
+    problems = []
+    bad = ~np.isfinite(vertices).all(axis=1)
+    if bad.any():
+        problems.append(Problem(f"vertices {listed(vertex_names[bad])} have coordinates that are no finite numbers; correct them"))
+    if not len(faces):
+        return [*problems, Problem("the mesh has no faces; give a mesh with faces")]
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    if not used.all():
+        problems.append(
+            Problem(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices() does)")
+        )
+    problems += _face_problems(vertices, faces, face_names, bad.any())
+    return problems + _manifold_problems(faces, vertex_names, face_names)
+
+
+def _face_problems(V: FloatArray, F: IntArray, names: IntArray, broken: bool) -> list[Problem]:
+    problems = []
+    key = np.sort(F, axis=1)
+    order = np.lexsort(key.T)
+    twin = np.zeros(len(F), bool)
+    twin[order[1:]] = (key[order[1:]] == key[order[:-1]]).all(axis=1)
+    if twin.any():
+        problems.append(Problem(f"faces {listed(names[twin])} are duplicates of others; remove them"))
+    if not broken:
+        corners = V[F]
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        flat = face_areas(V, F) <= 1e-12 * longest**2
+        if flat.any():
+            problems.append(
+                Problem(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
+            )
+    return problems
+
+
+def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Problem]:
+    n, m = int(F.max()) + 1, len(F)
+    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    owner = np.repeat(np.arange(m), 3)
+    code = np.minimum(u, v) * n + np.maximum(u, v)
+    order = np.argsort(code, kind="stable")
+    edge, count = np.unique(code[order], return_counts=True)
+    many = edge[count > 2]
+    if len(many):
+        ends = np.column_stack([vertex_names[many // n], vertex_names[many % n]])
+        return [Problem(f"edges {listed(ends)} belong to more than two faces, the mesh is not manifold; remove the surplus faces")]
+
+    start = np.concatenate([[0], np.cumsum(count)])[:-1]
+    first, second = order[start[count == 2]], order[start[count == 2] + 1]
+    a, b, same = owner[first], owner[second], u[first] == u[second]
+    problems = []
+    # Two copies of each face, one per orientation: a mesh is orientable when they fall apart.
+    ones = np.ones(2 * len(a))
+    i = np.concatenate([a, a + m])
+    j = np.concatenate([np.where(same, b + m, b), np.where(same, b, b + m)])
+    _, side = connected_components(sparse.coo_matrix((ones, (i, j)), shape=(2 * m, 2 * m)), directed=False)
+    pieces, piece = connected_components(sparse.coo_matrix((ones[: len(a)], (a, b)), shape=(m, m)), directed=False)
+    if (side[:m] == side[m:]).any():
+        problems.append(Problem("the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"))
+    elif same.any():
+        problems.append(Problem(f"{_against(side[:m], piece, face_names)} run against their neighbours; unify them (mesh.unify() does)"))
+    problems += _fan_problems(F, n, owner, u, vertex_names)
+    if pieces > 1:
+        problems.append(Problem(f"the mesh has {pieces} separate pieces, which are solved side by side", fatal=False))
+    return problems
+
+
+def _against(side: IntArray, piece: IntArray, names: IntArray) -> str:
+    """Name the faces that disagree with the larger part of their piece."""
+    wrong = np.zeros(len(side), bool)
+    for p in np.unique(piece):
+        members = np.flatnonzero(piece == p)
+        kinds, counts = np.unique(side[members], return_counts=True)
+        wrong[members] = side[members] != kinds[np.argmax(counts)]
+    return f"faces {listed(names[wrong])}"
+
+
+def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntArray) -> list[Problem]:
+    """Find vertices where two fans of faces touch: corners joined across shared edges give one component per fan."""
+    m = len(F)
+    corner = np.arange(3 * m)
+    v = np.roll(F, -1, axis=1).ravel()
+    after = corner - corner % 3 + (corner + 1) % 3
+    # Every edge joins, at each of its two ends, the corners of its two faces.
+    ends = np.concatenate([u, v])
+    others = np.concatenate([v, u])
+    at = np.concatenate([corner, after])
+    code = ends * n + others
+    order = np.argsort(code, kind="stable")
+    same = code[order[1:]] == code[order[:-1]]
+    i, j = at[order[:-1][same]], at[order[1:][same]]
+    _, fan = connected_components(sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(3 * m, 3 * m)), directed=False)
+    pairs = np.unique(np.column_stack([F.ravel(), fan]), axis=0)
+    fans = np.bincount(pairs[:, 0], minlength=n)
+    if (fans > 1).any():
+        touching = names[np.flatnonzero(fans > 1)]
+        return [Problem(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")]
+    return []
+
+
+def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray, target: float) -> list[Problem]:
+    """Tell when no surface of curvature `target` can span a plane boundary curve.
+
+    On a plane curve around the area A the Gauss map of a graph covers at most the area
+    pi, so K̄ A < pi; and a sphere through an inscribed circle of radius r touches the
+    surface, so K̄ <= 1 / r^2.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` and ``(m, 3)``: one piece without creases.
+    boundary
+        ``(b,)`` vertices around its only boundary loop, in order, all fixed.
+    target
+        Smallest target in the piece [1/L^2].
+    """
+    loop = vertices[boundary]
+    centre = loop.mean(axis=0)
+    size = float(np.linalg.norm(loop - centre, axis=1).max())
+    _, _, axes = np.linalg.svd(loop - centre, full_matrices=False)
+    if target <= 0 or size == 0 or np.abs((loop - centre) @ axes[2]).max() > 1e-6 * size:
+        return []
+    plan = (vertices - centre) @ axes[:2].T
+    rim = plan[boundary]
+    x, y = rim.T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+    most = np.pi / area
+    inside = np.setdiff1d(np.unique(faces), boundary)
+    if len(inside):
+        middle = 0.5 * (rim + np.roll(rim, -1, axis=0))
+        reach = float(np.linalg.norm(rim - middle, axis=1).max())
+        near, _ = cKDTree(middle).query(plan[inside])
+        # The widest circle about a vertex within the curve that the curve stays out of.
+        for k in np.argsort(-near, kind="stable")[:50]:
+            if _within(plan[inside[k]], rim):
+                radius = float(near[k]) - reach
+                most = min(most, 1.0 / radius**2) if radius > 0 else most
+                break
+    if target >= most:
+        return [
+            Problem(
+                f"the target {target:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
+                "lower the target, add creases, or free an edge"
+            )
+        ]
+    return []
+
+
+def _within(point: FloatArray, polygon: FloatArray) -> bool:
+    """Tell whether a point of the plane lies in a polygon, by the crossings to its right."""
+    x, y = (polygon - point).T
+    ahead_x, ahead_y = np.roll(x, -1), np.roll(y, -1)
+    crosses = (y > 0) != (ahead_y > 0)
+    rise = np.where(crosses, ahead_y - y, 1.0)
+    return bool(np.count_nonzero(crosses & (x - y * (ahead_x - x) / rise > 0)) % 2)

@@ -1,0 +1,59 @@
+"""Crease edges to vertex paths and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from collections.abc import Sequence
+
+__all__ = ["crease_paths", "path_edges"]
+
+
+def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
+    """Return the edges along vertex paths, each once, in order (a plain edge is a path of two)."""
+    edges: dict[tuple[int, int], None] = {}
+    for path in paths:
+        for u, v in zip(path[:-1], path[1:]):
+            u, v = int(u), int(v)
+            if (v, u) not in edges:
+                edges[u, v] = None
+    return list(edges)
+
+
+def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
+    """Join edges to the longest paths that do not run through a branching.
+
+    Parameters
+    ----------
+    edges
+        Pairs of vertices.
+
+    Returns
+    -------
+    list of list of int
+        Vertex paths, numbered by their smallest edge; a closed one ends where it begins.
+    """
+    around: dict[int, list[int]] = {}
+    for u, v in edges:
+        around.setdefault(u, []).append(v)
+        around.setdefault(v, []).append(u)
+    for others in around.values():
+        others.sort()
+    used: set[tuple[int, int]] = set()
+    paths = []
+    ends = sorted(v for v, others in around.items() if len(others) != 2)
+    # Open paths start at ends and branchings; what is left after them is closed.
+    for start in ends + sorted(around):
+        for after in around[start]:
+            if (start, after) in used:
+                continue
+            path = [start]
+            u, v = start, after
+            while (u, v) not in used:
+                used.update(((u, v), (v, u)))
+                path.append(v)
+                if len(around[v]) != 2:
+                    break
+                first, second = around[v]
+                u, v = v, (second if first == u else first)
+            paths.append(path)
+    return sorted(paths, key=lambda path: min(sorted(pair) for pair in zip(path[:-1], path[1:])))

@@ -1,0 +1,52 @@
+"""Regions: the faces that creases divide a mesh into."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ..discrete.arrays import IntArray
+
+__all__ = ["face_regions", "face_neighbours"]
+
+
+def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the pairs of faces that share an edge (p, 2), and those edges (p, 2), low vertex first."""
+    F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    ends = np.column_stack([np.minimum(u, v), np.maximum(u, v)])
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
+    owner = order // 3
+    return np.column_stack([owner[:-1][same], owner[1:][same]]), ends[order[:-1][same]]
+
+
+def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
+    """Number the regions of faces that can be reached without crossing a crease.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` vertex indices.
+    creases
+        ``(c, 2)`` crease edges.
+
+    Returns
+    -------
+    (m,) int64
+        Region of every face, from 0 in the order of each region's first face: the
+        numbers stay the same as long as faces and creases do.
+    """
+    F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    pairs, ends = face_neighbours(F)
+    creases = np.sort(np.asarray(creases, dtype=np.int64).reshape(-1, 2), axis=1)
+    n = int(max(F.max(initial=0), creases.max(initial=0))) + 1
+    open_ = ~np.isin(ends[:, 0] * n + ends[:, 1], creases[:, 0] * n + creases[:, 1])
+    pairs = pairs[open_]
+    graph = sparse.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(F), len(F)))
+    _, label = connected_components(graph, directed=False)
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), np.int64)
+    rank[np.argsort(first, kind="stable")] = np.arange(len(first))
+    return rank[inverse.ravel()]

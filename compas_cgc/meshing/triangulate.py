@@ -1,0 +1,70 @@
+"""Polygons to triangles without new vertices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ["distinct_corners", "triangulate"]
+
+
+def distinct_corners(face: Sequence[int]) -> list[int]:
+    """Return the corners of a face without repetitions of the one before (Rhino's ``a, b, c, c``)."""
+    corners = [int(v) for v in face]
+    return [v for i, v in enumerate(corners) if v != corners[i - 1] or len(corners) == 1]
+
+
+def triangulate(vertices: ArrayLike, face: Sequence[int]) -> list[list[int]]:
+    """Split a polygon into triangles.
+
+    A quad ``a, b, c, d`` is split from a to c, so that a grid of quads keeps one
+    direction of diagonals and valence 6, on which the angle defect is accurate; only a
+    quad that is concave there is split from b to d. Larger polygons are split into ears.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    face
+        Vertex indices in order around the polygon.
+
+    Returns
+    -------
+    list of [int, int, int]
+        In the same orientation; empty when fewer than three different corners are left.
+    """
+    corners = distinct_corners(face)
+    if len(set(corners)) < 3:
+        return []
+    if len(corners) == 3:
+        return [corners]
+    points = np.asarray([vertices[v] for v in corners], dtype=np.float64)
+    triangles = []
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    left = list(range(len(corners)))
+    if len(left) == 4:
+        # Put the ear at b first: cutting it leaves the diagonal a-c.
+        left = [1, 2, 3, 0]
+    while len(left) > 3:
+        ear = next((k for k in range(len(left)) if _is_ear(points, left, k, normal)), 0)
+        triangles.append([corners[left[ear - 1]], corners[left[ear]], corners[left[(ear + 1) % len(left)]]])
+        del left[ear]
+    triangles.append([corners[k] for k in left])
+    return triangles
+
+
+def _is_ear(points: np.ndarray, left: list[int], k: int, normal: np.ndarray) -> bool:
+    """Tell whether corner `k` is convex and no other corner lies in its triangle."""
+    before, here, after = (points[left[i % len(left)]] for i in (k - 1, k, k + 1))
+    if np.dot(np.cross(here - before, after - here), normal) <= 0:
+        return False
+    for other in left:
+        q = points[other]
+        if any(np.array_equal(q, p) for p in (before, here, after)):
+            continue
+        sides = [np.dot(np.cross(b - a, q - a), normal) for a, b in ((before, here), (here, after), (after, before))]
+        if min(sides) >= 0:
+            return False
+    return True
