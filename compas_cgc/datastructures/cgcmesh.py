@@ -443,7 +443,7 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def add_dummy_ring(self) -> list[int]:
-        """Add a ring of dummy faces along the free edges, so that K is asked for on them too.
+        """Add a ring of dummy faces along the open edges, so that K is asked for on free ones too.
 
         Returns
         -------
@@ -452,8 +452,7 @@ class CGCMesh(Mesh):
         """
         vertices, faces = self.arrays(dummies=True)
         keys = list(self.vertices())
-        free = np.array([self.vertex_role(v) != "fixed" for v in keys])
-        points, corners, inner = dummy_ring(vertices, faces, free)
+        points, corners, _ = dummy_ring(vertices, faces, np.ones(len(keys), bool))
         added = [self.add_vertex(x=x, y=y, z=z, role="dummy") for x, y, z in points[len(keys) :].tolist()]
         names = keys + added
         for face in corners[len(faces) :].tolist():

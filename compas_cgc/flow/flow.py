@@ -89,7 +89,8 @@ def flow(
     limit = EXPLOSION * max(error, local.target_scale)
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
 
-    best_error, best = error, vertices
+    start_error = best_error = error
+    best = vertices
     status, rows_of_history = "step_limit", []
     step = 0
     if settings.tolerance > 0 and error <= goal:
@@ -134,6 +135,8 @@ def flow(
             )
             if _stops(callback, state) and status == "step_limit":
                 status = "cancelled"
+    if status == "step_limit" and error > start_error:
+        status, vertices, error = "diverged", best, best_error
     max_error = error / frame.scale**2
     return Solution(
         _to_model(problem, frame, vertices),
