@@ -131,7 +131,7 @@ def flow(
                 settings.steps,
                 *rows_of_history[-1][:5],
                 time.perf_counter() - started,
-                _to_model(problem, frame, vertices),
+                _to_model(problem, local, frame, vertices),
             )
             if _stops(callback, state) and status == "step_limit":
                 status = "cancelled"
@@ -139,7 +139,7 @@ def flow(
         status, vertices, error = "diverged", best, best_error
     max_error = error / frame.scale**2
     return Solution(
-        _to_model(problem, frame, vertices),
+        _to_model(problem, local, frame, vertices),
         status,
         _message(status, step, max_error, goal / frame.scale**2, problem, settings.filter_radius),
         step,
@@ -189,9 +189,10 @@ def _curvature_bound(problem: CGCProblem, zeta: float, start_error: float) -> Fl
     return np.where(problem.asked, K + margin, np.inf)
 
 
-def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
-    # What may not move is handed back bit for bit, without the way through the frame.
-    return np.where(problem.movable[:, None], frame.to_model(vertices), problem.vertices)
+def _to_model(problem: CGCProblem, local: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
+    # What did not move is handed back bit for bit, without the way through the frame.
+    moved = (vertices != local.vertices).any(axis=1)
+    return np.where(moved[:, None], frame.to_model(vertices), problem.vertices)
 
 
 def _stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
