@@ -69,14 +69,16 @@ def test_concave_polygons_keep_their_area():
 def test_compas_constructors_give_triangles(tmp_path):
     box = Mesh.from_shape(Box(1, 2, 3))
     corners, quads = box.to_vertices_and_faces()
-    lines = ["OFF", f"{len(corners)} {len(quads)} 0"]
-    lines += [" ".join(map(str, xyz)) for xyz in corners] + [" ".join(map(str, [4, *quad])) for quad in quads]
-    (tmp_path / "box.off").write_text("\n".join(lines) + "\n")
+    body = [" ".join(map(str, xyz)) for xyz in corners] + [" ".join(map(str, [4, *quad])) for quad in quads]
+    header = ["ply", "format ascii 1.0", "element vertex 8", *(f"property double {x}" for x in "xyz")]
+    header += ["element face 6", "property list uchar int vertex_indices", "end_header"]
+    # COMPAS itself cannot write these two.
+    (tmp_path / "box.off").write_text("\n".join(["OFF", "8 6 0", *body]) + "\n")
+    (tmp_path / "box.ply").write_text("\n".join([*header, *body]) + "\n")
     box.to_obj(tmp_path / "box.obj")
+    CGCMesh.from_mesh(box).to_stl(tmp_path / "box.stl")
     for suffix in ("obj", "off", "ply", "stl"):
         path = tmp_path / f"box.{suffix}"
-        if not path.exists():
-            getattr(CGCMesh.from_mesh(box), f"to_{suffix}")(path)
         mesh = getattr(CGCMesh, f"from_{suffix}")(path)
         assert isinstance(mesh, CGCMesh) and mesh.is_trimesh() and mesh.number_of_faces() == 12, suffix
     assert CGCMesh.from_polyhedron(6).number_of_faces() == 12
