@@ -163,7 +163,7 @@ def _localise(settings: FlowSettings, local: CGCProblem, frame: Frame) -> FlowSe
         start = float(np.nan_to_num(H).max(initial=0.0))
         kappa = max(math.sqrt(local.target_scale), start)
         length = radius or math.sqrt(area / max(1, len(local.faces)))
-        mu0 = 0.4 * length**2 / kappa
+        mu0 = 0.2 * length**2 / kappa
     else:
         mu0 = settings.mu0 / frame.scale**3
     return replace(settings, mu0=mu0, filter_radius=radius)

@@ -26,7 +26,7 @@ class FlowSettings:
         Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets
         are zero: of one over the area of the mesh). Zero takes every step.
     mu0
-        First trial step length, μ0 [L^3]. Default: 0.4 d̄² / κ, with κ the larger of
+        First trial step length, μ0 [L^3]. Default: 0.2 d̄² / κ, with κ the larger of
         the target's and the start's curvature.
     tau
         Factor from one trial step length to the next, τ in (0, 1).
@@ -62,7 +62,7 @@ class FlowSettings:
         the start.
     """
 
-    steps: int = 2000
+    steps: int = 3000
     tolerance: float = 1e-6
     mu0: Optional[float] = None
     tau: float = 0.5

@@ -1,0 +1,44 @@
+"""Pictures of shapes, errors, histories and curves, as in the paper's Figures 4-30.
+
+``draw_...`` functions put one picture on given axes (or on a figure of their own) and return
+the axes; ``..._figure`` functions compose whole figures; :func:`save` writes them.
+Needs the extra ``plot``; matplotlib is imported when something is drawn, never before.
+"""
+
+from __future__ import annotations
+
+from .curve import Curve
+from .curve import curve_figure
+from .curve import draw_curve
+from .figures import Shape
+from .figures import comparison_figure
+from .figures import error_figure
+from .figures import shape_figure
+from .hero import hero
+from .history import draw_history
+from .history import history_figure
+from .maps import draw_curvature
+from .maps import draw_error
+from .output import save
+from .shape import draw_shape
+from .view import VIEWS
+from .view import View
+
+__all__ = [
+    "VIEWS",
+    "Curve",
+    "Shape",
+    "View",
+    "comparison_figure",
+    "curve_figure",
+    "draw_curvature",
+    "draw_curve",
+    "draw_error",
+    "draw_history",
+    "draw_shape",
+    "error_figure",
+    "hero",
+    "history_figure",
+    "save",
+    "shape_figure",
+]

@@ -1,0 +1,169 @@
+"""Plane curves with their gradients: Example 1."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..discrete.arrays import FloatArray
+from .colours import INK
+from .colours import SUPPORT
+from .layout import caption
+from .layout import heading
+from .layout import letter
+from .layout import panels
+from .layout import scale_bar
+from .layout import show
+from .layout import shown
+from .view import Frame
+from .view import frame_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["Curve", "curve_figure", "draw_curve"]
+
+LONGEST = 0.12  # longest arrow, in widths of the curve
+ARROW = "#2b7bba"
+
+
+class Curve(NamedTuple):
+    """One picture of :func:`curve_figure`."""
+
+    title: str  # caption, such as "S1 with s = 0.8"
+    points: FloatArray  # (n, 2) [L]
+    gradient: Optional[FloatArray] = None  # (n, 2)
+    fixed: Sequence[int] = (0, -1)  # vertices that stay
+    breaks: Sequence[int] = ()  # vertices of the internal boundary
+
+
+def draw_curve(
+    points: ArrayLike,
+    gradient: Optional[ArrayLike] = None,
+    fixed: Sequence[int] = (0, -1),
+    breaks: Sequence[int] = (),
+    ax: Optional[Axes] = None,
+    *,
+    frame: Optional[Frame] = None,
+) -> Axes:
+    """Draw a plane curve with arrows of the gradient, the largest of one length in every picture.
+
+    Parameters
+    ----------
+    points
+        ``(n, 2)`` polyline [L].
+    gradient
+        ``(n, 2)`` gradient of the energy at the vertices, in any unit.
+    fixed
+        Vertices that stay: red dots.
+    breaks
+        Vertices of the internal boundary: squares.
+    ax
+        Axes to draw on. Default: those of a new figure.
+    frame
+        What to show of the plane. Default: all.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    ValueError
+        If a shape is wrong.
+    CGCError
+        If matplotlib is not installed.
+
+    References
+    ----------
+    Paper, Figures 4-6.
+    """
+    P, arrows = curve_arrays(points, gradient)
+    if ax is None:
+        ax = panels([[frame or curve_frame(P, arrows)]], width=4.0, foot=0.0)[1][0][0]
+    else:
+        show(ax, frame or curve_frame(P, arrows))
+    long = np.linalg.norm(arrows, axis=1) > 0.02 * LONGEST * width_of(P)
+    if long.any():
+        ax.quiver(
+            *P[long].T,
+            *arrows[long].T,
+            angles="xy",
+            scale_units="xy",
+            scale=1.0,
+            units="dots",
+            width=ax.figure.dpi / 72 * 0.8,
+            headwidth=4.5,
+            headlength=5.5,
+            headaxislength=5.0,
+            color=ARROW,
+            zorder=2,
+        )
+    ax.plot(*P.T, color=INK, lw=1.0, marker="o", ms=2.2, mec=INK, mfc="white", mew=0.6, solid_joinstyle="round", zorder=3)
+    ax.plot(*P[list(breaks)].T, ls="", marker="s", ms=3.2, mec=INK, mfc="white", mew=0.9, zorder=4)
+    ax.plot(*P[list(fixed)].T, ls="", marker="o", ms=5.0, mec="white", mew=0.4, mfc=SUPPORT, zorder=5, clip_on=False)
+    return ax
+
+
+def curve_figure(curves: Sequence[Union[Curve, tuple]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
+    """Return curves side by side to one scale, with captions (a), (b), ...
+
+    Parameters
+    ----------
+    curves
+        A :class:`Curve` or a tuple of its fields for every picture.
+    title
+        Written above.
+    unit
+        Unit of length for the scale bar.
+
+    Raises
+    ------
+    ValueError
+        If there is no curve, or a shape is wrong.
+    CGCError
+        If matplotlib is not installed.
+    """
+    curves = [Curve(*curve) for curve in curves]
+    if not curves:
+        raise ValueError("curve_figure needs at least one curve")
+    own = [curve_frame(*curve_arrays(curve.points, curve.gradient)) for curve in curves]
+    bottom, top = min(frame.bottom for frame in own), max(frame.top for frame in own)
+    frames = [Frame(frame.left, frame.right, bottom, top) for frame in own]
+    figure, (axes,) = panels([frames], head=0.25 if title else 0.0, foot=0.45)
+    for i, (ax, curve) in enumerate(zip(axes, curves)):
+        draw_curve(*curve[1:], ax=ax, frame=shown(ax))
+        caption(ax, f"{letter(i)} {curve.title}")
+    scale_bar(axes[0], unit)
+    if title:
+        heading(axes, title)
+    return figure
+
+
+def curve_arrays(points: ArrayLike, gradient: Optional[ArrayLike]) -> tuple[FloatArray, FloatArray]:
+    """Return the points and the arrows to draw, both (n, 2)."""
+    P = np.asarray(points, dtype=np.float64)
+    if P.ndim != 2 or P.shape[1] != 2 or len(P) < 2:
+        raise ValueError(f"points must have the shape (n, 2) with n >= 2, not {P.shape}")
+    G = np.zeros_like(P) if gradient is None else np.asarray(gradient, dtype=np.float64)
+    if G.shape != P.shape:
+        raise ValueError(f"gradient must be one vector per point {P.shape}, not of shape {G.shape}")
+    largest = float(np.linalg.norm(G, axis=1).max())
+    return P, G * (LONGEST * width_of(P) / largest if largest > 0 else 0.0)
+
+
+def width_of(P: FloatArray) -> float:
+    """Return the larger side of the points' box [L]."""
+    return float(np.ptp(P, axis=0).max())
+
+
+def curve_frame(P: FloatArray, arrows: FloatArray) -> Frame:
+    """Return the frame about a curve and its arrows."""
+    return frame_of(np.concatenate([P, P + arrows]), margin=0.05)

@@ -1,0 +1,191 @@
+"""Whole figures of shapes and error maps, with captions as in the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..problem import INTERNAL
+from .layout import caption
+from .layout import heading
+from .layout import letter
+from .layout import panels
+from .layout import scale_bar
+from .layout import shown
+from .legend import SIDE
+from .maps import draw_error
+from .seen import look
+from .shape import draw_shape
+from .view import View
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Shape", "comparison_figure", "error_figure", "shape_figure"]
+
+HEAD = 0.28  # room for a title above a panel [in]
+
+
+class Shape(NamedTuple):
+    """One shape of a figure."""
+
+    title: str  # such as "Initial shape", or a caption
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 3)
+    roles: IntArray  # (n,) index into ROLES
+    creases: Optional[IntArray] = None  # (e, 2) edges to draw as thick lines
+    errors: Optional[FloatArray] = None  # (n,) K - K̄ [1/L^2], for error_figure
+
+
+def shape_figure(
+    shapes: Sequence[Union[Shape, tuple]],
+    views: Sequence[Union[str, View]] = ("diagonal", "plan"),
+    *,
+    unit: Optional[str] = None,
+    dummies: bool = True,
+) -> Figure:
+    """Return one row per shape, such as initial and final, in (a) diagonal and (b) plan view, all to one scale.
+
+    Parameters
+    ----------
+    shapes
+        A :class:`Shape` or a tuple of its fields for every row.
+    views
+        Of every row.
+    unit
+        Unit of length for the scale bar.
+    dummies
+        Whether to show dummy faces.
+
+    Raises
+    ------
+    ValueError
+        If there is no shape.
+    MeshError
+        If the arrays are not a triangle mesh with a role for every vertex.
+    CGCError
+        If matplotlib is not installed.
+
+    References
+    ----------
+    Paper, Figures 7, 8, 11, 12, 15, 16, 19, 20, 23, 24, 27, 28.
+    """
+    shapes = checked(shapes, "shape_figure")
+    rows = [[look(*shape[1:4], view, dummies).frame for view in views] for shape in shapes]
+    figure, axes = panels(rows, head=HEAD, foot=0.42)
+    for shape, row in zip(shapes, axes):
+        for i, (ax, view) in enumerate(zip(row, views)):
+            draw_shape(*shape[1:5], view=view, ax=ax, dummies=dummies, frame=shown(ax))
+            caption(ax, f"{letter(i)} {view} view" if isinstance(view, str) else letter(i))
+        heading(row, shape.title)
+    scale_bar(axes[-1][-1], unit)
+    return figure
+
+
+def comparison_figure(
+    shapes: Sequence[Union[Shape, tuple]],
+    view: Union[str, View] = "diagonal",
+    columns: int = 2,
+    *,
+    unit: Optional[str] = None,
+    dummies: bool = True,
+) -> Figure:
+    """Return shapes side by side from one view and to one scale, with captions (a), (b), ...
+
+    Parameters
+    ----------
+    shapes
+        A :class:`Shape` or a tuple of its fields for every picture; the title is the caption.
+    view
+        Of all pictures.
+    columns
+        Pictures in a row.
+    unit
+        Unit of length for the scale bar.
+    dummies
+        Whether to show dummy faces.
+
+    Raises
+    ------
+    ValueError
+        If there is no shape.
+    MeshError
+        If the arrays are not a triangle mesh with a role for every vertex.
+    CGCError
+        If matplotlib is not installed.
+
+    References
+    ----------
+    Paper, Figure 18.
+    """
+    shapes = checked(shapes, "comparison_figure")
+    frames = [look(*shape[1:4], view, dummies).frame for shape in shapes]
+    rows = [frames[i : i + columns] for i in range(0, len(frames), columns)]
+    figure, axes = panels(rows, foot=0.42)
+    for i, (ax, shape) in enumerate(zip(sum(axes, []), shapes)):
+        draw_shape(*shape[1:5], view=view, ax=ax, dummies=dummies, frame=shown(ax))
+        caption(ax, f"{letter(i)} {shape.title}")
+    scale_bar(axes[-1][0], unit)
+    return figure
+
+
+def error_figure(
+    shapes: Sequence[Union[Shape, tuple]], view: Union[str, View] = "plan", *, unit: Optional[str] = None, label: Optional[str] = None
+) -> Figure:
+    """Return error maps side by side, such as (a) initial and (b) final, each with its own scale of colours.
+
+    Parameters
+    ----------
+    shapes
+        A :class:`Shape` with errors, or a tuple of its fields, for every picture.
+    view
+        Of all pictures.
+    unit
+        Unit of length for the labels.
+    label
+        Of the colour bars. Default: K - K̄ with its unit.
+
+    Raises
+    ------
+    ValueError
+        If there is no shape, or one without errors.
+    MeshError
+        If the arrays are not a triangle mesh with a role for every vertex.
+    CGCError
+        If matplotlib is not installed.
+
+    References
+    ----------
+    Paper, Figures 22 and 26.
+    """
+    shapes = checked(shapes, "error_figure")
+    for shape in shapes:
+        if shape.errors is None:
+            raise ValueError(f"error_figure needs the errors of {shape.title!r}")
+    frames = [look(*shape[1:4], view, dummies=False).frame for shape in shapes]
+    figure, (axes,) = panels([frames], foot=0.45, side=SIDE)
+    for i, (ax, shape) in enumerate(zip(axes, shapes)):
+        draw_error(*shape[1:4], shape.errors, view, ax, creases=shape.creases, unit=unit, label=label, frame=shown(ax))
+        caption(ax, f"{letter(i)} {shape.title}\n{largest(shape)}")
+    return figure
+
+
+def checked(shapes: Sequence[Union[Shape, tuple]], name: str) -> list[Shape]:
+    """Return the shapes as such, or say that there is none."""
+    result = [Shape(*shape) for shape in shapes]
+    if not result:
+        raise ValueError(f"{name} needs at least one shape")
+    return result
+
+
+def largest(shape: Shape) -> str:
+    """Return the largest error of a shape in words."""
+    errors = np.abs(np.asarray(shape.errors, dtype=np.float64)[np.asarray(shape.roles) == INTERNAL])
+    return f"largest error {np.nanmax(errors):.3g}" if np.isfinite(errors).any() else "no error asked for"

@@ -1,0 +1,123 @@
+"""Sheets of panels to one scale, sized by what they show so that nothing is cut off."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from typing import Optional
+
+from .colours import INK
+from .output import new_figure
+from .view import Frame
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["SIZE", "caption", "heading", "letter", "panels", "points_per_length", "scale_bar", "show", "shown", "write"]
+
+GAP = 0.25  # between panels [in]
+EDGE = 0.12  # around the sheet [in]
+SIZE = 8.0  # of captions [pt]
+TALLEST = 1.4  # height of a sheet over its width
+
+
+def panels(
+    rows: list[list[Frame]], width: float = 7.0, head: float = 0.0, foot: float = 0.3, side: float = 0.0
+) -> tuple[Figure, list[list[Axes]]]:
+    """Lay out frames in rows and columns, all to one scale.
+
+    Parameters
+    ----------
+    rows
+        Frames of every row.
+    width
+        Of the sheet [in]; it is narrower where it would become too tall.
+    head, foot, side
+        Room above, below, and on the right of every panel [in].
+
+    Returns
+    -------
+    Figure, list of list of Axes
+        Axes without decoration that show the frames, grown to the cells they are in.
+    """
+    columns = max(len(row) for row in rows)
+    wide = [max(row[j].width for row in rows if j < len(row)) for j in range(columns)]
+    tall = [max(frame.height for frame in row) for row in rows]
+    extra_x = 2 * EDGE + (columns - 1) * GAP + columns * side
+    extra_y = 2 * EDGE + len(rows) * (head + foot)
+    scale = min((width - extra_x) / sum(wide), (TALLEST * width - extra_y) / sum(tall))
+    figure_width, figure_height = max(extra_x + scale * sum(wide), 2.5), extra_y + scale * sum(tall)
+    figure = new_figure(figure_width, figure_height)
+    start = EDGE + (figure_width - extra_x - scale * sum(wide)) / 2
+    result = []
+    y = figure_height - EDGE
+    for row, height in zip(rows, tall):
+        y -= head + scale * height
+        x, axes = start, []
+        for frame, span in zip(row, wide):
+            box = (x / figure_width, y / figure_height, scale * span / figure_width, scale * height / figure_height)
+            axes.append(figure.add_axes(box))
+            show(axes[-1], frame.grown(span, height))
+            x += scale * span + side + GAP
+        result.append(axes)
+        y -= foot
+    return figure, result
+
+
+def show(ax: Axes, frame: Frame) -> None:
+    """Make axes show a frame to scale."""
+    ax.set_axis_off()
+    ax.set_xlim(frame.left, frame.right)
+    ax.set_ylim(frame.bottom, frame.top)
+    ax.set_aspect("equal", adjustable="box", anchor="C")
+
+
+def shown(ax: Axes) -> Frame:
+    """Return what axes show."""
+    return Frame(*ax.get_xlim(), *ax.get_ylim())
+
+
+def letter(i: int) -> str:
+    """Return ``(a)``, ``(b)``, ... for 0, 1, ..."""
+    return f"({chr(97 + i)})" if i < 26 else f"({i + 1})"
+
+
+def caption(ax: Axes, text: str, below: float = 4.0) -> None:
+    """Write a caption some points below the middle of a panel."""
+    write(ax, text, (0.5, 0.0), (0.0, -below), ha="center", va="top", fontsize=SIZE)
+
+
+def heading(row: list[Axes], text: str) -> None:
+    """Write a title above the left of a row of panels."""
+    write(row[0], text, (0.0, 1.0), (0.0, 5.0), ha="left", va="bottom", fontsize=SIZE + 1, fontweight="bold")
+
+
+def write(ax: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: object) -> None:
+    """Write a text at a place in parts of the axes, off by some points."""
+    ax.annotate(text, at, xycoords="axes fraction", xytext=offset, textcoords="offset points", color=INK, annotation_clip=False, **style)
+
+
+def points_per_length(ax: Axes) -> float:
+    """Return how many points on paper one unit of length takes on axes drawn to scale."""
+    box = ax.get_position()
+    width, height = ax.figure.get_size_inches()
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    return 72.0 * float(min(box.width * width / (right - left), box.height * height / (top - bottom)))
+
+
+def scale_bar(ax: Axes, unit: Optional[str] = None) -> None:
+    """Draw a bar of a round length below the left of a panel and its caption."""
+    left, right = ax.get_xlim()
+    length = round_below((right - left) / 4)
+    part = length / (right - left)
+    below = -23.0 / 72.0 / (ax.get_position().height * ax.figure.get_size_inches()[1])
+    ax.plot([0.0, part], [below, below], transform=ax.transAxes, color=INK, lw=1.2, solid_capstyle="butt", clip_on=False)
+    label = f"{length:g} {unit}" if unit else f"{length:g}"
+    write(ax, label, (part, below), (3.0, 0.0), va="center", fontsize=SIZE - 1)
+
+
+def round_below(length: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, the largest not above a positive length."""
+    mantissa, exponent = f"{length:e}".split("e")
+    step = max(s for s in (1, 2, 5) if s <= float(mantissa))
+    return float(f"{step}e{exponent}")

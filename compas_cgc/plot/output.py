@@ -1,0 +1,87 @@
+"""The way to matplotlib, and from a figure to a file."""
+
+from __future__ import annotations
+
+import os
+from importlib import import_module
+from pathlib import Path
+from threading import Lock
+from types import ModuleType
+from typing import TYPE_CHECKING
+from typing import Union
+
+from ..atomic import replacing
+from ..errors import CGCError
+from ..errors import FileError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["matplotlib_module", "new_figure", "save"]
+
+DPI = 200
+FORMATS = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
+
+DETERMINISTIC = {"svg.hashsalt": "compas_cgc", "svg.fonttype": "path"}
+
+# matplotlib's settings are global, and a server saves from several threads.
+_settings = Lock()
+
+
+def matplotlib_module(name: str) -> ModuleType:
+    """Import a module of matplotlib.
+
+    Parameters
+    ----------
+    name
+        Name below ``matplotlib``, such as ``"figure"``.
+
+    Raises
+    ------
+    CGCError
+        If matplotlib is not installed.
+    """
+    try:
+        return import_module(f"matplotlib.{name}")
+    except ImportError as error:
+        raise CGCError('drawing needs matplotlib: pip install "compas_cgc[plot]"') from error
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty white figure of a size in inches, outside pyplot's state."""
+    return matplotlib_module("figure").Figure(figsize=(width, height), dpi=DPI, facecolor="white")
+
+
+def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
+    """Write a figure as PNG or SVG, by the suffix of the path.
+
+    The file is written beside its place and then put there, so that nobody reads half a
+    picture; the same figure gives the same bytes, as no date is written.
+
+    Parameters
+    ----------
+    figure
+        What a ``..._figure`` function returned, or the ``figure`` of drawn axes.
+    path
+        File to write or to replace, with its folder, ending in ``.png`` or ``.svg``.
+
+    Returns
+    -------
+    pathlib.Path
+        The path.
+
+    Raises
+    ------
+    FileError
+        If the suffix is another, or the file cannot be written.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise FileError(f"a picture is saved as .png or .svg, not as {path.name!r}: change the suffix")
+    try:
+        with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
+            figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
+    except OSError as error:
+        raise FileError(f"cannot write the picture {path}: {error.strerror or error}") from error
+    return path

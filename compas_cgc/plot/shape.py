@@ -1,0 +1,135 @@
+"""A mesh as the paper draws it: white with thin black edges, dummies grey, supports red, creases thick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..problem import FIXED
+from .colours import DUMMY_EDGE
+from .colours import DUMMY_FACE
+from .colours import INK
+from .colours import SUPPORT
+from .colours import SURFACE
+from .colours import brightness
+from .colours import rgba
+from .layout import panels
+from .layout import points_per_length
+from .layout import show
+from .paint import Layer
+from .paint import discs
+from .paint import layer
+from .paint import paint
+from .paint import segments
+from .seen import Seen
+from .seen import edge_array
+from .seen import look
+from .view import Frame
+from .view import View
+from .view import view_named
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["axes_for", "draw_shape", "edge_width", "marks"]
+
+FINEST_EDGE = 1.6  # edges shorter than this on paper are not drawn: they would blacken the surface [pt]
+
+
+def draw_shape(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    roles: ArrayLike,
+    creases: Optional[ArrayLike] = None,
+    view: Union[str, View] = "diagonal",
+    ax: Optional[Axes] = None,
+    *,
+    dummies: bool = True,
+    frame: Optional[Frame] = None,
+) -> Axes:
+    """Draw a mesh with its dummies, supports and creases.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    roles
+        ``(n,)`` index into :data:`compas_cgc.problem.ROLES`: faces with a dummy vertex
+        are grey, fixed vertices are red dots.
+    creases
+        ``(e, 2)`` vertex indices of the edges to draw as thick lines.
+    view
+        ``"diagonal"``, ``"plan"`` or a :class:`View`.
+    ax
+        Axes to draw on. Default: those of a new figure.
+    dummies
+        Whether to show dummy faces.
+    frame
+        What to show of the sheet. Default: all.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    MeshError
+        If the arrays are not a triangle mesh with a role for every vertex.
+    CGCError
+        If matplotlib is not installed.
+
+    References
+    ----------
+    Paper, Figures 7, 8, 10-12, 14-16, 18-20, 23, 24, 27, 28.
+    """
+    view = view_named(view)
+    seen = look(vertices, faces, roles, view, dummies)
+    ax = axes_for(ax, frame or seen.frame)
+    light = brightness(seen.normals, view, ambient=0.75)
+    fill = np.where(seen.real[:, None], rgba(SURFACE), rgba(DUMMY_FACE))
+    fill[:, :3] *= light[:, None]
+    width = edge_width(ax, seen)
+    edge = np.where(seen.real[:, None], rgba(INK), rgba(DUMMY_EDGE)) if width else fill
+    paint(ax, [layer(seen.triangles, seen.nearness, fill, edge, width or 0.3), *marks(ax, seen, roles, creases)])
+    return ax
+
+
+def axes_for(ax: Optional[Axes], frame: Frame, side: float = 0.0) -> Axes:
+    """Return the axes given, or those of a new figure, showing a frame."""
+    if ax is None:
+        return panels([[frame]], width=5.0 + side, foot=0.0, side=side)[1][0][0]
+    show(ax, frame)
+    return ax
+
+
+def edge_length(ax: Axes, seen: Seen) -> float:
+    """Return the typical length of the edges on paper [pt]."""
+    corners = seen.triangles
+    if not len(corners):
+        return 0.0
+    return points_per_length(ax) * float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
+
+
+def edge_width(ax: Axes, seen: Seen) -> float:
+    """Return the width for the edges of the mesh, zero if they are too short to be drawn [pt]."""
+    length = edge_length(ax, seen)
+    return 0.0 if length < FINEST_EDGE else float(np.clip(0.04 * length, 0.1, 0.4))
+
+
+def marks(ax: Axes, seen: Seen, roles: ArrayLike, creases: Optional[ArrayLike]) -> list[Layer]:
+    """Return the layers of creases and supports."""
+    used = seen.used
+    fixed = np.flatnonzero((np.asarray(roles) == FIXED) & used)
+    length = edge_length(ax, seen)
+    radius = float(np.clip(0.2 * length, 1.0, 2.4)) / points_per_length(ax)
+    return [
+        segments(seen.corners, seen.faces, edge_array(creases, used), INK, float(np.clip(0.16 * length, 0.8, 1.6))),
+        # Dummies do not hide supports: they are no part of the roof.
+        discs(seen.corners, seen.faces[seen.real], fixed, radius, SUPPORT),
+    ]
