@@ -1,0 +1,8 @@
+"""Exit codes."""
+
+from __future__ import annotations
+
+DONE = 0
+NOT_CONVERGED = 1
+REFUSED = 2
+INTERRUPTED = 130

@@ -1,0 +1,58 @@
+"""``compas-cgc reproduce``: everything in the paper, beside what was published."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from .exits import DONE
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Add the command and its arguments."""
+    parser = subparsers.add_parser(
+        "reproduce",
+        help="run all of the paper's examples and tables",
+        description="Run Examples 1 to 7 in all variants and Table 2, and write tables, meshes, pictures and records.",
+    )
+    parser.add_argument("--out", default="out", metavar="DIR", help="directory for the files (default: out)")
+    parser.add_argument("--no-pictures", action="store_true", help="write meshes, records and tables only")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..atomic import write_text
+    from ..examples import CATALOGUE
+    from ..examples import CurveExample
+    from ..reproduction import comparison_figures
+    from ..reproduction import report
+    from ..reproduction import run_example
+    from ..reproduction import run_table2
+    from ..reproduction import warm_up
+    from ..reproduction import write_run
+
+    directory = Path(arguments.out)
+    warm_up()
+    runs = []
+    for example in CATALOGUE:
+        print(f"{example.name}: {example.title}", flush=True)
+        runs.append(run_example(example))
+        write_run(runs[-1], directory, pictures=not arguments.no_pictures)
+    grids = run_table2()
+    curves = [done.record() for done in runs if isinstance(done.example, CurveExample)]
+    surfaces = [done.record() for done in runs if not isinstance(done.example, CurveExample)]
+    page = report(curves, surfaces, grids)
+    write_text(directory / "tables.md", page)
+    tables = {"curves": curves, "surfaces": surfaces, "table2": {str(n): record for n, record in grids.items()}}
+    for record in [*curves, *surfaces]:
+        # Each record has its own file with the history.
+        record.pop("history")
+        record.pop("points", None)
+    write_text(directory / "tables.json", json.dumps(tables, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    if not arguments.no_pictures:
+        comparison_figures(runs, directory)
+    print("\n" + page)
+    print(f"wrote {directory / 'tables.md'} and {directory / 'tables.json'}")
+    return DONE

@@ -1,0 +1,202 @@
+"""``compas-cgc solve``: the main job on a file."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import CGCError
+from .exits import DONE
+from .exits import INTERRUPTED
+from .exits import NOT_CONVERGED
+from .interrupt import interruptible
+from .progress import ProgressBar
+
+if TYPE_CHECKING:
+    from ..datastructures import CGCMesh
+    from ..flow import FlowSettings
+    from ..result import SolveResult
+    from ..result import SolveState
+
+EPILOG = """\
+A .3dm file brings its supports as points and its creases as curves along mesh edges. The other formats hold a mesh only
+(COMPAS .json everything): name the supports with --supports.
+
+A surface that does not reach the tolerance is written beside OUTPUT as NAME.unfinished.SUFFIX; OUTPUT itself is only ever
+replaced by a surface that does.
+
+examples:
+  compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
+  compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.01 --target 4=0.04 --s 0.5
+  compas-cgc solve plan.obj -o dome.obj --supports boundary --target 0.1
+"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Add the command and its arguments."""
+    parser = subparsers.add_parser(
+        "solve",
+        help="solve a mesh file",
+        description="Read a mesh, give it the Gaussian curvature asked for in each region, and write it.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("input", metavar="INPUT", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="the file to write, of any of these formats")
+    parser.add_argument(
+        "--target",
+        action="append",
+        default=[],
+        metavar="[REGION=]K",
+        help="Gaussian curvature in 1 / (model unit)², everywhere or in a region; may be given several times",
+    )
+    parser.add_argument(
+        "--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points"
+    )
+    parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
+    parser.add_argument("--method", default="flow", help="flow (default): the paper's Gaussian curvature flow")
+    strategy = parser.add_mutually_exclusive_group()
+    strategy.add_argument("--s", type=float, metavar="S", help="strategy S1: creases follow by this factor, 0 to 1 (default 0.8)")
+    strategy.add_argument("--delay", type=int, metavar="STEPS", help="strategy S2: creases wait for this many steps, then follow fully")
+    parser.add_argument("--steps", type=int, metavar="N", help="most steps to take (default 3000)")
+    parser.add_argument(
+        "--tolerance", type=float, metavar="T", help="largest error as a part of the largest target (default 1e-6)"
+    )
+    parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..files import read_mesh
+    from ..files import write_mesh
+    from ..solver import solve
+
+    say = (lambda text: None) if arguments.quiet else print
+    output = Path(arguments.output)
+    settings = _settings(arguments)
+    mesh, notes = read_mesh(arguments.input)
+    for note in notes:
+        say(f"{arguments.input}: {note}")
+    if arguments.supports:
+        mesh.set_supports(arguments.supports)
+    if arguments.flip:
+        mesh.flip()
+    _set_targets(mesh, arguments.target)
+    for problem in mesh.check():
+        if not problem.fatal:
+            say(f"note: {problem}")
+
+    bar = ProgressBar()
+    with interruptible() as wish:
+
+        def callback(state: SolveState) -> bool:
+            if not arguments.quiet:
+                bar(state)
+            return wish.is_set()
+
+        try:
+            result = solve(mesh, method=arguments.method, settings=settings, callback=callback)
+        finally:
+            bar.close()
+    say(_summary(mesh, result))
+    if arguments.report:
+        from ..atomic import write_text
+
+        write_text(arguments.report, json.dumps(_report(arguments, mesh, settings, result), indent=1, ensure_ascii=False) + "\n")
+    if result.converged:
+        write_mesh(output, result.mesh, result=result, source=arguments.input)
+        say(f"wrote {output}")
+        return DONE
+    print(f"compas-cgc: {result.message}", file=sys.stderr)
+    if result.status in ("step_limit", "stalled", "cancelled"):
+        unfinished = output.with_name(f"{output.stem}.unfinished{output.suffix}")
+        write_mesh(unfinished, result.mesh, result=result, source=arguments.input)
+        print(f"compas-cgc: the unfinished surface is in {unfinished}; {output} was not written", file=sys.stderr)
+    return INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED
+
+
+def _settings(arguments: argparse.Namespace) -> FlowSettings:
+    from ..flow import FlowSettings
+
+    chosen = {name: getattr(arguments, name) for name in ("s", "steps", "tolerance") if getattr(arguments, name) is not None}
+    if arguments.delay is not None:
+        chosen.update(e=arguments.delay, s=1.0)
+    return replace(FlowSettings(), **chosen)
+
+
+def _set_targets(mesh: CGCMesh, texts: Sequence[str]) -> None:
+    """Set the targets of ``K`` and ``REGION=K``, those of regions last."""
+    for text in sorted(texts, key=lambda text: "=" in text):
+        region, equals, number = text.rpartition("=")
+        try:
+            K = float(number)
+            where = int(region) if equals else None
+        except ValueError:
+            raise CGCError(f"--target must be a number or REGION=NUMBER, such as 0.03 or 4=0.03, not {text!r}") from None
+        mesh.set_target(K, region=where)
+
+
+def _regions(mesh: CGCMesh, result: SolveResult) -> list[dict]:
+    """Return number, faces, target and largest error of every region."""
+    import numpy as np
+
+    from ..discrete import gaussian_curvature
+
+    vertices, faces = result.mesh.arrays()
+    keys = list(result.mesh.vertices())
+    K = dict(zip(keys, gaussian_curvature(vertices, faces).tolist()))
+    rows = []
+    for number, members in enumerate(result.mesh.regions()):
+        asked = [v for v in result.mesh.region_vertices(number) if result.mesh.vertex_role(v) == "internal"]
+        errors = [abs(K[v] - result.mesh.vertex_target(v)) for v in asked]
+        rows.append(
+            {
+                "region": number,
+                "faces": len(members),
+                "area": float(sum(result.mesh.face_area(face) for face in members)),
+                "target": result.mesh.region_target(number),
+                "max_error": float(np.max(errors)) if errors else None,
+            }
+        )
+    return rows
+
+
+def _summary(mesh: CGCMesh, result: SolveResult) -> str:
+    roles = mesh.vertices_role()
+    lines = [
+        f"{len(roles)} vertices, {mesh.number_of_faces()} faces, {roles.count('fixed')} supports, {len(mesh.creases())} creases",
+        f"{result.status}: {result.message} ({result.seconds:.2f} s)",
+        "region   faces        area      target     largest error",
+    ]
+    for row in _regions(mesh, result):
+        target = "mixed" if row["target"] is None else f"{row['target']:.6g}"
+        error = "-" if row["max_error"] is None else f"{row['max_error']:.2e}"
+        lines.append(f"{row['region']:6d}  {row['faces']:6d}  {row['area']:10.4g}  {target:>10}  {error:>16}")
+    return "\n".join(lines)
+
+
+def _report(arguments: argparse.Namespace, mesh: CGCMesh, settings: FlowSettings, result: SolveResult) -> dict:
+    from .._version import __version__
+
+    return {
+        "version": __version__,
+        "input": Path(arguments.input).name,
+        "vertices": mesh.number_of_vertices(),
+        "faces": mesh.number_of_faces(),
+        "method": result.method,
+        "settings": settings.to_dict(),
+        "status": result.status,
+        "message": result.message,
+        "steps": result.iterations,
+        "seconds": result.seconds,
+        "max_error": result.max_error,
+        "regions": _regions(mesh, result),
+        "history": result.history.to_dict(),
+    }

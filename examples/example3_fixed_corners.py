@@ -1,0 +1,9 @@
+"""Example 3: the same square, held at its four corners only; a ring of dummy faces carries the free edges."""
+
+from compas_cgc import solve
+from compas_cgc.examples import example3
+
+mesh, settings = example3()
+result = solve(mesh, settings=settings)
+print(result.message)
+print(f"{len(mesh.vertices_where_role('dummy'))} dummy vertices in, {len(result.mesh.vertices_where_role('dummy'))} out")
