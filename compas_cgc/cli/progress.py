@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import sys
 import time
+from typing import TYPE_CHECKING
 from typing import Optional
 from typing import TextIO
 
-from ..result import SolveState
+if TYPE_CHECKING:
+    from ..result import SolveState
 
 __all__ = ["ProgressBar"]
 
