@@ -18,6 +18,7 @@ from .interrupt import interruptible
 from .progress import ProgressBar
 
 if TYPE_CHECKING:
+    from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
     from ..flow import FlowSettings
     from ..result import SolveResult
@@ -55,18 +56,14 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         metavar="[REGION=]K",
         help="Gaussian curvature in 1 / (model unit)², everywhere or in a region; may be given several times",
     )
-    parser.add_argument(
-        "--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points"
-    )
+    parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
     parser.add_argument("--method", default="flow", help="flow (default): the paper's Gaussian curvature flow")
     strategy = parser.add_mutually_exclusive_group()
     strategy.add_argument("--s", type=float, metavar="S", help="strategy S1: creases follow by this factor, 0 to 1 (default 0.8)")
     strategy.add_argument("--delay", type=int, metavar="STEPS", help="strategy S2: creases wait for this many steps, then follow fully")
     parser.add_argument("--steps", type=int, metavar="N", help="most steps to take (default 3000)")
-    parser.add_argument(
-        "--tolerance", type=float, metavar="T", help="largest error as a part of the largest target (default 1e-6)"
-    )
+    parser.add_argument("--tolerance", type=float, metavar="T", help="largest error as a part of the largest target (default 1e-6)")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
@@ -74,6 +71,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
+    from ..analysis import analyse
     from ..files import read_mesh
     from ..files import write_mesh
     from ..solver import solve
@@ -105,11 +103,12 @@ def run(arguments: argparse.Namespace) -> int:
             result = solve(mesh, method=arguments.method, settings=settings, callback=callback)
         finally:
             bar.close()
-    say(_summary(mesh, result))
+    analysis = analyse(result.mesh, mesh)
+    say(_summary(mesh, result, analysis))
     if arguments.report:
         from ..atomic import write_text
 
-        write_text(arguments.report, json.dumps(_report(arguments, mesh, settings, result), indent=1, ensure_ascii=False) + "\n")
+        write_text(arguments.report, json.dumps(_report(arguments, settings, result, analysis), indent=1, ensure_ascii=False) + "\n")
     if result.converged:
         write_mesh(output, result.mesh, result=result, source=arguments.input)
         say(f"wrote {output}")
@@ -143,60 +142,29 @@ def _set_targets(mesh: CGCMesh, texts: Sequence[str]) -> None:
         mesh.set_target(K, region=where)
 
 
-def _regions(mesh: CGCMesh, result: SolveResult) -> list[dict]:
-    """Return number, faces, target and largest error of every region."""
-    import numpy as np
-
-    from ..discrete import gaussian_curvature
-
-    vertices, faces = result.mesh.arrays()
-    keys = list(result.mesh.vertices())
-    K = dict(zip(keys, gaussian_curvature(vertices, faces).tolist()))
-    rows = []
-    for number, members in enumerate(result.mesh.regions()):
-        asked = [v for v in result.mesh.region_vertices(number) if result.mesh.vertex_role(v) == "internal"]
-        errors = [abs(K[v] - result.mesh.vertex_target(v)) for v in asked]
-        rows.append(
-            {
-                "region": number,
-                "faces": len(members),
-                "area": float(sum(result.mesh.face_area(face) for face in members)),
-                "target": result.mesh.region_target(number),
-                "max_error": float(np.max(errors)) if errors else None,
-            }
-        )
-    return rows
-
-
-def _summary(mesh: CGCMesh, result: SolveResult) -> str:
+def _summary(mesh: CGCMesh, result: SolveResult, analysis: SurfaceReport) -> str:
     roles = mesh.vertices_role()
-    lines = [
-        f"{len(roles)} vertices, {mesh.number_of_faces()} faces, {roles.count('fixed')} supports, {len(mesh.creases())} creases",
-        f"{result.status}: {result.message} ({result.seconds:.2f} s)",
-        "region   faces        area      target     largest error",
-    ]
-    for row in _regions(mesh, result):
-        target = "mixed" if row["target"] is None else f"{row['target']:.6g}"
-        error = "-" if row["max_error"] is None else f"{row['max_error']:.2e}"
-        lines.append(f"{row['region']:6d}  {row['faces']:6d}  {row['area']:10.4g}  {target:>10}  {error:>16}")
-    return "\n".join(lines)
+    return "\n".join(
+        [
+            f"{len(roles)} vertices, {mesh.number_of_faces()} faces, {roles.count('fixed')} supports, {len(mesh.creases())} creases",
+            f"{result.status}: {result.message} ({result.seconds:.2f} s)",
+            str(analysis),
+        ]
+    )
 
 
-def _report(arguments: argparse.Namespace, mesh: CGCMesh, settings: FlowSettings, result: SolveResult) -> dict:
+def _report(arguments: argparse.Namespace, settings: FlowSettings, result: SolveResult, analysis: SurfaceReport) -> dict:
     from .._version import __version__
 
     return {
         "version": __version__,
         "input": Path(arguments.input).name,
-        "vertices": mesh.number_of_vertices(),
-        "faces": mesh.number_of_faces(),
         "method": result.method,
         "settings": settings.to_dict(),
         "status": result.status,
         "message": result.message,
         "steps": result.iterations,
         "seconds": result.seconds,
-        "max_error": result.max_error,
-        "regions": _regions(mesh, result),
+        **analysis.to_dict(),
         "history": result.history.to_dict(),
     }

@@ -1,0 +1,221 @@
+"""How well a surface meets its targets, region by region, and how far that can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import angle_defects
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete import vertex_areas
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..problem import INTERNAL
+from ..problem import CGCProblem
+from .quadric import quadric_curvatures
+
+if TYPE_CHECKING:
+    from ..datastructures import CGCMesh
+
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
+
+
+@dataclass(frozen=True)
+class RegionReport:
+    """One region; figures are ``None`` where K is asked at no vertex."""
+
+    region: int
+    faces: int
+    area: float  # [L^2]
+    asked: int  # vertices where K is asked
+    target: Optional[float]  # K̄, None where it is not one number [1/L^2]
+    max_error: Optional[float]  # largest |K - K̄| by angle defects [1/L^2]
+    rms_error: Optional[float]  # root of the mean square of K - K̄ [1/L^2]
+    total_curvature: Optional[float]  # sum of defects over sum of cells [1/L^2]
+    quadric_median: Optional[float]  # K of local quadric fits [1/L^2]
+    quadric_low: Optional[float]  # first decile of the same [1/L^2]
+    quadric_high: Optional[float]  # last decile of the same [1/L^2]
+    principal_max: Optional[float]  # largest principal curvature of the fits [1/L]
+    principal_min: Optional[float]  # smallest principal curvature of the fits [1/L]
+    concave_edges: int  # edges inside the region that fold inwards
+
+
+@dataclass(frozen=True)
+class MeshQuality:
+    """The mesh that all this was measured on."""
+
+    vertices: int
+    faces: int
+    regular: float  # part of the inner vertices with valence 6
+    smallest_angle: float  # [degree]
+    largest_angle: float  # [degree]
+    shortest_edge: float  # [L]
+    longest_edge: float  # [L]
+    rounding_floor: float  # machine epsilon over the smallest cell: K cannot be known better [1/L^2]
+
+
+@dataclass(frozen=True)
+class SurfaceReport:
+    """A surface beside what was asked of it."""
+
+    regions: list[RegionReport]
+    quality: MeshQuality
+    max_error: float  # largest |K - K̄| of all regions [1/L^2]
+    moved_max: Optional[float]  # farthest that a vertex moved from the input [L]
+    moved_mean: Optional[float]  # [L]
+
+    def to_dict(self) -> dict:
+        """Return plain lists and dicts, ready for JSON."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        heads = ["region", "faces", "area", "target", "max error", "rms error", "total", "quadric fit", "concave edges"]
+        rows = [
+            [
+                str(r.region),
+                str(r.faces),
+                f"{r.area:.5g}",
+                _number(r.target, "mixed" if r.asked else "-"),
+                _number(r.max_error, form=".2e"),
+                _number(r.rms_error, form=".2e"),
+                _number(r.total_curvature),
+                f"{_number(r.quadric_median)} ({_number(r.quadric_low)} .. {_number(r.quadric_high)})" if r.asked else "-",
+                str(r.concave_edges),
+            ]
+            for r in self.regions
+        ]
+        q = self.quality
+        lines = [
+            *_columns([heads, *rows]),
+            f"mesh: {q.vertices} vertices, {q.faces} faces, {100 * q.regular:.0f} % of the inner vertices regular, "
+            f"angles {q.smallest_angle:.1f} to {q.largest_angle:.1f} degrees, edges {q.shortest_edge:.4g} to {q.longest_edge:.4g}",
+            f"curvature cannot be known better than {q.rounding_floor:.1e} on this mesh",
+        ]
+        if self.moved_max is not None:
+            lines.append(f"moved by {self.moved_max:.4g} at most, {self.moved_mean:.4g} on average")
+        return "\n".join(lines)
+
+
+def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport:
+    """Measure a mesh against its targets.
+
+    Parameters
+    ----------
+    mesh
+        A result, or any mesh with targets. Dummies are left out.
+    reference
+        The mesh that it was made from, to tell how far it moved.
+
+    Returns
+    -------
+    SurfaceReport
+        Its text is meant to be read; ``to_dict`` gives the same as plain data.
+    """
+    vertices, faces = mesh.arrays()
+    keys = [key for key in mesh.vertices() if not mesh.is_dummy(key)]
+    index = {key: i for i, key in enumerate(keys)}
+    problem = CGCProblem.from_mesh(mesh.without_dummies())
+    label = np.empty(len(faces), dtype=np.int64)
+    place = {face: i for i, face in enumerate(f for f in mesh.faces() if all(v in index for v in mesh.face_vertices(f)))}
+    for number, members in enumerate(mesh.regions()):
+        label[[place[face] for face in members]] = number
+    moved = None
+    if reference is not None:
+        before, _ = reference.arrays()
+        if before.shape != vertices.shape:
+            raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(vertices)}; give the mesh that it was made from")
+        moved = np.linalg.norm(vertices - before, axis=1)
+    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges() if u in index and v in index], dtype=np.int64)
+    regions = _regions(problem, label, creases.reshape(-1, 2))
+    return SurfaceReport(
+        regions,
+        _quality(vertices, faces, problem.asked),
+        max((r.max_error for r in regions if r.max_error is not None), default=0.0),
+        None if moved is None else float(moved.max(initial=0.0)),
+        None if moved is None else float(moved.mean()),
+    )
+
+
+def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[RegionReport]:
+    V, F, asked = problem.vertices, problem.faces, problem.roles == INTERNAL
+    defect, cell, area = angle_defects(V, F), vertex_areas(V, F), face_areas(V, F)
+    fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
+    region = np.full(len(V), -1)
+    region[F.ravel()] = np.repeat(label, 3)
+    concave = _concave_edges(V, F, label, creases)
+    reports = []
+    for number in range(label.max(initial=-1) + 1):
+        own = asked & (region == number)
+        targets = np.unique(problem.targets[own])
+        error = (defect / np.where(cell > 0, cell, 1.0) - problem.targets)[own]
+        fit = fitted.gaussian[own & np.isfinite(fitted.gaussian)]
+        some, fits = own.any(), fit.size > 0
+        low, middle, high = np.percentile(fit, [10, 50, 90]).tolist() if fits else (None, None, None)
+        reports.append(
+            RegionReport(
+                region=number,
+                faces=int((label == number).sum()),
+                area=float(area[label == number].sum()),
+                asked=int(own.sum()),
+                target=float(targets[0]) if len(targets) == 1 else None,
+                max_error=float(np.abs(error).max()) if some else None,
+                rms_error=float(np.sqrt(np.mean(error**2))) if some else None,
+                total_curvature=float(defect[own].sum() / cell[own].sum()) if some else None,
+                quadric_median=middle,
+                quadric_low=low,
+                quadric_high=high,
+                principal_max=float(np.nanmax(fitted.largest[own])) if fits else None,
+                principal_min=float(np.nanmin(fitted.smallest[own])) if fits else None,
+                concave_edges=int((concave == number).sum()),
+            )
+        )
+    return reports
+
+
+def _concave_edges(V: FloatArray, F: IntArray, label: IntArray, creases: IntArray) -> IntArray:
+    """Return the region of every edge inside a region that folds inwards by more than rounding."""
+    edges = edge_faces(F)
+    edges = edges[edges[:, 3] >= 0]
+    n = len(V)
+    code = np.sort(edges[:, :2], axis=1) @ [n, 1]
+    edges = edges[~np.isin(code, np.sort(creases, axis=1) @ [n, 1])]
+    u, v, left, right = edges.T
+    normals = face_normals(V, F)
+    sine = np.einsum("ij,ij->i", np.cross(normals[left], normals[right]), V[v] - V[u])
+    return label[left[sine < -1e-9 * np.linalg.norm(V[v] - V[u], axis=1)]]
+
+
+def _quality(V: FloatArray, F: IntArray, asked: np.ndarray) -> MeshQuality:
+    corners = V[F]
+    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    length = np.linalg.norm(ahead, axis=2)
+    angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(ahead, back), axis=2), np.einsum("ijk,ijk->ij", ahead, back)))
+    valence = np.bincount(F.ravel(), minlength=len(V))
+    cell = vertex_areas(V, F)
+    inner = asked if asked.any() else cell > 0
+    return MeshQuality(
+        vertices=len(V),
+        faces=len(F),
+        regular=float((valence[inner] == 6).mean()),
+        smallest_angle=float(angle.min()),
+        largest_angle=float(angle.max()),
+        shortest_edge=float(length.min()),
+        longest_edge=float(length.max()),
+        rounding_floor=float(np.finfo(float).eps / cell[inner].min()),
+    )
+
+
+def _number(value: Optional[float], otherwise: str = "-", form: str = ".5g") -> str:
+    return otherwise if value is None else format(value, form)
+
+
+def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
