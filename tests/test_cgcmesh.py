@@ -17,6 +17,8 @@ from compas_cgc import CGCProblem
 from compas_cgc.problem import DUMMY
 from compas_cgc.problem import INTERNAL
 
+from . import shapes
+
 
 def nine_regions(cells=3):
     """Return a square of 3 x 3 regions of `cells` x `cells` squares, with its corners fixed."""
@@ -410,6 +412,26 @@ def test_an_open_or_creased_or_curved_boundary_is_not_refused():
     assert len(mesh.check()) == 1
     mesh.set_creases([[10, 11, 12, 13, 14]])
     assert mesh.check() == []
+
+
+def test_concave_edges_and_closed_meshes_are_noted_but_not_refused():
+    grid = CGCMesh.from_meshgrid(dx=6, nx=6)
+    vertices, faces = grid.arrays()
+    centre = vertices[faces].mean(axis=1)[:, :2]
+    for outside, corners in (((centre > 3).all(axis=1), 1), ((np.abs(centre - 3) < 1).all(axis=1), 4)):
+        mesh = CGCMesh.from_vertices_and_faces(vertices, faces[~outside])
+        mesh.remove_unused_vertices()
+        ready(mesh, 0.001)
+        (note,) = mesh.check()
+        assert not note.fatal and note.startswith("the edge is concave at vertices")
+        assert len(note.split(",")[0:-1]) >= 1 and note.count(", ") == corners
+        mesh.set_target(0.0)
+        assert mesh.check() == []
+    sphere = CGCMesh.from_vertices_and_faces(*shapes.icosphere(1))
+    sphere.set_supports([0])
+    sphere.set_target(1.0)
+    (note,) = sphere.check()
+    assert not note.fatal and note.startswith("the mesh is closed")
 
 
 def test_result_is_a_copy_with_everything_but_dummies():

@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
 from ..meshing import Problem
 from ..meshing import existence_problems
 from ..meshing import face_regions
 from ..meshing import mesh_problems
 from ..meshing.checks import listed
+from ..meshing.checks import plane_of
 
 if TYPE_CHECKING:
     from .cgcmesh import CGCMesh
@@ -84,7 +87,7 @@ def _is_number(value: object) -> bool:
 
 
 def _existence_problems(mesh: CGCMesh) -> list[Problem]:
-    """Check every piece without creases whose only open edge is fixed all around."""
+    """Check the pieces without creases: closed ones, and the loops of those whose edges are fixed all around."""
     keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
     index = {key: i for i, key in enumerate(keys)}
     vertices, faces = mesh.arrays()
@@ -93,11 +96,36 @@ def _existence_problems(mesh: CGCMesh) -> list[Problem]:
     loops = [[index[v] for v in loop] for loop in mesh.boundary_loops()]
     problems = []
     for p in range(piece.max() + 1):
-        own = set(np.unique(faces[piece == p]).tolist())
+        corners = faces[piece == p]
+        own = set(np.unique(corners).tolist())
         around = [loop for loop in loops if loop[0] in own]
-        if len(around) != 1 or own & creased or any(mesh.vertex_role(keys[v]) != "fixed" for v in around[0]):
-            continue
+        if not around:
+            closed = "the mesh is closed; a closed surface of constant K is a sphere, and the flow does not settle on it"
+            problems.append(Problem(closed, fatal=False))
         targets = [mesh.vertex_target(keys[v]) for v in own if mesh.vertex_role(keys[v]) == "internal"]
-        if targets:
-            problems += existence_problems(vertices, faces[piece == p], np.array(around[0]), min(targets))
+        held = all(mesh.vertex_role(keys[v]) == "fixed" for loop in around for v in loop)
+        if own & creased or not held or not targets or min(targets) <= 0:
+            continue
+        up = face_normals(vertices, corners).sum(axis=0)
+        concave = [keys[v] for loop in around for v in np.array(loop)[_turns_inwards(vertices[loop], up)]]
+        if concave:
+            text = "where a surface of positive K needs a crease; lead creases to them if the solve fails"
+            problems.append(Problem(f"the edge is concave at vertices {listed(np.array(concave))}, {text}", fatal=False))
+        if len(around) == 1:
+            problems += existence_problems(vertices, corners, np.array(around[0]), min(targets))
     return problems
+
+
+def _turns_inwards(loop: FloatArray, up: FloatArray) -> np.ndarray:
+    """Tell where a plane loop, with the surface to its left, turns right by more than 10 degrees (b,).
+
+    The normal curvature along a plane edge would have to change its sign there, which
+    it cannot with K > 0.
+    """
+    _, reach = plane_of(loop)
+    if reach > 1e-6:
+        return np.zeros(len(loop), bool)
+    ahead = np.roll(loop, -1, axis=0) - loop
+    behind = np.roll(ahead, 1, axis=0)
+    left = np.cross(behind, ahead) @ (up / np.linalg.norm(up))
+    return np.arctan2(left, np.einsum("ij,ij->i", behind, ahead)) < -np.radians(10)

@@ -28,6 +28,7 @@ from .settings import FlowSettings
 __all__ = ["flow"]
 
 RUNAWAY = 2.0  # a vertex that moved this many diagonals of the model will not come back
+ASTRAY = 2.0  # a run that ends this many times farther from the target than it began has not been slow but lost
 EXPLOSION = 1e3  # curvature error, against the first one and the target, that tells of torn meshes
 
 
@@ -135,7 +136,7 @@ def flow(
             )
             if _stops(callback, state) and status == "step_limit":
                 status = "cancelled"
-    if status == "step_limit" and error > start_error:
+    if status == "step_limit" and error > ASTRAY * start_error:
         status, vertices, error = "diverged", best, best_error
     max_error = error / frame.scale**2
     return Solution(
@@ -214,7 +215,10 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
         return f"not converged in {step} steps: {reached}, asked for {goal:.3g}; allow more steps, or raise filter_radius"
     if radius == 0:
         return f"diverged at step {step} without a filter: short waves grow; set filter_radius to a few edge lengths"
-    cause = "the target may be more than the boundary can carry (try a smaller K̄), or the steps too long (try a smaller mu0 or a larger q)"
+    cause = (
+        "the target may be more than the boundary can carry (try a smaller K̄, or creases from concave corners), "
+        "or the steps too long (try a smaller mu0 or a larger q)"
+    )
     if (problem.targets[problem.asked] < 0).any():
         cause = "the flow is unstable where K̄ < 0; use another method there"
     return f"diverged at step {step}: {cause}; the best shape before that is returned, {reached}"

@@ -151,6 +151,14 @@ def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntA
     return []
 
 
+def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
+    """Return two axes (2, 3) of the plane nearest to points, and how far these leave it, as a part of their size."""
+    offset = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(offset, full_matrices=False)
+    size = float(np.linalg.norm(offset, axis=1).max())
+    return axes[:2], float(np.abs(offset @ axes[2]).max()) / size if size > 0 else 0.0
+
+
 def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray, target: float) -> list[Problem]:
     """Tell when no surface of curvature `target` can span a plane boundary curve.
 
@@ -167,13 +175,10 @@ def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray
     target
         Smallest target in the piece [1/L^2].
     """
-    loop = vertices[boundary]
-    centre = loop.mean(axis=0)
-    size = float(np.linalg.norm(loop - centre, axis=1).max())
-    _, _, axes = np.linalg.svd(loop - centre, full_matrices=False)
-    if target <= 0 or size == 0 or np.abs((loop - centre) @ axes[2]).max() > 1e-6 * size:
+    axes, reach = plane_of(vertices[boundary])
+    if target <= 0 or reach > 1e-6:
         return []
-    plan = (vertices - centre) @ axes[:2].T
+    plan = vertices @ axes.T
     rim = plan[boundary]
     x, y = rim.T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
