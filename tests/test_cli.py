@@ -58,7 +58,8 @@ def test_the_main_job_as_the_readme_says(tmp_path):
     import rhino3dm
 
     model = rhino3dm.File3dm.Read(str(out))
-    (mesh,) = [item.Geometry for item in model.Objects if isinstance(item.Geometry, rhino3dm.Mesh)][:1]
+    (layer,) = [layer.Index for layer in model.Layers if layer.FullPath == "CGC Result::Mesh"]
+    (mesh,) = [item.Geometry for item in model.Objects if item.Attributes.LayerIndex == layer]
     vertices = np.array([(p.X, p.Y, p.Z) for p in mesh.Vertices.ToPoint3dArray()])
     faces = np.array([mesh.Faces[i][:3] for i in range(len(mesh.Faces))])
     K = gaussian_curvature(vertices, faces)

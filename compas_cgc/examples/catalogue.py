@@ -48,6 +48,7 @@ class SurfaceExample:
     paper_size: tuple[int, int]  # vertices and faces with dummies
     paper_seconds: Optional[float] = None  # on a Core i7-8850H
     paper_error: Optional[float] = None  # largest |K - K̄|
+    paper_start_error: Optional[float] = None  # the same of the start
     counterpart: bool = False  # the paper's mesh is known from a picture only
     error_map: bool = False  # the paper shows one
 
@@ -90,8 +91,8 @@ def _free_forms() -> list[SurfaceExample]:
     return [
         SurfaceExample(5, "", "developable, K̄ = 0", example5, (226, 408), 488.5, **shown),
         SurfaceExample(6, "", "free-form plan, K̄ = 0.03", example6, (648, 1200), 963.8, 6.031e-4 * 0.03, **shown),
-        SurfaceExample(7, "a", "curved creases, K̄ = 0.05", example7, (389, 712), 870.0, 2.071e-7, counterpart=True),
-        SurfaceExample(7, "b", "curved creases, K̄ = 0", partial(example7, 0.0), (389, 712), None, 3.268e-3, counterpart=True),
+        SurfaceExample(7, "a", "curved creases, K̄ = 0.05", example7, (389, 712), 870.0, 2.071e-7, 7.349e-2, counterpart=True),
+        SurfaceExample(7, "b", "curved creases, K̄ = 0", partial(example7, 0.0), (389, 712), None, 3.268e-3, 2.349e-2, counterpart=True),
     ]
 
 

@@ -118,6 +118,7 @@ class SurfaceRun:
                 "faces": example.paper_size[1],
                 "seconds": example.paper_seconds,
                 "max_error": example.paper_error,
+                "start_error": example.paper_start_error,
             },
             "history": result.history.to_dict(),
         }
