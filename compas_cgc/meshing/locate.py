@@ -1,0 +1,52 @@
+"""The face at a place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+
+__all__ = ["closest_in_triangles", "face_at"]
+
+
+def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray:
+    """Return the place nearest to a point (3,) in each of triangles (m, 3, 3) [L]: (m, 3)."""
+    a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    normal = np.cross(b - a, c - a)
+    size2 = np.einsum("ij,ij->i", normal, normal)
+    inside = size2 > 0
+    best = np.empty_like(a)
+    gap = np.full(len(a), np.inf)
+    for p, q in ((a, b), (b, c), (c, a)):
+        along = q - p
+        t = np.einsum("ij,ij->i", point - p, along) / np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
+        place = p + np.clip(t, 0.0, 1.0)[:, None] * along
+        distance = np.einsum("ij,ij->i", point - place, point - place)
+        nearer = distance < gap
+        best[nearer], gap[nearer] = place[nearer], distance[nearer]
+        inside &= np.einsum("ij,ij->i", np.cross(along, point - p), normal) >= 0
+    height = np.einsum("ij,ij->i", point - a, normal) / np.where(size2 > 0, size2, 1.0)
+    best[inside] = point - height[inside, None] * normal[inside]
+    return best
+
+
+def face_at(place: FloatArray, vertices: FloatArray, faces: IntArray) -> tuple[int, float]:
+    """Return the face that a note put at a place belongs to, and how far off the mesh the place lies [L].
+
+    A place within a mean edge of the surface belongs to the nearest face. One farther
+    off, such as a dot in the plan of a roof, belongs to the face straight under or over
+    it (along z); its distance then is 0.
+    """
+    P = vertices[faces]
+    edge = float(np.linalg.norm(P - np.roll(P, 1, axis=1), axis=2).mean())
+    distance = np.linalg.norm(closest_in_triangles(place, P) - place, axis=1)
+    nearest = int(np.argmin(distance))
+    if distance[nearest] <= edge:
+        return nearest, 0.0
+    plan = np.array([1.0, 1.0, 0.0])
+    off = np.linalg.norm(closest_in_triangles(place * plan, P * plan) - place * plan, axis=1)
+    over = np.flatnonzero(off <= 1e-9 * edge)
+    if not len(over):
+        return nearest, float(distance[nearest])
+    return int(over[np.argmin(distance[over])]), 0.0

@@ -1,0 +1,114 @@
+"""Points and polylines: distances, positions along, even samples."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+
+__all__ = ["arc_lengths", "nearest_on_polyline", "point_at", "points_along", "resample", "resample_all"]
+
+
+def arc_lengths(polyline: FloatArray) -> FloatArray:
+    """Return the length along a polyline (k, 3) up to each of its points (k,) [L]."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(polyline, axis=0), axis=1))])
+
+
+def nearest_on_polyline(points: FloatArray, polyline: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the distance from each point to a polyline, and the arc length at the nearest place.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` coordinates [L].
+    polyline
+        ``(k, 3)`` coordinates [L], k >= 2.
+
+    Returns
+    -------
+    distance (n,), position (n,) [L]
+    """
+    start, along = polyline[:-1], np.diff(polyline, axis=0)
+    length2 = np.einsum("ij,ij->i", along, along)
+    at = arc_lengths(polyline)
+    distance, position = np.empty(len(points)), np.empty(len(points))
+    block = max(1, 2_000_000 // max(len(start), 1))
+    for low in range(0, len(points), block):
+        off = points[low : low + block, None, :] - start
+        t = np.einsum("nkj,kj->nk", off, along) / np.where(length2 > 0, length2, 1.0)
+        t = np.clip(t, 0.0, 1.0)
+        gap = np.linalg.norm(off - t[:, :, None] * along, axis=2)
+        best = np.argmin(gap, axis=1)
+        row = np.arange(len(best))
+        distance[low : low + block] = gap[row, best]
+        position[low : low + block] = at[best] + t[row, best] * np.sqrt(length2[best])
+    return distance, position
+
+
+def points_along(points: FloatArray, polyline: FloatArray, tolerance: float) -> IntArray:
+    """List the points that lie on a polyline, in the order in which it meets them.
+
+    A point that a closed or self-touching polyline meets twice is listed twice.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` coordinates [L].
+    polyline
+        ``(k, 3)`` coordinates [L], k >= 2.
+    tolerance
+        Largest distance of a point that lies on it [L].
+    """
+    tree = cKDTree(points)
+    start, along = polyline[:-1], np.diff(polyline, axis=0)
+    length = np.linalg.norm(along, axis=1)
+    at = arc_lengths(polyline)
+    near = tree.query_ball_point(0.5 * (start + polyline[1:]), 0.5 * length + 1.0000001 * tolerance, return_sorted=True)
+    segment = np.repeat(np.arange(len(start)), [len(found) for found in near])
+    point = np.array([i for found in near for i in found], dtype=np.int64)
+    off = points[point] - start[segment]
+    t = np.einsum("ij,ij->i", off, along[segment]) / np.where(length > 0, length, 1.0)[segment] ** 2
+    t = np.clip(t, 0.0, 1.0)
+    gap = np.linalg.norm(off - t[:, None] * along[segment], axis=1)
+    position = at[segment] + t * length[segment]
+    hit = gap <= tolerance
+    point, position, gap = point[hit], position[hit], gap[hit]
+    # Segments that follow each other meet the same point within about a tolerance: one meeting, at its nearest.
+    order = np.lexsort((position, point))
+    point, position, gap = point[order], position[order], gap[order]
+    fresh = np.ones(len(point), bool)
+    reach = 4.0 * tolerance + 1e-12 * at[-1]
+    fresh[1:] = (point[1:] != point[:-1]) | (position[1:] - position[:-1] > reach)
+    meeting = np.cumsum(fresh) - 1
+    best = np.lexsort((gap, meeting))
+    _, first = np.unique(meeting[best], return_index=True)
+    chosen = best[first]
+    return point[chosen][np.lexsort((point[chosen], position[chosen]))]
+
+
+def point_at(polyline: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the points at arc lengths (n,) [L] along a polyline (k, 3): (n, 3)."""
+    at = arc_lengths(polyline)
+    return np.column_stack([np.interp(position, at, polyline[:, axis]) for axis in range(3)])
+
+
+def resample(polyline: FloatArray, spacing: float) -> FloatArray:
+    """Return points spread evenly along a polyline, at most `spacing` apart, with both ends."""
+    length = float(arc_lengths(polyline)[-1])
+    count = max(1, int(np.ceil(length / spacing)))
+    return point_at(polyline, np.linspace(0.0, length, count + 1))
+
+
+def resample_all(polyline: FloatArray, spacing: float) -> FloatArray:
+    """Return a polyline with points added on its segments, so that they are at most `spacing` apart."""
+    at = arc_lengths(polyline)
+    count = np.maximum(1, np.ceil(np.diff(at) / spacing)).astype(np.int64)
+    first = np.repeat(at[:-1], count)
+    inside = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    position = np.append(first + inside * np.repeat(np.diff(at) / count, count), at[-1])
+    points = point_at(polyline, position)
+    # The old points keep every bit.
+    points[np.append(np.cumsum(count) - count, len(position) - 1)] = polyline
+    return points

@@ -1,0 +1,105 @@
+"""Meshes as files bring them to one clean, consistently oriented triangle mesh, with a list of what was done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import MeshError
+from .orient import orient
+from .triangulate import triangulate
+from .weld import clean_faces
+from .weld import split_quads
+from .weld import weld
+
+__all__ = ["Tidy", "quad_array", "tidy"]
+
+
+class Tidy(NamedTuple):
+    """A clean triangle mesh."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 3)
+    index: IntArray  # (n_old,) new index of every old vertex, -1 where it is gone
+    owner: IntArray  # (m,) old face that each face is a part of
+    notes: list[str]
+
+
+def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], tolerance: float, unit: str = "") -> Tidy:
+    """Weld vertices, triangulate polygons, drop what is no face, turn faces to agree with their neighbours.
+
+    A mesh that needs none of it comes out bit for bit as it went in.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` finite coordinates [L].
+    faces
+        ``(m, 4)`` vertex indices where a triangle repeats a corner, or a list of polygons.
+    tolerance
+        Distance within which vertices are one [L]. It is cut down to a hundredth of the
+        mean edge length where it is larger.
+    unit
+        What lengths are followed by in the notes.
+
+    Raises
+    ------
+    MeshError
+        If no face is left.
+    """
+    quads, whose, polygons = quad_array(vertices, faces)
+    notes = []
+    used = np.unique(quads)
+    reach = min(tolerance, 0.01 * _mean_edge(vertices, quads))
+    welded = weld(vertices, quads, reach)
+    merged = len(used) - len(welded.vertices)
+    if merged:
+        near = f"within {reach:.3g}{unit}" if reach > 0 else "at the same place"
+        notes.append(f"{merged} vertices were welded to others {near}, {len(welded.vertices)} are left")
+    if len(vertices) > len(used):
+        notes.append(f"{len(vertices) - len(used)} vertices without a face were left out")
+    triangles, quad = split_quads(welded.vertices, welded.faces)
+    if len(triangles) > len(quads) or polygons:
+        notes.append(f"{len(triangles) - len(quads) + polygons} quads and polygons were split into triangles")
+    cleaned = clean_faces(triangles)
+    if cleaned.degenerate:
+        notes.append(f"{cleaned.degenerate} faces with less than three different corners were left out")
+    if cleaned.duplicate:
+        notes.append(f"{cleaned.duplicate} faces that lie on others were left out")
+    if not len(cleaned.faces):
+        raise MeshError("no face with three different corners is left of the mesh; make it again in the units of the file")
+    kept = np.zeros(len(welded.vertices), bool)
+    kept[cleaned.faces] = True
+    new = np.where(kept, np.cumsum(kept) - 1, -1)
+    oriented = orient(new[cleaned.faces])
+    if oriented.turned.any():
+        notes.append(f"{np.count_nonzero(oriented.turned)} faces were turned over to run like their neighbours")
+    index = np.where(welded.index >= 0, new[welded.index], -1)
+    return Tidy(welded.vertices[kept], oriented.faces, index, whose[quad[cleaned.kept]], notes)
+
+
+def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]]) -> tuple[IntArray, IntArray, int]:
+    """Return polygons as quads and triangles with a repeated corner (k, 4), the polygon of each (k,), and how many were larger."""
+    if isinstance(faces, np.ndarray):
+        return faces, np.arange(len(faces)), 0
+    size = np.array([len(face) for face in faces], dtype=np.int64)
+    if (size == 3).all() and len(size):
+        corners = np.array(faces, dtype=np.int64)
+        return np.column_stack([corners, corners[:, 2]]), np.arange(len(faces)), 0
+    rows: list[list[int]] = []
+    owner: list[int] = []
+    for i, face in enumerate(faces):
+        parts = [list(face)] if len(face) in (3, 4) else triangulate(vertices, face)
+        rows += [part if len(part) == 4 else [*part, part[2]] for part in parts]
+        owner += [i] * len(parts)
+    return np.array(rows, dtype=np.int64).reshape(-1, 4), np.array(owner, dtype=np.int64), int(np.count_nonzero(size > 4))
+
+
+def _mean_edge(V: FloatArray, F: IntArray) -> float:
+    length = np.linalg.norm(V[F] - V[np.roll(F, 1, axis=1)], axis=2)
+    return float(length[length > 0].mean()) if (length > 0).any() else 0.0

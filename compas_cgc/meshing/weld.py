@@ -1,0 +1,118 @@
+"""Faces as files bring them to clean triangles: weld, split quads, drop what is no face."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+
+__all__ = ["Cleaned", "Welded", "clean_faces", "split_quads", "weld"]
+
+
+class Welded(NamedTuple):
+    """A mesh in which every point is one vertex."""
+
+    vertices: FloatArray  # (k, 3) [L], the first of every group of merged ones, in their old order
+    faces: IntArray  # (m, c) indices into it
+    index: IntArray  # (n,) new index of every old vertex, -1 where no face uses it
+
+
+class Cleaned(NamedTuple):
+    """Faces without the ones that are none."""
+
+    faces: IntArray  # (k, 3)
+    kept: IntArray  # (k,) their old indices
+    degenerate: int  # faces dropped with fewer than three different corners
+    duplicate: int  # faces dropped with the corners of an earlier one
+
+
+def weld(vertices: FloatArray, faces: IntArray, tolerance: float) -> Welded:
+    """Merge the vertices that lie within a tolerance of each other and drop unused ones.
+
+    The vertices left keep their order and every bit of their coordinates, so a welded
+    mesh comes out as it went in. Groups are chains: of points a, b, c with a near b and b
+    near c all three become a.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, c)`` vertex indices.
+    tolerance
+        Largest distance of two vertices that are one [L]; 0 merges equal ones only.
+    """
+    V = np.asarray(vertices, dtype=np.float64)
+    F = np.asarray(faces, dtype=np.int64)
+    n = len(V)
+    used = np.zeros(n, bool)
+    used[F] = True
+    pairs = cKDTree(V).query_pairs(tolerance, output_type="ndarray") if n else np.empty((0, 2), np.int64)
+    pairs = pairs[used[pairs].all(axis=1)]
+    graph = sparse.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    _, group = connected_components(graph, directed=False)
+    first = np.full(group.max(initial=-1) + 1, n)
+    np.minimum.at(first, group, np.arange(n))
+    old = np.sort(first[np.unique(group[used])])
+    index = np.full(n, -1)
+    index[old] = np.arange(len(old))
+    index = np.where(used, index[first[group]], -1)
+    return Welded(V[old], index[F], index)
+
+
+def split_quads(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Split quads into triangles; one with a repeated corner (``a, b, c, c``) is one already.
+
+    A quad ``a, b, c, d`` is split from a to c, unless it is concave there: a grid keeps
+    one direction of diagonals, as with :func:`compas_cgc.meshing.triangulate`.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 4)`` vertex indices.
+
+    Returns
+    -------
+    triangles (k, 3), owner (k,)
+        In the order of the quads; ``owner`` is the quad that each came from.
+    """
+    F = np.asarray(faces, dtype=np.int64).reshape(-1, 4)
+    # Where a corner repeats the one before it, the others are the triangle.
+    repeated = F == np.roll(F, 1, axis=1)
+    triangle = repeated.any(axis=1)
+    P = np.asarray(vertices, dtype=np.float64)[F]
+    before, after = np.roll(P, 1, axis=1), np.roll(P, -1, axis=1)
+    normal = np.cross(P[:, 2] - P[:, 0], P[:, 3] - P[:, 1])
+    convex = np.einsum("mij,mj->mi", np.cross(P - before, after - P), normal) > 0
+    along_bd = ~convex[:, [1, 3]].all(axis=1) & convex[:, [0, 2]].all(axis=1) & ~triangle
+    result = np.empty((len(F), 2, 3), np.int64)
+    result[:, 0], result[:, 1] = F[:, [0, 1, 2]], F[:, [2, 3, 0]]
+    result[along_bd, 0], result[along_bd, 1] = F[along_bd][:, [1, 2, 3]], F[along_bd][:, [1, 3, 0]]
+    short = np.flatnonzero(triangle)
+    keep = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])[np.argmax(repeated[short], axis=1)]
+    result[short, 0] = F[short[:, None], keep]
+    there = np.ones((len(F), 2), bool)
+    there[short, 1] = False
+    owner = np.repeat(np.arange(len(F)), 2).reshape(-1, 2)
+    return result[there], owner[there]
+
+
+def clean_faces(faces: IntArray) -> Cleaned:
+    """Drop the triangles with repeated corners and those that repeat an earlier one."""
+    F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    whole = (F != np.roll(F, 1, axis=1)).all(axis=1)
+    kept = np.flatnonzero(whole)
+    key = np.sort(F[kept], axis=1).T
+    order = np.lexsort(key)
+    again = np.zeros(len(kept), bool)
+    again[order[1:]] = (key[:, order[1:]] == key[:, order[:-1]]).all(axis=0)
+    distinct = kept[~again]
+    return Cleaned(F[distinct], distinct, int(len(F) - len(kept)), int(len(kept) - len(distinct)))

@@ -1,0 +1,105 @@
+"""Which objects of a file are the mesh, the supports, the creases, the targets."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import NamedTuple
+
+from .layers import RESULT
+from .layers import LayerNames
+from .objects import Item
+from .texts import dot_target
+from .texts import user_target
+
+__all__ = ["Selection", "select"]
+
+SURFACES = ("Brep", "Extrusion", "SubD")
+_POINTS = ("point", "point cloud")
+
+
+class Selection(NamedTuple):
+    """The objects of a file by what they are read as."""
+
+    mesh: list[Item]
+    supports: list[Item]
+    creases: list[Item]
+    targets: list[Item]
+    constraints: list[Item]
+    regions: list[Item]  # regions of an earlier result, with the targets it was solved for
+    notes: list[str]
+
+
+def select(items: list[Item], names: LayerNames) -> Selection:
+    """Sort objects by their layers, or by their kinds where no layer of the convention is used.
+
+    Objects of an earlier result are read only when there is no mesh besides.
+    """
+    role = {item.id: names.role(item.layer) for item in items}
+    given = [item for item in items if role[item.id] != "result"]
+    regions = [item for item in items if item.layer == f"{RESULT}::Regions" and item.kind == "mesh"]
+    if not any(item.kind == "mesh" or item.kind in SURFACES for item in given):
+        result = _of_result(items)
+        if result:
+            note = "the file holds nothing but an earlier result, which is taken as the input"
+            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], [], regions, [note])
+    if any(role[item.id] for item in given):
+        return _by_layer(given, role, regions, names)
+    return _by_kind(given, regions)
+
+
+def _of_result(items: list[Item]) -> dict[str, list[Item]]:
+    parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in ("Mesh", "Supports", "Creases")}
+    return parts if parts["Mesh"] else {}
+
+
+def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNames) -> Selection:
+    wanted = {
+        "mesh": ("mesh", *SURFACES),
+        "supports": (*_POINTS, "curve"),
+        "creases": ("curve",),
+        "targets": ("text dot", "point"),
+        "constraints": ("curve", *_POINTS),
+    }
+    chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
+    notes = [
+        f"{item.label} was left out: the layer is for {', '.join(wanted[role[item.id]])}"
+        for item in given
+        if role[item.id] and item.kind not in wanted[role[item.id]]
+    ]
+    others = [item for item in given if role[item.id] is None]
+    if not chosen["mesh"]:
+        chosen["mesh"], more = _first_mesh(others, names.mesh[0])
+        notes += more
+    taken = {item.id for part in chosen.values() for item in part}
+    kinds = Counter(item.kind for item in others if item.id not in taken and item.kind in ("mesh", "curve", *_POINTS))
+    if kinds:
+        listed = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
+        notes.append(f"on layers of no meaning here: {listed}; not read")
+    return Selection(chosen["mesh"], chosen["supports"], chosen["creases"], chosen["targets"], chosen["constraints"], regions, notes)
+
+
+def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
+    shown = [item for item in given if not item.hidden]
+    notes = [f"{len(given) - len(shown)} hidden objects were left out"] if len(shown) < len(given) else []
+    mesh, more = _first_mesh(shown, "CGC::Mesh")
+    targets = [item for item in shown if _is_target(item)]
+    named = {item.id for item in targets}
+    supports = [item for item in shown if item.kind in _POINTS and item.id not in named]
+    creases = [item for item in shown if item.kind == "curve"]
+    return Selection(mesh, supports, creases, targets, [], regions, notes + more)
+
+
+def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:
+    for kinds in (("mesh",), SURFACES):
+        found = [item for item in items if item.kind in kinds]
+        if len(found) > 1:
+            return found[:1], [f"{found[0].label} was taken, {len(found) - 1} more not; move what belongs to the surface to layer {layer}"]
+        if found:
+            return found, []
+    return [], []
+
+
+def _is_target(item: Item) -> bool:
+    if item.kind == "text dot" and dot_target(item.geometry.Text, named=True) is not None:
+        return True
+    return item.kind in ("text dot", "point") and user_target(item.text) is not None
