@@ -162,3 +162,16 @@ def test_scripts_run(script, capsys, monkeypatch, tmp_path):
 
 def test_every_example_has_a_script():
     assert [int(script.stem[7]) for script in SCRIPTS] == list(range(1, 8))
+
+
+@pytest.mark.parametrize("name", ["nine_regions", "curved_crease"])
+def test_the_rhino_files_are_what_their_script_makes(name, tmp_path):
+    from compas_cgc.files import read_mesh
+
+    folder = Path(__file__).parents[1] / "examples"
+    runpy.run_path(str(folder / "make_inputs.py"))["main"](tmp_path)
+    kept, _ = read_mesh(folder / f"{name}.3dm")
+    made, _ = read_mesh(tmp_path / f"{name}.3dm")
+    assert np.array_equal(kept.arrays()[0], made.arrays()[0]) and np.array_equal(kept.arrays()[1], made.arrays()[1])
+    assert kept.supports() == made.supports() and kept.creases() == made.creases()
+    assert len(kept.regions()) == {"nine_regions": 9, "curved_crease": 2}[name]

@@ -147,7 +147,7 @@ def _summary(mesh: CGCMesh, result: SolveResult, analysis: SurfaceReport) -> str
     return "\n".join(
         [
             f"{len(roles)} vertices, {mesh.number_of_faces()} faces, {roles.count('fixed')} supports, {len(mesh.creases())} creases",
-            f"{result.status}: {result.message} ({result.seconds:.2f} s)",
+            f"{result.message} ({result.seconds:.2f} s)",
             str(analysis),
         ]
     )
