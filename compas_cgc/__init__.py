@@ -15,6 +15,8 @@ __all__ = [
     "CGCMesh",
     "CGCProblem",
     "FlowSettings",
+    "NewtonSettings",
+    "ProjectionSettings",
     "SolveResult",
     "__version__",
     "solve",
@@ -26,6 +28,8 @@ _HOME = {
     "CGCMesh": ".datastructures",
     "CGCProblem": ".problem",
     "FlowSettings": ".flow",
+    "NewtonSettings": ".newton",
+    "ProjectionSettings": ".projection",
     "SolveResult": ".result",
     "solve": ".solver",
 }

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 from typing import Callable
 from typing import Optional
 
 import numpy as np
 
+from .auto import run_auto
 from .datastructures import CGCMesh
 from .errors import ProblemError
-from .flow import FlowSettings
-from .flow import flow
+from .methods import METHODS
+from .methods import SETTINGS
+from .methods import run
 from .problem import DUMMY
 from .problem import CGCProblem
 from .result import SolveResult
 from .result import SolveState
 
-__all__ = ["METHODS", "solve"]
+if TYPE_CHECKING:
+    from .methods import Settings
+    from .projection.constraints import Constraint
 
-METHODS = ("flow",)
+__all__ = ["METHODS", "solve"]
 
 
 def solve(
     mesh: CGCMesh,
-    method: str = "flow",
-    settings: Optional[FlowSettings] = None,
+    method: str = "auto",
+    settings: Optional[Settings] = None,
+    constraints: Sequence[Constraint] = (),
     callback: Optional[Callable[[SolveState], object]] = None,
 ) -> SolveResult:
     """Return the surface whose Gaussian curvature is the target in every region.
@@ -32,12 +39,26 @@ def solve(
     Parameters
     ----------
     mesh
-        Mesh with supports, creases and targets; it is not changed. Free edges get a ring
-        of dummy faces for the time of the solve.
+        Mesh with supports, creases and targets; it is not changed.
     method
-        ``"flow"``: the paper's filtered Gaussian curvature flow, for K̄ >= 0.
+        ``"auto"`` (default)
+            Picks one of the others by the problem and the settings, says which and why,
+            and tries the next when one stalls.
+        ``"flow"``
+            The paper's filtered Gaussian curvature flow with its strategies for creases,
+            for K̄ >= 0, finished by Newton's method.
+        ``"newton"``
+            One unknown per vertex along its normal; for K̄ > 0 over fixed edges, or from
+            a start near the target; creases are held. The fastest on large meshes.
+        ``"projection"``
+            The fair surface nearest to the mesh, for K̄ of any sign, with free edges and
+            creases and with constraints.
     settings
-        Parameters of the method, in model units. Default: scaled from the mesh.
+        :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`;
+        with ``"auto"`` they choose their method.
+    constraints
+        What is asked of vertices besides K, see :mod:`compas_cgc.projection.constraints`.
+        Vertices are counted in the order of ``mesh.vertices()``.
     callback
         Called with a :class:`~compas_cgc.result.SolveState` after every step; return
         True or raise ``StopIteration`` to cancel.
@@ -52,27 +73,31 @@ def solve(
     ProblemError
         With the fatal sentences of :meth:`CGCMesh.check`.
     ValueError
-        If the method or a setting is unknown.
+        If the method is unknown, or the settings or constraints belong to another.
 
     Examples
     --------
     >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
     >>> mesh.set_supports("boundary")
     >>> mesh.set_target(0.01)
-    >>> solve(mesh).status
-    'converged'
+    >>> result = solve(mesh)
+    >>> result.status, result.method
+    ('converged', 'newton')
     """
-    if method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
+    _check_arguments(method, settings, constraints)
     fatal = [problem for problem in mesh.check() if problem.fatal]
     if fatal:
         raise ProblemError(fatal)
     problem = CGCProblem.from_mesh(mesh)
     real = problem.roles != DUMMY
-    count = len(problem.vertices)
-    solution = flow(problem.with_dummy_ring(), settings, _real_only(callback, count, real))
+    seen = _real_only(callback, real)
+    if method == "auto":
+        solution, choice = run_auto(problem, settings, constraints, seen)
+        method = choice.method
+    else:
+        solution = run(method, problem, settings, constraints, seen)
     return SolveResult(
-        mesh=mesh.with_coordinates(solution.vertices[:count][real]),
+        mesh=mesh.with_coordinates(solution.vertices[real]),
         status=solution.status,
         message=solution.message,
         iterations=solution.iterations,
@@ -83,10 +108,20 @@ def solve(
     )
 
 
-def _real_only(
-    callback: Optional[Callable[[SolveState], object]], count: int, real: np.ndarray
-) -> Optional[Callable[[SolveState], object]]:
+def _check_arguments(method: str, settings: Optional[Settings], constraints: Sequence[Constraint]) -> None:
+    known = ("auto", *METHODS)
+    if method not in known:
+        raise ValueError(f"method must be one of {', '.join(known)}, not {method!r}")
+    kinds = tuple(SETTINGS.values()) if method == "auto" else (SETTINGS[method],)
+    if settings is not None and not isinstance(settings, kinds):
+        names = " or ".join(kind.__name__ for kind in kinds)
+        raise ValueError(f"the method {method!r} takes {names}, not {type(settings).__name__}")
+    if constraints and (method not in ("auto", "projection") or isinstance(settings, (SETTINGS["flow"], SETTINGS["newton"]))):
+        raise ValueError("only the method 'projection' holds constraints; use it, or 'auto' without settings of another method")
+
+
+def _real_only(callback: Optional[Callable[[SolveState], object]], real: np.ndarray) -> Optional[Callable[[SolveState], object]]:
     """Return the callback with the dummies taken out of what it sees."""
     if callback is None:
         return None
-    return lambda state: callback(state._replace(vertices=state.vertices[:count][real]))
+    return lambda state: callback(state._replace(vertices=state.vertices[real]))

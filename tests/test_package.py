@@ -22,7 +22,9 @@ LAYERS = [
     {"meshing", "problem", "result"},
     {"flow", "newton", "projection"},
     {"datastructures"},
-    {"solver", "analysis"},
+    {"methods", "analysis"},
+    {"auto"},
+    {"solver"},
     {"rhino", "files", "plot", "examples"},
     {"reproduction", "benchmarks"},
     {"cli", "server", "rpc", "ghpython", "scene", "__main__", "__init__"},
@@ -83,7 +85,7 @@ def test_the_readme_script_runs(tmp_path, monkeypatch, capsys):
     (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     monkeypatch.chdir(tmp_path)
     exec(compile(script, "README.md", "exec"), {})
-    assert capsys.readouterr().out.startswith("converged")
+    assert capsys.readouterr().out.count("converged") == 1
     assert (tmp_path / "roof.json").exists()
 
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Optional
 
 from ..errors import CGCError
 from .exits import DONE
@@ -20,7 +21,7 @@ from .progress import ProgressBar
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
-    from ..flow import FlowSettings
+    from ..methods import Settings
     from ..result import SolveResult
     from ..result import SolveState
 
@@ -58,12 +59,12 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
-    parser.add_argument("--method", default="flow", help="flow (default): the paper's Gaussian curvature flow")
+    parser.add_argument("--method", default="auto", help="auto (default), flow, newton or projection")
     strategy = parser.add_mutually_exclusive_group()
-    strategy.add_argument("--s", type=float, metavar="S", help="strategy S1: creases follow by this factor, 0 to 1 (default 0.8)")
-    strategy.add_argument("--delay", type=int, metavar="STEPS", help="strategy S2: creases wait for this many steps, then follow fully")
-    parser.add_argument("--steps", type=int, metavar="N", help="most steps to take (default 3000)")
-    parser.add_argument("--tolerance", type=float, metavar="T", help="largest error as a part of the largest target (default 1e-6)")
+    strategy.add_argument("--s", type=float, metavar="S", help="by the flow, creases following by this factor, 0 to 1 (strategy S1)")
+    strategy.add_argument("--delay", type=int, metavar="STEPS", help="by the flow, creases waiting for this many steps (strategy S2)")
+    parser.add_argument("--steps", type=int, metavar="N", help="most steps of the method named with --method")
+    parser.add_argument("--tolerance", type=float, metavar="T", help="tolerance of the method named with --method")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
@@ -121,13 +122,22 @@ def run(arguments: argparse.Namespace) -> int:
     return INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED
 
 
-def _settings(arguments: argparse.Namespace) -> FlowSettings:
+def _settings(arguments: argparse.Namespace) -> Optional[Settings]:
+    """Return the settings that the options make, or None where they leave all open."""
     from ..flow import FlowSettings
+    from ..methods import SETTINGS
 
     chosen = {name: getattr(arguments, name) for name in ("s", "steps", "tolerance") if getattr(arguments, name) is not None}
     if arguments.delay is not None:
         chosen.update(e=arguments.delay, s=1.0)
-    return replace(FlowSettings(), **chosen)
+    if not chosen:
+        return None
+    if arguments.method == "auto" and "s" not in chosen:
+        raise CGCError("--steps and --tolerance belong to a method; name it with --method flow, newton or projection")
+    kind = SETTINGS.get(arguments.method, FlowSettings)
+    if "s" in chosen and kind is not FlowSettings:
+        raise CGCError(f"--s and --delay are strategies of the flow, not of {arguments.method}; leave them out, or use --method flow")
+    return replace(kind(), **chosen)
 
 
 def _set_targets(mesh: CGCMesh, texts: Sequence[str]) -> None:
@@ -153,14 +163,14 @@ def _summary(mesh: CGCMesh, result: SolveResult, analysis: SurfaceReport) -> str
     )
 
 
-def _report(arguments: argparse.Namespace, settings: FlowSettings, result: SolveResult, analysis: SurfaceReport) -> dict:
+def _report(arguments: argparse.Namespace, settings: Optional[Settings], result: SolveResult, analysis: SurfaceReport) -> dict:
     from .._version import __version__
 
     return {
         "version": __version__,
         "input": Path(arguments.input).name,
         "method": result.method,
-        "settings": settings.to_dict(),
+        "settings": None if settings is None else settings.to_dict(),
         "status": result.status,
         "message": result.message,
         "steps": result.iterations,

@@ -100,7 +100,7 @@ def _existence_problems(mesh: CGCMesh) -> list[Problem]:
         own = set(np.unique(corners).tolist())
         around = [loop for loop in loops if loop[0] in own]
         if not around:
-            closed = "the mesh is closed; a closed surface of constant K is a sphere, and the flow does not settle on it"
+            closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
             problems.append(Problem(closed, fatal=False))
         targets = [mesh.vertex_target(keys[v]) for v in own if mesh.vertex_role(keys[v]) == "internal"]
         held = all(mesh.vertex_role(keys[v]) == "fixed" for loop in around for v in loop)

@@ -9,7 +9,7 @@ from ..flow import FlowSettings
 
 __all__ = ["example2", "example3", "example4", "grid_with_ring", "table2"]
 
-PAPER = dict(tolerance=0.0, xi=0.01, tau=0.5, zeta=1.1, q=5, filter_power=3.0)
+PAPER = dict(finish=False, tolerance=0.0, xi=0.01, tau=0.5, zeta=1.1, q=5, filter_power=3.0)
 
 
 def grid_with_ring(n: int, cell: float) -> CGCMesh:

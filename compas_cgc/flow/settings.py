@@ -57,6 +57,10 @@ class FlowSettings:
         ``"area"`` (default): the slope in Eq. 28 weighs the curvature error by the
         vertex areas, which makes it the derivative of the energy. ``"unit"``: no
         weights, as Eq. 20 reads word for word; Eq. 28 then hardly ever holds.
+    finish
+        Let :func:`compas_cgc.solve` take the regions to rounding by Newton's method once
+        the flow has shaped the creases, without moving these. The flow itself takes no
+        notice of it.
     refilter
         Measure the filter's distances on the present shape (default) or keep those of
         the start.
@@ -76,6 +80,7 @@ class FlowSettings:
     energy: str = "steiner"
     slope: str = "area"
     refilter: bool = True
+    finish: bool = True
 
     def __post_init__(self) -> None:
         rules = {

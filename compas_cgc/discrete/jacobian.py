@@ -1,0 +1,99 @@
+"""The curvature equations ``defect_i - K̄_i A_i = 0`` and their exact derivatives."""
+
+from __future__ import annotations
+
+import math
+from typing import Optional
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from . import _derivatives
+from . import _kernels
+from .arrays import FloatArray
+from .arrays import IntArray
+from .arrays import MeshError
+from .sparsity import RingPattern
+from .topology import boundary_mask
+
+__all__ = ["CurvatureEquations"]
+
+
+class CurvatureEquations:
+    """One equation per vertex where K is asked for: angle defect less target times mixed area.
+
+    Not divided by the area, so that all equations are of one scale. The sparsity is found
+    once; :meth:`jacobian` fills it in one compiled pass over the faces.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+    targets
+        ``(n,)`` target Gaussian curvature of every vertex [1/L^2]; read at ``rows`` only.
+    rows
+        ``(k,)`` distinct vertices with an equation, none of them on an open boundary.
+    columns
+        ``(c,)`` distinct vertices that may move.
+
+    Raises
+    ------
+    MeshError
+        If a vertex with an equation lies on an open boundary or belongs to no face.
+
+    References
+    ----------
+    Paper, Eq. 10. Mixed areas: Meyer, Desbrun, Schroeder, Barr, doi:10.1007/978-3-662-05105-4_2.
+    """
+
+    def __init__(self, faces: IntArray, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
+        self.targets: FloatArray = np.ascontiguousarray(targets, dtype=np.float64)
+        n = len(self.targets)
+        self.pattern = RingPattern(faces, n, rows, columns)
+        self.faces, self.rows, self.columns = self.pattern.faces, self.pattern.rows, self.pattern.columns
+        used = np.zeros(n, bool)
+        used[self.faces.ravel()] = True
+        without_ring = np.flatnonzero((boundary_mask(n, self.faces) | ~used)[self.rows])
+        if len(without_ring):
+            vertex = int(self.rows[without_ring[0]])
+            raise MeshError(f"vertex {vertex} has no closed ring of faces, so it has no K; fix it, free it or carry it by a dummy ring")
+
+    def measure(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the residuals [rad] and the mixed areas [L^2] at the rows, ``(k,)`` each, of a shape (n, 3)."""
+        angle, area = _kernels.angle_sums_and_areas(vertices, self.faces, _kernels.MIXED)
+        area = area[self.rows]
+        return 2 * math.pi - angle[self.rows] - self.targets[self.rows] * area, area
+
+    def residual(self, vertices: FloatArray) -> FloatArray:
+        """Return ``defect_i - K̄_i A_i`` at the rows (k,) [rad] of a shape (n, 3)."""
+        return self.measure(vertices)[0]
+
+    def jacobian(self, vertices: FloatArray, directions: Optional[FloatArray] = None, areas: bool = True) -> sparse.csr_matrix:
+        """Return the derivative of the residuals.
+
+        Where an angle passes the right angle the mixed area is continuous, but its
+        derivative jumps; there the one of the present side is returned.
+
+        Parameters
+        ----------
+        vertices
+            ``(n, 3)`` coordinates [L].
+        directions
+            ``(c, 3)`` one direction per moving vertex. Default: all coordinates.
+        areas
+            False for the derivative of the defects alone.
+
+        Returns
+        -------
+        csr_matrix
+            ``(k, c)`` derivatives along the directions [rad/L], or ``(k, 3c)`` with the
+            columns ``x0, y0, z0, x1, ...`` of the moving vertices.
+        """
+        slots, size = self.pattern.slots, self.pattern.size
+        targets = self.targets if areas else np.zeros_like(self.targets)
+        if directions is None:
+            return self.pattern.block_matrix(_derivatives.everywhere(vertices, self.faces, targets, slots, size))
+        moves = np.zeros((len(vertices), 3))
+        moves[self.columns] = directions
+        return self.pattern.matrix(_derivatives.along(vertices, self.faces, targets, slots, size, moves))

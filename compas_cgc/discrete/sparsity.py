@@ -1,0 +1,67 @@
+"""Where the entries of a matrix that couples neighbouring vertices lie."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+
+from . import _derivatives
+from .arrays import FloatArray
+from .arrays import IntArray
+
+__all__ = ["RingPattern"]
+
+
+class RingPattern:
+    """Sparsity of matrices with a row per chosen vertex, filled at its ring of neighbours.
+
+    Built once per mesh; matrices on it share ``indptr`` and ``indices``.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` vertex indices.
+    n
+        Number of vertices.
+    rows
+        ``(k,)`` distinct vertices that have a row, in the order of the rows.
+    columns
+        ``(c,)`` distinct vertices that have a column, in the order of the columns.
+    """
+
+    def __init__(self, faces: IntArray, n: int, rows: ArrayLike, columns: ArrayLike):
+        self.faces: IntArray = np.ascontiguousarray(faces, dtype=np.int64)
+        self.rows: IntArray = np.ascontiguousarray(rows, dtype=np.int64)
+        self.columns: IntArray = np.ascontiguousarray(columns, dtype=np.int64)
+        row_of, column_of = (_places(chosen, n) for chosen in (self.rows, self.columns))
+        self.indptr, self.indices = _derivatives.pattern(self.faces, row_of, column_of, len(self.rows))
+        self.slots = _derivatives.slots(self.faces, row_of, column_of, self.indptr, self.indices)
+
+    @property
+    def size(self) -> int:
+        """Number of entries."""
+        return len(self.indices)
+
+    def matrix(self, data: FloatArray) -> sparse.csr_matrix:
+        """Return the matrix (k, c) with the entries `data` (size,)."""
+        return _csr(data, self.indices, self.indptr, (len(self.rows), len(self.columns)))
+
+    def block_matrix(self, data: FloatArray) -> sparse.csr_matrix:
+        """Return the matrix (k, 3c) with the entries `data` (size, 3), three columns per vertex."""
+        indices = (3 * self.indices[:, None] + np.arange(3, dtype=self.indices.dtype)).ravel()
+        return _csr(data.ravel(), indices, 3 * self.indptr, (len(self.rows), 3 * len(self.columns)))
+
+
+def _places(chosen: IntArray, n: int) -> IntArray:
+    """Return the place of every vertex in `chosen`, -1 where it is not there (n,)."""
+    place = np.full(n, -1, np.int64)
+    place[chosen] = np.arange(len(chosen))
+    return place
+
+
+def _csr(data: FloatArray, indices: np.ndarray, indptr: np.ndarray, shape: tuple[int, int]) -> sparse.csr_matrix:
+    matrix = sparse.csr_matrix((data, indices, indptr), shape=shape, copy=False)
+    matrix.has_sorted_indices = True
+    matrix.has_canonical_format = True
+    return matrix

@@ -1,0 +1,9 @@
+"""What a backend raises."""
+
+from __future__ import annotations
+
+__all__ = ["SingularMatrixError"]
+
+
+class SingularMatrixError(ArithmeticError):
+    """The matrix has no inverse, or none that rounding leaves anything of."""

@@ -1,0 +1,84 @@
+"""Intel's PARDISO, by the package pypardiso: threads, and a symbolic factorisation that is kept."""
+
+from __future__ import annotations
+
+import weakref
+from functools import cache
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+
+from ..discrete.arrays import FloatArray
+from .errors import SingularMatrixError
+
+__all__ = ["Pardiso", "works"]
+
+UNSYMMETRIC, POSITIVE_DEFINITE = 11, 2
+ANALYSE, FACTORISE, SOLVE = 11, 22, 33
+
+
+@cache
+def works() -> bool:
+    """Return whether pypardiso finds its library on this machine."""
+    try:
+        import pypardiso  # noqa: F401
+    except (ImportError, OSError):
+        return False
+    return True
+
+
+class Pardiso:
+    """LU or Cholesky factors by PARDISO.
+
+    Parameters
+    ----------
+    symmetric
+        The matrices are symmetric and positive definite.
+    """
+
+    def __init__(self, symmetric: bool = False):
+        from pypardiso import PyPardisoSolver
+
+        self._symmetric = symmetric
+        self._pattern: Optional[tuple[np.ndarray, np.ndarray]] = None
+        self._solver = PyPardisoSolver(mtype=POSITIVE_DEFINITE if symmetric else UNSYMMETRIC)
+        weakref.finalize(self, self._solver.free_memory, everything=True)
+
+    def factorise(self, matrix: sparse.csr_matrix) -> Pardiso:
+        """Take a matrix in."""
+        matrix = sparse.csr_matrix(matrix)
+        if self._symmetric:
+            matrix = sparse.triu(matrix, format="csr")
+        matrix.sort_indices()
+        if not np.diff(matrix.indptr).all():
+            raise SingularMatrixError("the matrix has an empty row")
+        self._matrix = matrix
+        if not self._same_pattern(matrix):
+            self._pattern = matrix.indptr, matrix.indices
+            self._call(ANALYSE, np.zeros(matrix.shape[0]))
+        self._call(FACTORISE, np.zeros(matrix.shape[0]))
+        return self
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return the solution for a right side."""
+        x = self._call(SOLVE, np.asfortranarray(rhs, dtype=np.float64))
+        if not np.isfinite(x).all():
+            raise SingularMatrixError("the solution is not finite")
+        return x
+
+    def _same_pattern(self, matrix: sparse.csr_matrix) -> bool:
+        if self._pattern is None:
+            return False
+        return all(old is new or np.array_equal(old, new) for old, new in zip(self._pattern, (matrix.indptr, matrix.indices)))
+
+    def _call(self, phase: int, rhs: FloatArray) -> FloatArray:
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        # pypardiso's own factorize() analyses anew each time; the phases do not.
+        self._solver.set_phase(phase)
+        try:
+            return self._solver._call_pardiso(self._matrix, rhs)
+        except PyPardisoError as error:
+            self._pattern = None
+            raise SingularMatrixError(str(error)) from None

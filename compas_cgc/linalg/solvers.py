@@ -1,0 +1,111 @@
+"""The interface of the backends, and which one a system gets."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from typing import Optional
+from typing import Protocol
+
+from scipy import sparse
+
+from ..discrete.arrays import FloatArray
+from .errors import SingularMatrixError
+
+__all__ = ["BACKENDS", "LinearSolver", "SingularMatrixError", "factorise", "linear_solver"]
+
+BACKENDS = ("superlu", "pardiso", "amg")
+
+# From here PARDISO makes up for the time that it takes to load, and multigrid, slower
+# than both, is taken for its memory.
+PARDISO_FROM = 50_000
+AMG_FROM = 2_000_000
+
+
+class LinearSolver(Protocol):
+    """What every backend offers."""
+
+    def factorise(self, matrix: sparse.csr_matrix) -> LinearSolver:
+        """Take a matrix in; what depends on the sparsity only is kept from the last matrix where that was the same.
+
+        Raises :class:`SingularMatrixError` where the matrix has no inverse.
+        """
+
+    def solve(self, rhs: FloatArray) -> FloatArray:
+        """Return the solution ``(n,)`` or ``(n, k)`` of the last matrix for a right side of that shape."""
+
+
+def linear_solver(
+    size: int,
+    *,
+    symmetric: bool = False,
+    points: Optional[FloatArray] = None,
+    backend: str = "auto",
+) -> LinearSolver:
+    """Return a solver for systems of one sparsity.
+
+    Parameters
+    ----------
+    size
+        Number of unknowns.
+    symmetric
+        The matrices are symmetric and positive definite.
+    points
+        ``(n, d)`` place of every unknown. Taken where the backend orders by place, which
+        needs a symmetric sparsity.
+    backend
+        ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso), ``"amg"`` (package pyamg;
+        symmetric matrices only), or ``"auto"``: by size, among those that are installed.
+
+    Raises
+    ------
+    ValueError
+        If the backend is unknown or does not fit the matrices.
+    ImportError
+        If the package of the backend is missing.
+    """
+    if backend == "auto":
+        backend = _choose(size, symmetric)
+    if backend == "superlu":
+        from .superlu import SuperLU
+
+        return SuperLU(points)
+    if backend == "pardiso":
+        from .pardiso import Pardiso
+
+        return Pardiso(symmetric)
+    if backend == "amg":
+        if not symmetric:
+            raise ValueError("backend 'amg' is for symmetric positive definite matrices; use 'superlu' or 'pardiso'")
+        from .amg import AMG
+
+        return AMG()
+    raise ValueError(f"backend must be 'auto' or one of {', '.join(BACKENDS)}, not {backend!r}")
+
+
+def factorise(
+    matrix: sparse.csr_matrix,
+    *,
+    symmetric: bool = False,
+    points: Optional[FloatArray] = None,
+    backend: str = "auto",
+) -> LinearSolver:
+    """Return a solver that has taken in one matrix; see :func:`linear_solver`.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> factorise(sparse.csr_matrix([[2.0, 0.0], [0.0, 4.0]])).solve([1.0, 1.0]).tolist()
+    [0.5, 0.25]
+    """
+    return linear_solver(matrix.shape[0], symmetric=symmetric, points=points, backend=backend).factorise(matrix)
+
+
+def _choose(size: int, symmetric: bool) -> str:
+    if symmetric and size >= AMG_FROM and find_spec("pyamg"):
+        return "amg"
+    if size >= PARDISO_FROM and find_spec("pypardiso"):
+        from .pardiso import works
+
+        if works():
+            return "pardiso"
+    return "superlu"
