@@ -5,5 +5,9 @@ from __future__ import annotations
 from .flow import example_times
 from .flow import growth
 from .kernels import kernel_ratio
+from .solves import against_optimisers
+from .solves import fitted_exponent
+from .solves import interactive
+from .solves import newton_growth
 
-__all__ = ["example_times", "growth", "kernel_ratio"]
+__all__ = ["against_optimisers", "example_times", "fitted_exponent", "growth", "interactive", "kernel_ratio", "newton_growth"]

@@ -7,49 +7,73 @@ import json
 
 from .exits import DONE
 
+SIZES = (100, 1_000, 10_000, 100_000)
+
 
 def add_parser(subparsers: argparse._SubParsersAction) -> None:
     """Add the command and its arguments."""
     parser = subparsers.add_parser(
         "bench",
         help="measure the speed on this machine",
-        description="Time the paper's examples, the growth with the mesh and the curvature kernel, as ratios where that can be.",
+        description="Time the paper's examples, the growth with the mesh, the solves and the curvature kernel, as ratios within one run.",
     )
+    parser.add_argument("--large", action="store_true", help="go on to a million vertices, which takes minutes and gigabytes")
+    parser.add_argument("--backend", default="auto", help="linear solver of Newton's method: auto (default), superlu or pardiso")
     parser.add_argument("--json", metavar="FILE", help="write the figures as JSON too")
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
+    from .. import benchmarks
     from ..atomic import write_text
-    from ..benchmarks import example_times
-    from ..benchmarks import growth
-    from ..benchmarks import kernel_ratio
 
     figures = {}
-    print("The paper's examples, solve only")
-    print("example        vertices  steps      ours [s]   paper [s]   faster by   us per vertex and step")
-    figures["examples"] = example_times()
-    for row in figures["examples"]:
-        print(
-            f"{row['example']:<14} {row['vertices']:8d} {row['steps']:6d}  {row['seconds']:12.4f}  {row['paper_seconds']:10.1f}"
-            f"  {row['times_faster']:10.0f}  {row['microseconds_per_vertex_and_step']:8.2f}"
-        )
-    print("\nGrowth of the flow: Example 2 on finer grids, a filter radius of five edges")
-    print("vertices   us per vertex and step")
-    figures["growth"] = growth()
-    for row in figures["growth"]:
-        print(f"{row['vertices']:8d}   {row['microseconds_per_vertex_and_step']:8.2f}")
-    print(f"time of a step grows as vertices to the power {figures['growth'][0]['exponent']:.2f}")
-    print("\nCurvature kernel against libigl (angle defects and mixed areas)")
+    print("The paper's examples by the paper's flow, solve only", flush=True)
+    figures["examples"] = benchmarks.example_times()
+    _print(figures["examples"], "example vertices steps seconds paper_seconds times_faster microseconds_per_vertex_and_step")
+
+    print("\nThe flow on finer grids, with a filter radius of five edges", flush=True)
+    figures["flow_growth"] = benchmarks.growth()
+    _print(figures["flow_growth"], "vertices microseconds_per_vertex_and_step")
+    print(f"the time of a step grows as vertices to the power {figures['flow_growth'][0]['exponent']:.2f}")
+
+    print("\nNewton's method on a square with a fixed edge and K̄ w² = 1, from a flat start, against one SuperLU")
+    print("factorisation of the Laplacian of the same mesh", flush=True)
+    sizes = (*SIZES, 1_000_000) if arguments.large else SIZES
+    figures["newton"] = benchmarks.newton_growth(sizes, arguments.backend)
+    _print(figures["newton"], "vertices status steps seconds ratio residual max_error rounding_floor peak_memory_bytes")
+    print(f"the time grows as vertices to the power {benchmarks.fitted_exponent(figures['newton'], 'seconds'):.2f}")
+
+    print("\nGeneral optimisers on the same residual, with the exact Jacobian", flush=True)
+    figures["optimisers"] = benchmarks.against_optimisers()
+    _print(figures["optimisers"], "method vertices seconds newton_seconds times_slower max_error")
+
+    print("\nA roof on four corners, solved again by projection after K̄ has changed by 5 %", flush=True)
+    figures["interactive"] = [benchmarks.interactive()]
+    _print(figures["interactive"], "vertices seconds status max_error")
+
+    print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:
-        figures["kernel"] = kernel_ratio()
+        figures["kernel"] = benchmarks.kernel_ratio()
     except ImportError:
         print("left out: libigl is not installed")
     else:
-        print("vertices        ours [s]      libigl [s]   ratio")
-        for row in figures["kernel"]:
-            print(f"{row['vertices']:8d}  {row['seconds']:14.6f}  {row['libigl_seconds']:14.6f}   {row['ratio']:5.2f}")
+        _print(figures["kernel"], "vertices seconds libigl_seconds ratio")
     if arguments.json:
         write_text(arguments.json, json.dumps(figures, indent=1) + "\n")
     return DONE
+
+
+def _print(rows: list[dict], names: str) -> None:
+    """Print chosen columns of rows of figures."""
+    heads = names.split()
+    table = [[head.replace("_", " ") for head in heads]]
+    table += [[_text(row[head]) for head in heads] for row in rows]
+    widths = [max(len(line[k]) for line in table) for k in range(len(heads))]
+    for line in table:
+        print("  ".join(cell.rjust(width) for cell, width in zip(line, widths)))
+
+
+def _text(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else "-" if value is None else str(value)
