@@ -87,7 +87,7 @@ def _is_number(value: object) -> bool:
 
 
 def _existence_problems(mesh: CGCMesh) -> list[Problem]:
-    """Check the pieces without creases: closed ones, and the loops of those whose edges are fixed all around."""
+    """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
     keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
     index = {key: i for i, key in enumerate(keys)}
     vertices, faces = mesh.arrays()
@@ -98,6 +98,10 @@ def _existence_problems(mesh: CGCMesh) -> list[Problem]:
     for p in range(piece.max() + 1):
         corners = faces[piece == p]
         own = set(np.unique(corners).tolist())
+        if not any(mesh.vertex_role(keys[v]) == "fixed" for v in own):
+            held = f"the piece of vertex {keys[min(own)]} has no support, nothing holds it; fix one of its vertices or remove it"
+            problems.append(Problem(held))
+            continue
         around = [loop for loop in loops if loop[0] in own]
         if not around:
             closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
