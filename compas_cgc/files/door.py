@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import FileError
 from ..errors import MeshError
 from ..meshing.tidy import tidy
+from .asked import asked_of
 from .compas_json import json_text
 from .compas_json import read_json
 from .meshfile import MeshFile
@@ -34,8 +35,8 @@ if TYPE_CHECKING:
 __all__ = ["SUFFIXES", "read_mesh", "write_mesh"]
 
 _READERS = {".obj": read_obj, ".off": read_off, ".ply": read_ply, ".stl": read_stl}
-_WRITERS = {".json": json_text, ".obj": obj_text, ".off": off_text, ".ply": ply_text, ".stl": stl_text}
-SUFFIXES = (".3dm", *sorted(_WRITERS))
+_WRITERS = {".obj": obj_text, ".off": off_text, ".ply": ply_text, ".stl": stl_text}
+SUFFIXES = (".3dm", ".json", *sorted(_WRITERS))
 
 
 def read_mesh(
@@ -127,7 +128,8 @@ def write_mesh(
         else:
             write_result(target, result, source if source is not None and _is_3dm(source) else None, settings, version)
         return
-    text = _WRITERS[suffix](mesh if result is None else result.mesh)
+    solved = mesh if result is None else result.mesh
+    text = json_text(solved) if suffix == ".json" else _WRITERS[suffix](asked_of(solved))
     with written(target) as beside:
         beside.write_bytes(text.encode("utf-8"))
 
@@ -163,15 +165,22 @@ def _tidied(found: MeshFile, source: Path) -> tuple[CGCMesh, list[str]]:
         for old, K in enumerate(found.targets):
             if index[old] >= 0 and K is not None:
                 targets[index[old]] = K
-    edges = {(u, v) for face in clean.faces.tolist() for a, b in zip(face, face[1:] + face[:1]) for u, v in ((a, b), (b, a))}
     creases = [[int(index[v]) for v in path] for path in found.creases]
-    on = [all(pair in edges for pair in zip(path[:-1], path[1:])) for path in creases]
+    on = [_follows(path, clean.faces) for path in creases]
     notes = [*found.notes, *clean.notes]
     if not all(on):
         notes.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were left out")
     supports = sorted({int(index[v]) for v in found.supports if index[v] >= 0})
     kept = MeshFile(clean.vertices, clean.faces.tolist(), supports, [path for path, good in zip(creases, on) if good], targets)
     return kept.to_cgcmesh(source.stem), notes
+
+
+def _follows(path: list[int], faces: np.ndarray) -> bool:
+    """Tell whether a vertex path runs along edges of faces (m, 3)."""
+    n = int(faces.max()) + 1
+    edges = np.concatenate([faces * n + np.roll(faces, shift, axis=1) for shift in (1, -1)])
+    u, v = np.array(path[:-1]), np.array(path[1:])
+    return bool(len(u) and min(path) >= 0 and np.isin(u * n + v, edges).all())
 
 
 def _places(old: np.ndarray, new: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import FileError
-from .asked import region_faces
-from .asked import region_targets
+from .asked import Asked
 from .meshfile import MeshFile
 from .text import read_lines
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
 
 __all__ = ["obj_text", "read_obj"]
 
@@ -64,20 +59,18 @@ def read_obj(path: Path) -> MeshFile:
     return MeshFile(np.array(vertices, dtype=np.float64).reshape(-1, 3), faces, points, lines, values)
 
 
-def obj_text(mesh: CGCMesh) -> str:
+def obj_text(mesh: Asked) -> str:
     """Return a mesh as the text of a .obj file."""
-    vertices, faces = mesh.arrays()
-    index = {key: i + 1 for i, key in enumerate(v for v in mesh.vertices() if not mesh.is_dummy(v))}
-    targets = region_targets(mesh)
-    lines = ["# compas_cgc: l = creases, p = supports, K = target Gaussian curvature", f"o {mesh.name}".replace("\n", " ")]
-    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    targets = mesh.region_targets()
+    lines = ["# compas_cgc: l = creases, p = supports, K = target Gaussian curvature", f"o {' '.join(mesh.name.split())}"]
+    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
     last = None
-    for (a, b, c), region in zip((faces + 1).tolist(), region_faces(mesh).tolist()):
+    for a, b, c, region in zip(*(mesh.faces.T + 1).tolist(), mesh.regions.tolist()):
         if region != last:
             lines.append(f"g region_{region}" + ("" if targets[region] is None else f" K={targets[region]!r}"))
             last = region
         lines.append(f"f {a} {b} {c}")
-    lines += ["l " + " ".join(str(index[v]) for v in path) for path in mesh.creases()]
-    supports = [str(index[v]) for v in mesh.supports()]
+    lines += ["l " + " ".join(str(v + 1) for v in path) for path in mesh.creases]
+    supports = [str(v + 1) for v in mesh.supports.tolist()]
     lines += ["p " + " ".join(supports[i : i + 20]) for i in range(0, len(supports), 20)]
     return "\n".join(lines) + "\n"

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import FileError
+from .asked import Asked
 from .meshfile import MeshFile
 from .text import read_lines
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
 
 __all__ = ["off_text", "read_off"]
 
@@ -39,10 +36,9 @@ def read_off(path: Path) -> MeshFile:
         raise FileError(f"{path} cannot be read ({error}); export it again") from None
 
 
-def off_text(mesh: CGCMesh) -> str:
+def off_text(mesh: Asked) -> str:
     """Return a mesh as the text of a .off file, which has no place for roles."""
-    vertices, faces = mesh.arrays()
-    lines = ["OFF", f"{len(vertices)} {len(faces)} 0"]
-    lines += [f"{x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
-    lines += [f"3 {a} {b} {c}" for a, b, c in faces.tolist()]
+    lines = ["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"]
+    lines += [f"{x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
+    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*mesh.faces.T.tolist())]
     return "\n".join(lines) + "\n"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 from typing import NamedTuple
 from typing import Optional
 
@@ -12,11 +11,9 @@ import numpy as np
 from ..errors import FileError
 from ..problem import FIXED
 from ..problem import ROLES
+from .asked import Asked
 from .meshfile import MeshFile
 from .text import read_bytes
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
 
 __all__ = ["ply_text", "read_ply"]
 
@@ -128,20 +125,15 @@ def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -
     return tables
 
 
-def ply_text(mesh: CGCMesh) -> str:
+def ply_text(mesh: Asked) -> str:
     """Return a mesh as a .ply file in text."""
-    vertices, faces = mesh.arrays()
-    keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
-    index = {key: i for i, key in enumerate(keys)}
-    creases = [(index[u], index[v]) for u, v in mesh.crease_edges()]
     lines = ["ply", "format ascii 1.0", f"comment compas_cgc: role = {', '.join(f'{i} {role}' for i, role in enumerate(ROLES))}"]
-    lines += [f"element vertex {len(vertices)}", *(f"property double {axis}" for axis in "xyz")]
+    lines += [f"element vertex {len(mesh.vertices)}", *(f"property double {axis}" for axis in "xyz")]
     lines += ["property uchar role", "property double target"]
-    lines += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
-    lines += [f"element edge {len(creases)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
-    for key, (x, y, z) in zip(keys, vertices.tolist()):
-        K = mesh.vertex_target(key)
-        lines.append(f"{x!r} {y!r} {z!r} {ROLES.index(mesh.vertex_role(key))} {float('nan') if K is None else K!r}")
-    lines += [f"3 {a} {b} {c}" for a, b, c in faces.tolist()]
-    lines += [f"{u} {v} 1" for u, v in creases]
+    lines += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]
+    lines += [f"element edge {len(mesh.edges)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
+    columns = zip(*mesh.vertices.T.tolist(), mesh.roles.tolist(), mesh.targets.tolist())
+    lines += [f"{x!r} {y!r} {z!r} {role} {K!r}" for x, y, z, role, K in columns]
+    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*mesh.faces.T.tolist())]
+    lines += [f"{u} {v} 1" for u, v in mesh.edges.tolist()]
     return "\n".join(lines) + "\n"

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..discrete import face_normals
 from ..errors import FileError
+from .asked import Asked
 from .meshfile import MeshFile
 from .text import read_bytes
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
 
 __all__ = ["read_stl", "stl_text"]
 
@@ -42,13 +39,14 @@ def read_stl(path: Path) -> MeshFile:
     return MeshFile(corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
 
 
-def stl_text(mesh: CGCMesh) -> str:
+def stl_text(mesh: Asked) -> str:
     """Return a mesh as the text of a .stl file, which has no place for roles."""
-    vertices, faces = mesh.arrays()
-    name = re.sub(r"\s+", "_", mesh.name or "mesh")
-    points = [f"      vertex {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    name = "_".join(mesh.name.split())
+    points = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
+    normals = face_normals(mesh.vertices, mesh.faces)
     lines = [f"solid {name}"]
-    for (a, b, c), (x, y, z) in zip(faces.tolist(), face_normals(vertices, faces).tolist()):
-        lines += [f"  facet normal {x!r} {y!r} {z!r}", "    outer loop", points[a], points[b], points[c], "    endloop", "  endfacet"]
+    for a, b, c, x, y, z in zip(*mesh.faces.T.tolist(), *normals.T.tolist()):
+        corners = f"{points[a]}\n{points[b]}\n{points[c]}"
+        lines.append(f"facet normal {x!r} {y!r} {z!r}\nouter loop\n{corners}\nendloop\nendfacet")
     lines.append(f"endsolid {name}")
     return "\n".join(lines) + "\n"

@@ -40,10 +40,14 @@ def face_at(place: FloatArray, vertices: FloatArray, faces: IntArray) -> tuple[i
     """
     P = vertices[faces]
     edge = float(np.linalg.norm(P - np.roll(P, 1, axis=1), axis=2).mean())
-    distance = np.linalg.norm(closest_in_triangles(place, P) - place, axis=1)
-    nearest = int(np.argmin(distance))
-    if distance[nearest] <= edge:
+    # Only faces with a corner hardly farther off than the nearest corner can be the nearest.
+    corner = np.linalg.norm(vertices - place, axis=1)[faces].min(axis=1)
+    near = np.flatnonzero(corner <= corner.min() + 2.0 * np.linalg.norm(P - np.roll(P, 1, axis=1), axis=2).max())
+    gap = np.linalg.norm(closest_in_triangles(place, P[near]) - place, axis=1)
+    nearest = int(near[np.argmin(gap)])
+    if gap.min() <= edge:
         return nearest, 0.0
+    distance = np.linalg.norm(closest_in_triangles(place, P) - place, axis=1)
     plan = np.array([1.0, 1.0, 0.0])
     off = np.linalg.norm(closest_in_triangles(place * plan, P * plan) - place * plan, axis=1)
     over = np.flatnonzero(off <= 1e-9 * edge)

@@ -28,18 +28,20 @@ class EdgeNet(NamedTuple):
 
     def longest(self) -> FloatArray:
         """Return the longest edge at every vertex, 0 at one without any (n,) [L]."""
-        first = np.minimum(self.lengths.indptr[:-1], max(len(self.lengths.data) - 1, 0))
-        return np.maximum.reduceat(self.lengths.data, first) * (np.diff(self.lengths.indptr) > 0)
+        most = np.maximum.reduceat(np.append(self.lengths.data, 0.0), self.lengths.indptr[:-1])
+        return most * (np.diff(self.lengths.indptr) > 0)
 
 
 def edge_net(vertices: FloatArray, faces: IntArray) -> EdgeNet:
-    """Return the edges of a mesh with vertices (n, 3) [L] and faces (m, 3)."""
+    """Return the edges of a mesh with vertices (n, 3) [L], all of them used, and faces (m, 3)."""
     n = len(vertices)
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    code = np.unique(np.minimum(u, v) * n + np.maximum(u, v))
-    u, v = np.concatenate([code // n, code % n]), np.concatenate([code % n, code // n])
-    length = np.linalg.norm(vertices[u] - vertices[v], axis=1)
-    return EdgeNet(vertices, sparse.csr_matrix((length, (u, v)), shape=(n, n)), cKDTree(vertices))
+    u, v = np.concatenate([u, v]), np.concatenate([v, u])
+    lengths = sparse.csr_matrix((np.ones(len(u)), (u, v)), shape=(n, n))
+    lengths.sum_duplicates()
+    first = np.repeat(np.arange(n), np.diff(lengths.indptr))
+    lengths.data = np.linalg.norm(vertices[first] - vertices[lengths.indices], axis=1)
+    return EdgeNet(vertices, lengths, cKDTree(vertices))
 
 
 def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Optional[np.ndarray], loop: bool) -> list[int]:

@@ -17,7 +17,7 @@ from .weld import clean_faces
 from .weld import split_quads
 from .weld import weld
 
-__all__ = ["Tidy", "quad_array", "tidy"]
+__all__ = ["Tidy", "mean_edge", "quad_array", "tidy"]
 
 
 class Tidy(NamedTuple):
@@ -40,7 +40,8 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     vertices
         ``(n, 3)`` finite coordinates [L].
     faces
-        ``(m, 4)`` vertex indices where a triangle repeats a corner, or a list of polygons.
+        ``(m, 3)`` or ``(m, 4)`` vertex indices, where a triangle among quads repeats a
+        corner; or a list of polygons.
     tolerance
         Distance within which vertices are one [L]. It is cut down to a hundredth of the
         mean edge length where it is larger.
@@ -54,15 +55,16 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     """
     quads, whose, polygons = quad_array(vertices, faces)
     notes = []
-    used = np.unique(quads)
-    reach = min(tolerance, 0.01 * _mean_edge(vertices, quads))
+    used = np.zeros(len(vertices), bool)
+    used[quads] = True
+    reach = min(tolerance, 0.01 * mean_edge(vertices, quads))
     welded = weld(vertices, quads, reach)
-    merged = len(used) - len(welded.vertices)
+    merged = int(np.count_nonzero(used)) - len(welded.vertices)
     if merged:
         near = f"within {reach:.3g}{unit}" if reach > 0 else "at the same place"
         notes.append(f"{merged} vertices were welded to others {near}, {len(welded.vertices)} are left")
-    if len(vertices) > len(used):
-        notes.append(f"{len(vertices) - len(used)} vertices without a face were left out")
+    if not used.all():
+        notes.append(f"{np.count_nonzero(~used)} vertices without a face were left out")
     triangles, quad = split_quads(welded.vertices, welded.faces)
     if len(triangles) > len(quads) or polygons:
         notes.append(f"{len(triangles) - len(quads) + polygons} quads and polygons were split into triangles")
@@ -86,7 +88,7 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
 def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]]) -> tuple[IntArray, IntArray, int]:
     """Return polygons as quads and triangles with a repeated corner (k, 4), the polygon of each (k,), and how many were larger."""
     if isinstance(faces, np.ndarray):
-        return faces, np.arange(len(faces)), 0
+        return faces if faces.shape[1] == 4 else np.column_stack([faces, faces[:, 2]]), np.arange(len(faces)), 0
     size = np.array([len(face) for face in faces], dtype=np.int64)
     if (size == 3).all() and len(size):
         corners = np.array(faces, dtype=np.int64)
@@ -100,6 +102,7 @@ def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[in
     return np.array(rows, dtype=np.int64).reshape(-1, 4), np.array(owner, dtype=np.int64), int(np.count_nonzero(size > 4))
 
 
-def _mean_edge(V: FloatArray, F: IntArray) -> float:
-    length = np.linalg.norm(V[F] - V[np.roll(F, 1, axis=1)], axis=2)
+def mean_edge(vertices: FloatArray, faces: IntArray) -> float:
+    """Return the mean length of the sides of faces (m, c) that have one [L], 0 where none has."""
+    length = np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2)
     return float(length[length > 0].mean()) if (length > 0).any() else 0.0

@@ -24,6 +24,7 @@ class Trace(NamedTuple):
     paths: list[list[int]]  # vertex paths, one per stretch of the curve on the mesh
     deviation: float  # largest distance between the curve and the paths [L]
     outside: float  # length of the curve that lies off the mesh and was left out [L]
+    exact: bool  # the curve runs from vertex to vertex along the edges
 
 
 def follow_edges(net: EdgeNet, curve: FloatArray, tolerance: float) -> Optional[list[int]]:
@@ -97,7 +98,7 @@ def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Opti
     """
     exact = follow_edges(net, curve, tolerance)
     if exact is not None:
-        return Trace([exact], path_deviation(net.vertices, exact, curve), 0.0)
+        return Trace([exact], path_deviation(net.vertices, exact, curve), 0.0, True)
     reach = net.longest()
     samples = resample(curve, _spacing(net, curve))
     closed = bool(np.linalg.norm(curve[0] - curve[-1]) <= tolerance)
@@ -117,7 +118,7 @@ def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Opti
             paths.append(path)
             deviation = max(deviation, path_deviation(net.vertices, path, run))
     outside = float(np.linalg.norm(samples[1] - samples[0])) * int(np.count_nonzero(~on))
-    return Trace(paths, deviation, outside)
+    return Trace(paths, deviation, outside, False)
 
 
 def _spacing(net: EdgeNet, curve: FloatArray) -> float:

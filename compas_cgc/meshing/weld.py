@@ -87,18 +87,19 @@ def split_quads(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IntArr
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 4)
     # Where a corner repeats the one before it, the others are the triangle.
     repeated = F == np.roll(F, 1, axis=1)
-    triangle = repeated.any(axis=1)
-    P = np.asarray(vertices, dtype=np.float64)[F]
+    short = np.flatnonzero(repeated.any(axis=1))
+    long = np.flatnonzero(~repeated.any(axis=1))
+    result = np.empty((len(F), 2, 3), np.int64)
+    keep = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])[np.argmax(repeated[short], axis=1)]
+    result[short, 0] = F[short[:, None], keep]
+    Q = F[long]
+    P = np.asarray(vertices, dtype=np.float64)[Q]
     before, after = np.roll(P, 1, axis=1), np.roll(P, -1, axis=1)
     normal = np.cross(P[:, 2] - P[:, 0], P[:, 3] - P[:, 1])
     convex = np.einsum("mij,mj->mi", np.cross(P - before, after - P), normal) > 0
-    along_bd = ~convex[:, [1, 3]].all(axis=1) & convex[:, [0, 2]].all(axis=1) & ~triangle
-    result = np.empty((len(F), 2, 3), np.int64)
-    result[:, 0], result[:, 1] = F[:, [0, 1, 2]], F[:, [2, 3, 0]]
-    result[along_bd, 0], result[along_bd, 1] = F[along_bd][:, [1, 2, 3]], F[along_bd][:, [1, 3, 0]]
-    short = np.flatnonzero(triangle)
-    keep = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])[np.argmax(repeated[short], axis=1)]
-    result[short, 0] = F[short[:, None], keep]
+    along_bd = ~convex[:, [1, 3]].all(axis=1) & convex[:, [0, 2]].all(axis=1)
+    result[long, 0] = np.where(along_bd[:, None], Q[:, [1, 2, 3]], Q[:, [0, 1, 2]])
+    result[long, 1] = np.where(along_bd[:, None], Q[:, [1, 3, 0]], Q[:, [2, 3, 0]])
     there = np.ones((len(F), 2), bool)
     there[short, 1] = False
     owner = np.repeat(np.arange(len(F)), 2).reshape(-1, 2)

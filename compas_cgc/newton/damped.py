@@ -64,7 +64,7 @@ def _shortened(system: System, shape: Shape, move: FloatArray, shortest: float) 
     convex = (system.targets > 0) & (shape.mean > 0)
     length, trials = 1.0, 1
     while length >= shortest:
-        there = system.measure(system.moved(shape, length * move))
+        there = system.moved(shape, length * move, shape.normal)
         lessened = np.linalg.norm(there.residual) <= (1 - ARMIJO * length) * norm
         if lessened and (there.mean[convex] > 0).all():
             return Step(there, length, trials)
@@ -75,7 +75,7 @@ def _shortened(system: System, shape: Shape, move: FloatArray, shortest: float) 
 def _repeated(system: System, shape: Shape, tolerance: float) -> Shape:
     """Return the shape after steps with the factors at hand, for as long as they pay."""
     while shape.largest > 0:
-        there = system.measure(system.moved(shape, system.solver.solve(-shape.residual)))
+        there = system.moved(shape, system.solver.solve(-shape.residual), shape.normal)
         if not there.largest < (WORTHWHILE if shape.largest > tolerance else 0.5) * shape.largest:
             return shape
         shape = there

@@ -26,21 +26,25 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from scipy import sparse
 
 from ..discrete.arrays import FloatArray
 from ..discrete.laplacian import cotangent_stiffness
+from .directions import smooth_normals
 from .system import Shape
 from .system import Step
 from .system import System
 
 __all__ = ["Policy", "elliptic_steps", "policy"]
 
-NEAR_ENOUGH = 0.1  # error of F_Λ, against √K̄, from which Newton's method takes over
-TIGHTEN = 0.2  # error from which a larger Λ is asked for
+NEAR_ENOUGH = 0.05  # error of F_Λ, against √K̄, from which Newton's method takes over
+TIGHTEN = 0.1  # error from which Λ is raised
 GROWTH = 3.0  # of Λ
 LARGEST = 1e6  # Λ
-PATIENCE = 4  # steps without a gain after which it will not come nearer
-UMBILIC = 1e-3  # difference of principal curvatures, against √K̄, without a direction to speak of
+FEW = 3e-3  # part of the vertices that may be left without √K when Newton's method takes over
+PATIENCE = 8  # steps without a gain after which none will come
+SMOOTHING = 5  # averages of the normals, which are the directions of the moves
+NOISE = 1e-3  # curvature, against √K̄, that says nothing
 
 
 class Policy(NamedTuple):
@@ -51,7 +55,7 @@ class Policy(NamedTuple):
     of_laplacian: FloatArray  # (k,) weight of the cotangent matrix
 
 
-def policy(mean: FloatArray, curvature: FloatArray, bound: float, unit: float) -> Policy:
+def policy(mean: FloatArray, curvature: FloatArray, bound: float, unit: FloatArray) -> Policy:
     """Return F_Λ and its derivative.
 
     Parameters
@@ -63,13 +67,14 @@ def policy(mean: FloatArray, curvature: FloatArray, bound: float, unit: float) -
     bound
         Λ.
     unit
-        Curvature that others are large or small against [1/L].
+        ``(k,)`` curvature that others are large or small against [1/L].
     """
     half = np.sqrt(np.maximum(mean**2 - curvature, 0.0))
     k1, k2 = mean + half, mean - half
-    free = (mean > 0) & (curvature > 0) & (k2 * bound**2 >= k1)
-    # Without principal directions, or bent the wrong way: a = 1.
-    even = ~free & ((mean <= 0) | (half < UMBILIC * unit))
+    flat = mean < NOISE * unit
+    free = ~flat & (curvature > 0) & (k2 * bound**2 >= k1)
+    # Flat, bent the wrong way, or without principal directions to speak of: a = 1.
+    even = flat | (~free & (half < NOISE * unit))
     root = np.sqrt(np.where(free, curvature, 1.0))
     weight = np.where(free, 0.5 / root, 0.25 * (bound - 1.0 / bound) / np.where(half > 0, half, 1.0))
     value = np.where(free, root, np.where(even, mean, 0.5 * (k1 / bound + k2 * bound)))
@@ -94,32 +99,48 @@ def elliptic_steps(system: System, shape: Shape, bound: float) -> Iterator[Step]
     SingularMatrixError
         If a part of the mesh is held nowhere.
     """
+    faces = system.problem.faces
     goal = np.sqrt(np.maximum(system.targets, 0.0))
-    unit = np.sqrt(system.scale)
-    convex = system.targets > 0
-    pattern = system.equations.pattern
+    unit = np.where(goal > 0, goal, np.sqrt(system.scale))
     best, waited = np.inf, 0
     while True:
         now, error = _policy_and_error(shape, goal, bound, unit)
-        if error <= TIGHTEN and bound < LARGEST:
-            bound, best, waited = bound * GROWTH, np.inf, 0
+        if _is_exact(now, goal):
+            if error <= NEAR_ENOUGH:
+                return
+        elif error <= TIGHTEN and bound < LARGEST:
+            bound, best = bound * GROWTH, np.inf
             now, error = _policy_and_error(shape, goal, bound, unit)
-        waited = 0 if error < best else waited + 1
-        best = min(best, error)
-        exact = (now.of_laplacian[convex] == 0).all()
-        if (error <= NEAR_ENOUGH and exact) or waited >= PATIENCE or not np.isfinite(error):
+        best, waited = (error, 0) if error < best else (best, waited + 1)
+        if waited > PATIENCE or not np.isfinite(error):
             return
-        # The areas change at lower order than the defects; without them the operator stays elliptic.
-        J = system.equations.jacobian(shape.vertices, shape.normal, areas=False)
-        L = cotangent_stiffness(shape.vertices, pattern)
-        count = np.diff(pattern.indptr)
-        data = np.repeat(now.of_defect, count) * J.data + np.repeat(now.of_laplacian, count) * L.data
-        move = system.solver.factorise(pattern.matrix(data)).solve(shape.area * (goal - now.value))
-        shape = system.measure(system.moved(shape, move))
+        directions = smooth_normals(shape.vertices, faces, SMOOTHING)[system.asked]
+        matrix = _derivative(system, shape, now, directions)
+        lengths = system.solver.factorise(matrix).solve(shape.area * (goal - now.value))
+        shape = system.moved(shape, lengths, directions)
         yield Step(shape, 1.0, 1)
 
 
-def _policy_and_error(shape: Shape, goal: FloatArray, bound: float, unit: float) -> tuple[Policy, float]:
+def _policy_and_error(shape: Shape, goal: FloatArray, bound: float, unit: FloatArray) -> tuple[Policy, float]:
     """Return the policy of a shape and the mean error of F_Λ, against the unit."""
     now = policy(shape.mean, shape.curvature, bound, unit)
-    return now, float(np.sqrt(np.average((goal - now.value) ** 2, weights=shape.area))) / unit
+    return now, float(np.sqrt(np.average(((goal - now.value) / unit) ** 2, weights=shape.area)))
+
+
+def _is_exact(now: Policy, goal: FloatArray) -> bool:
+    """Return whether F_Λ is √K nearly everywhere where K̄ > 0."""
+    bounded = (now.of_laplacian != 0) & (goal > 0)
+    return np.count_nonzero(bounded) <= FEW * len(goal)
+
+
+def _derivative(system: System, shape: Shape, now: Policy, directions: FloatArray) -> sparse.csr_matrix:
+    """Return the derivative of the integral of F_Λ over each cell, by the moves (k, k)."""
+    pattern = system.equations.pattern
+    # The areas change at lower order than the defects; without them the operator stays elliptic.
+    defects = system.equations.jacobian(shape.vertices, directions, areas=False)
+    laplacian = cotangent_stiffness(shape.vertices, pattern)
+    across = np.einsum("ij,ij->i", shape.normal, directions)
+    count = np.diff(pattern.indptr)
+    data = np.repeat(now.of_defect, count) * defects.data
+    data += np.repeat(now.of_laplacian, count) * laplacian.data * across[pattern.indices]
+    return pattern.matrix(data)

@@ -22,6 +22,7 @@ from .damped import at_rounding
 from .damped import damped_newton
 from .elliptic import elliptic_steps
 from .feasible import overload
+from .membrane import membrane
 from .messages import message
 from .settings import NewtonSettings
 from .system import Shape
@@ -31,6 +32,8 @@ from .system import System
 __all__ = ["newton"]
 
 NEAR = 0.5  # error of K, against its target, from which Newton's method needs no other start
+BOUNDS = (1.0, 10.0, 100.0)  # factors on Λ of one elliptic start after the other
+SAME = 1e-3  # distance, against the diagonal, of a start that is no other start
 RUNAWAY = 2.0  # a vertex that moved this many diagonals of the model will not come back
 
 
@@ -126,7 +129,7 @@ def _run(system: System, start: Shape, settings: NewtonSettings) -> Generator[St
     near = settings.start == "auto" and _is_near(system, start)
     try:
         if only_given or near:
-            end = yield from _followed(system, start, damped_newton(system, start, settings.tolerance, settings.shortest))
+            end = yield from _finished(system, start, settings)
             if _is_solved(system, end, settings):
                 return "converged", ""
             if only_given:
@@ -134,25 +137,50 @@ def _run(system: System, start: Shape, settings: NewtonSettings) -> Generator[St
         too_much = overload(system)
         if too_much is not None:
             return "infeasible", too_much
-        shape = yield from _followed(system, start, elliptic_steps(system, start, settings.anisotropy))
-        end = yield from _followed(system, shape, damped_newton(system, shape, settings.tolerance, settings.shortest))
+        outcome = yield from _from_elliptic(system, start, settings)
+        if outcome != "converged":
+            taut = membrane(system)
+            if float(np.abs(taut - start.vertices).max()) > SAME * _size(system):
+                outcome = yield from _from_elliptic(system, system.measure(taut), settings)
     except SingularMatrixError:
         return "stalled", "singular"
+    return outcome, "target"
+
+
+def _from_elliptic(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, str]:
+    """Yield elliptic steps, then Newton's, and return how they ended.
+
+    Where Newton's method stalls, the elliptic steps go on nearer to its equations.
+    """
+    try:
+        for factor in BOUNDS:
+            shape = yield from _followed(system, shape, elliptic_steps(system, shape, factor * settings.anisotropy))
+            end = yield from _finished(system, shape, settings)
+            if _is_solved(system, end, settings):
+                return "converged"
     except _RanAway:
-        return "diverged", "runaway"
-    return ("converged", "") if _is_solved(system, end, settings) else ("stalled", "target")
+        return "diverged"
+    return "stalled"
+
+
+def _finished(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, Shape]:
+    """Yield Newton's steps and return the last shape."""
+    return _followed(system, shape, damped_newton(system, shape, settings.tolerance, settings.shortest))
 
 
 def _followed(system: System, shape: Shape, steps: Iterator[Step]) -> Generator[Step, None, Shape]:
     """Yield the steps and return the last shape."""
-    start = system.problem.vertices
-    diagonal = float(np.linalg.norm(np.ptp(start, axis=0)))
     for step in steps:
         shape = step.shape
-        if not (np.isfinite(shape.largest) and float(np.abs(shape.vertices - start).max()) < RUNAWAY * diagonal):
+        far = float(np.abs(shape.vertices - system.problem.vertices).max())
+        if not (np.isfinite(shape.largest) and far < RUNAWAY * _size(system)):
             raise _RanAway
         yield step
     return shape
+
+
+def _size(system: System) -> float:
+    return float(np.linalg.norm(np.ptp(system.problem.vertices, axis=0)))
 
 
 def _is_near(system: System, shape: Shape) -> bool:

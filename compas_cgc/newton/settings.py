@@ -29,7 +29,8 @@ class NewtonSettings:
         by elliptic steps. ``"elliptic"``: always by elliptic steps. ``"given"``: from the
         given shape only, as befits the finish after another method.
     anisotropy
-        Λ >= 1 of the elliptic start: the ratio of principal curvatures is told apart up to Λ².
+        Λ >= 1 that the elliptic start begins with: it tells ratios of principal curvatures up
+        to Λ² apart. Larger is faster on good meshes, smaller is steadier on bad ones.
     shortest
         Smallest damping factor, in (0, 1]; when it does not help either, the solve has stalled.
     backend
@@ -39,7 +40,7 @@ class NewtonSettings:
     steps: int = 60
     tolerance: float = 1e-13
     start: str = "auto"
-    anisotropy: float = 10.0
+    anisotropy: float = 5.0
     shortest: float = 2.0**-10
     backend: str = "auto"
 

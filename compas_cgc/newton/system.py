@@ -79,11 +79,11 @@ class System:
             H = -0.5 * np.einsum("ij,ij->i", vectors, N) / A
         return Shape(vertices, (K - self.targets) * A, K, H, A, N, here.energy)
 
-    def moved(self, shape: Shape, along: FloatArray) -> FloatArray:
-        """Return the vertices (n, 3) moved along the normals by `along` (k,) [L]."""
+    def moved(self, shape: Shape, lengths: FloatArray, directions: FloatArray) -> Shape:
+        """Return the shape with its vertices moved by lengths (k,) [L] along unit directions (k, 3)."""
         vertices = shape.vertices.copy()
-        vertices[self.asked] += along[:, None] * shape.normal
-        return vertices
+        vertices[self.asked] += lengths[:, None] * directions
+        return self.measure(vertices)
 
     def errors(self, shape: Shape) -> tuple[float, float]:
         """Return the largest |K - K̄| and the norm κ of Eq. 30."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
@@ -67,6 +68,10 @@ class AtHeight(Placing):
     vertices: Sequence[int]
     height: float
 
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.height):
+            raise ValueError(f"height must be a number, not {self.height!r}")
+
     def local(self, frame: Frame) -> AtHeight:
         """Return the height in a local frame."""
         return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
@@ -105,6 +110,11 @@ class OnCurve(Placing):
     vertices: Sequence[int]
     points: Sequence[Sequence[float]]
     closed: bool = False
+
+    def __post_init__(self) -> None:
+        points = np.asarray(self.points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not np.ptp(points, axis=0).any():
+            raise ValueError(f"points of a curve must be two or more different points (p, 3), not an array of shape {points.shape}")
 
     def local(self, frame: Frame) -> OnCurve:
         """Return the curve in a local frame."""
@@ -147,6 +157,10 @@ class Near(Constraint):
 
     vertices: Sequence[int]
     weight: float = 10.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.weight < math.inf:
+            raise ValueError(f"weight must be a positive number, not {self.weight!r}")
 
 
 def unit(vector: Sequence[float], name: str) -> FloatArray:

@@ -95,7 +95,8 @@ def _line_search(system: System, equations: CurvatureEquations, here: Point, ste
         trials += 1
         vertices = here.vertices + length * step
         turned = face_normals(vertices, system.faces)
-        if (np.einsum("ij,ij->i", normals, turned) >= TURN).all() and (system.folds(turned) >= folds).all():
+        upright = np.einsum("ij,ij->i", normals, turned) >= TURN
+        if upright[system.sound].all() and (system.folds(turned) >= folds).all():
             there = system.at(vertices, equations)
             if there.merit <= (1.0 - DECREASE * length) * here.merit:
                 return there, length, trials

@@ -5,25 +5,22 @@ from __future__ import annotations
 from typing import Callable
 
 from ..discrete import _kernels
-from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..problem import CGCProblem
 
-__all__ = ["EnergyMeter"]
+__all__ = ["energy_meter"]
 
 
-class EnergyMeter:
-    """Measures the energy Φ = M - ΣK̄ V; the edges of the mesh are found once."""
+def energy_meter(problem: CGCProblem, edges: IntArray) -> Callable[[FloatArray], float]:
+    """Return the Steiner energy Φ as a function of the vertices (n, 3).
 
-    def __init__(self, problem: CGCProblem):
-        self._edges = edge_faces(problem.faces)
+    As :func:`compas_cgc.discrete.energy`, with the edges (e, 4) found beforehand.
+    """
+    faces, weight = problem.faces, problem.face_targets()
 
-    def of(self, problem: CGCProblem) -> Callable[[FloatArray], float]:
-        """Return the energy as a function of the vertices (n, 3), for the targets of a problem."""
-        faces, weight = problem.faces, problem.face_targets()
+    def energy(vertices: FloatArray) -> float:
+        crosses = _kernels.cross_vectors(vertices, faces)
+        return float(_kernels.total_fold(vertices, crosses, edges) - _kernels.pyramids(vertices, faces, weight))
 
-        def energy(vertices: FloatArray) -> float:
-            crosses = _kernels.cross_vectors(vertices, faces)
-            return _kernels.total_fold(vertices, crosses, self._edges) - _kernels.pyramids(vertices, faces, weight)
-
-        return energy
+    return energy

@@ -10,38 +10,45 @@ from ..discrete.arrays import FloatArray
 from .system import Point
 from .system import System
 
-__all__ = ["enclosed_negative", "message"]
+__all__ = ["cause", "enclosed_negative", "message"]
 
-ON = 1e-6  # distance from a constraint, in the local frame, that is as good as none
+ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
 
 
-def message(status: str, step: int, point: Point, start: Point, goal: float, scale2: float, system: System, targets: FloatArray) -> str:
-    """Return the sentence for a status; ``scale2`` turns model curvatures into local ones."""
-    reached = f"largest |K - K̄| {point.max_error / scale2:.3g}"
+def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str) -> str:
+    """Return the sentence for a status; errors and goal are largest |K - K̄|."""
+    reached = f"largest |K - K̄| {error:.3g}"
     if status == "converged":
-        return f"converged in {step} steps: {reached}"
+        return f"converged in {steps} steps: {reached}"
     if status == "cancelled":
-        return f"cancelled after {step} steps: {reached}"
-    if point.max_error > start.max_error:
-        reached += f", more than the {start.max_error / scale2:.3g} of the start"
+        return f"cancelled after {steps} steps: {reached}"
+    if error > start_error:
+        reached += f", more than the {start_error:.3g} of the start"
     if status == "step_limit":
-        return f"not converged in {step} steps: {reached}, asked for {goal / scale2:.3g}; allow more steps, or a smaller smoothness"
-    return f"stalled: {_cause(point, system, targets)}; the best shape is returned, {reached}"
+        return f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps"
+    return f"{status}: {why}; the best shape is returned, {reached}"
 
 
-def _cause(point: Point, system: System, targets: FloatArray) -> str:
-    vertex = int(np.argmax(point.gap))
-    if point.gap[vertex] > ON:
-        return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
+def cause(point: Point, system: System, targets: FloatArray) -> str:
+    """Return why nothing better than this was reached, and what to do about it."""
     if not len(system.columns):
         return "no vertex may move; free some"
+    vertex = int(np.argmax(point.gap))
+    if point.gap[vertex] > ASTRAY:
+        return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
     if enclosed_negative(system, targets):
         return "a region of negative K needs some free edge"
+    if not system.sound.all():
+        a, b, c = system.faces[np.argmin(system.sound)].tolist()
+        return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
     return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
 
 
 def enclosed_negative(system: System, targets: FloatArray) -> bool:
     """Return whether a region of negative K̄ has fixed vertices all around it."""
+    negative = system.rows[targets[system.rows] < 0]
+    if not len(negative):
+        return False
     F, n = system.faces, len(targets)
     asked = np.zeros(n, bool)
     asked[system.rows] = True
@@ -55,5 +62,4 @@ def enclosed_negative(system: System, targets: FloatArray) -> bool:
     touched = np.zeros(n, bool)
     for a, b in ((u, v), (v, u)):
         touched[region[a[asked[a] & loose[b]]]] = True
-    negative = system.rows[targets[system.rows] < 0]
     return bool((~touched[region[negative]]).any())

@@ -8,7 +8,7 @@ from ..discrete.arrays import FloatArray
 
 __all__ = ["nearest_on_polyline"]
 
-MOST = 4_000_000  # pairs of a point and a segment that are looked at in one go
+MOST = 500_000  # pairs of a point and a segment that are looked at in one go
 
 
 def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool = False) -> tuple[FloatArray, FloatArray]:

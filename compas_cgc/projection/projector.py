@@ -12,8 +12,11 @@ from typing import Optional
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.jacobian import CurvatureEquations
+from ..errors import MeshError
+from ..errors import ProblemError
 from ..problem import CGCProblem
 from ..result import History
 from ..result import Solution
@@ -22,7 +25,8 @@ from .constraints import Constraint
 from .descent import Taken
 from .descent import descend
 from .descent import in_stages
-from .energy import EnergyMeter
+from .energy import energy_meter
+from .messages import cause
 from .messages import enclosed_negative
 from .messages import message
 from .seed import flat_vertices
@@ -53,22 +57,24 @@ class Projector:
 
     Raises
     ------
+    MeshError
+        If the mesh has no faces, or is not an oriented manifold.
     ProblemError
         If a constraint cannot be.
 
     Examples
     --------
-    >>> projector = Projector(problem)  # doctest: +SKIP
-    >>> roof = projector.solve()  # doctest: +SKIP
-    >>> flatter = projector.solve(0.95 * problem.targets, vertices=roof.vertices)  # doctest: +SKIP
+    >>> from compas_cgc.examples import *  # doctest: +SKIP
     """
 
     def __init__(self, problem: CGCProblem, settings: Optional[ProjectionSettings] = None, constraints: Sequence[Constraint] = ()):
+        if not len(problem.faces):
+            raise MeshError("the mesh has no faces")
         self.problem = problem
         self.settings = settings or ProjectionSettings()
         self._local, self._frame = problem.local()
         self._system = System(self._local, self.settings, [constraint.local(self._frame) for constraint in constraints])
-        self._energy = EnergyMeter(self._local)
+        self._edges = edge_faces(problem.faces)
 
     def solve(
         self,
@@ -94,24 +100,24 @@ class Projector:
         Solution
             With the best shape that was reached. ``step_length`` in its history is the part
             of the full step that was taken.
+
+        Raises
+        ------
+        ProblemError
+            If a vertex where K is asked for has no target.
         """
         started = time.perf_counter()
         system, settings, scale2 = self._system, self.settings, self._frame.scale**2
-        local = self._local
-        if targets is not None:
-            local = replace(local, targets=np.asarray(targets, dtype=np.float64) * scale2)
-        if vertices is not None:
-            shape = self._frame.to_local(np.asarray(vertices, dtype=np.float64))
-            moved = local.vertices.copy()
-            moved[system.columns] = shape[system.columns]
-            local = replace(local, vertices=moved)
+        local = self._posed(targets, vertices)
         equations = system.equations(local.targets)
-        energy = self._energy.of(local)
+        energy = energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
         start = best = system.at(local.vertices, equations)
         status, rows = "stalled", []
         if _fulfilled(start, goal, 0.0):
             status = "converged"
+        elif not len(system.columns):
+            status = "infeasible"
         for taken in self._steps(local, equations, start) if status == "stalled" else ():
             here = system.at(taken.vertices, equations)
             best = min(best, here, key=_badness)
@@ -129,15 +135,34 @@ class Projector:
                 break
         if status == "stalled" and _fulfilled(best, goal, system.rounding(best, equations)):
             status = "converged"
+        why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
+        max_error = best.max_error / scale2
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(rows), best, start, goal, scale2, system, local.targets),
+            message(status, len(rows), max_error, start.max_error / scale2, goal / scale2, why),
             len(rows),
             time.perf_counter() - started,
-            best.max_error / scale2,
+            max_error,
             History.from_rows(rows),
         )
+
+    def _posed(self, targets: Optional[ArrayLike], vertices: Optional[ArrayLike]) -> CGCProblem:
+        """Return the local problem with other targets and another shape."""
+        local, rows, columns = self._local, self._system.rows, self._system.columns
+        if targets is not None:
+            local = replace(local, targets=np.asarray(targets, dtype=np.float64) * self._frame.scale**2)
+        lost = rows[~np.isfinite(local.targets[rows])]
+        if len(lost):
+            raise ProblemError([f"vertex {lost[0]} has no target; give its region a K̄"])
+        if vertices is not None:
+            shape = np.asarray(vertices, dtype=np.float64)
+            if shape.shape != local.vertices.shape:
+                raise ValueError(f"vertices must have the shape {local.vertices.shape}, not {shape.shape}")
+            moved = local.vertices.copy()
+            moved[columns] = self._frame.to_local(shape[columns])
+            local = replace(local, vertices=moved)
+        return local
 
     def _steps(self, local: CGCProblem, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
         """Take steps straight to the targets and, should that stall, in other ways from the start again."""

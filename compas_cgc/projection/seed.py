@@ -72,16 +72,20 @@ def seeded(
     asked = wanted != 0.0
     seeds, misfits = [], []
     for form in (shape, np.sqrt(np.maximum(shape, 0.0))) if dome and closed else (shape,):
+        if not form.any():
+            continue
         rise = (size / np.abs(form).max() * form)[:, None] * normals
         # Defects grow with the square of the height. The steep rim of a closed dome would drown in squares.
         brought = np.where(asked, defects(vertices + PROBE * rise), 0.0) / PROBE**2
+        if not brought.any():
+            continue
         if closed:
             height = min(1.0, math.sqrt(np.abs(wanted).sum() / np.abs(brought).sum()))
         else:
             height = min(highest, math.sqrt(abs(wanted @ brought) / (brought @ brought)))
         seeds.append(vertices + height * rise)
         misfits.append(float(np.abs(np.where(asked, defects(seeds[-1]), 0.0) - wanted).sum()))
-    return seeds[int(np.argmin(misfits))]
+    return seeds[int(np.argmin(misfits))] if seeds else vertices
 
 
 def _quadric(vertices: FloatArray, faces: IntArray, movable: IntArray, stiffness: sparse.csr_matrix, dome: bool) -> FloatArray:

@@ -14,7 +14,7 @@ from ..errors import ProblemError
 from .constraints import Mirror
 from .constraints import unit
 
-__all__ = ["Image", "images"]
+__all__ = ["Image", "images", "keep_faces"]
 
 REACH = 0.5  # how far from its place an image may be, in mean edges
 MOST = 48  # images of a vertex, those of a cube's symmetry
@@ -55,6 +55,17 @@ def images(vertices: FloatArray, edge: float, mirrors: Sequence[Mirror]) -> list
             if len(found) > MOST:
                 raise ProblemError([f"the mirrors make more than {MOST} images of a vertex; use planes that meet at 90 or 45 degrees"])
     return found
+
+
+def keep_faces(faces: IntArray, symmetries: Sequence[Image]) -> bool:
+    """Return whether the symmetries take every face (m, 3) to a face."""
+
+    def sorted_faces(to: IntArray) -> IntArray:
+        corners = np.sort(to[faces], axis=1)
+        return corners[np.lexsort(corners.T)]
+
+    first = sorted_faces(symmetries[0].to)
+    return all(np.array_equal(first, sorted_faces(image.to)) for image in symmetries[1:])
 
 
 def _reflection(vertices: FloatArray, edge: float, mirror: Mirror) -> Image:

@@ -34,12 +34,14 @@ from .settings import ProjectionSettings
 from .step import Preconditioner
 from .step import least_norm
 from .symmetry import images
+from .symmetry import keep_faces
 from .vectors import norm
 
 __all__ = ["Point", "System"]
 
 EPS = float(np.finfo(float).eps)
-NOISE = EPS  # of an angle defect [rad]
+TINY = 1e-100  # keeps the error of a vertex without area a number
+SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
 LEAST_MASS = 1e-6  # of a vertex, against the mean
 SETTLING = 5  # moves that bring a shape onto curved constraints
 SEED_MASS = 1e-4  # what holds a seed that nothing else holds
@@ -55,14 +57,19 @@ class Point(NamedTuple):
     merit: float  # norm of residuals and gaps, which the line search makes smaller
 
     @property
+    def error(self) -> FloatArray:
+        """|K - K̄| at the vertices with an equation (k,)."""
+        return np.abs(self.residual) / np.maximum(self.areas, TINY)
+
+    @property
     def max_error(self) -> float:
         """Largest |K - K̄|."""
-        return float((np.abs(self.residual) / self.areas).max(initial=0.0))
+        return float(self.error.max(initial=0.0))
 
     @property
     def error_norm(self) -> float:
         """Norm of K - K̄, κ of Eq. 30."""
-        return norm(self.residual / self.areas)
+        return norm(self.error)
 
 
 class System:
@@ -97,11 +104,18 @@ class System:
         self._size = len(V)
         self.size = math.sqrt(float(face_areas(V, self.faces).sum()))
         edges = edge_faces(self.faces)
-        self._hinges = edges[edges[:, 3] >= 0, 2:]
+        areas = face_areas(V, self.faces)
+        self.sound = areas > SOUND * areas.mean() if len(areas) else np.zeros(0, bool)
+        hinges = edges[edges[:, 3] >= 0, 2:]
+        self._hinges = hinges[self.sound[hinges].all(axis=1)]
         ends = V[edges[:, :2]]
         edge = float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()) if len(edges) else 0.0
         symmetries = images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
         self.places = Places(V, movable, [constraint for constraint in constraints if isinstance(constraint, Placing)], symmetries)
+        # Mirrored equations say the same twice, which makes the systems singular.
+        self._leading = np.arange(len(self.rows))
+        if len(symmetries) > 1 and keep_faces(F, symmetries):
+            self._leading = np.unique(self.places.head[self.rows], return_index=True)[1]
         mass = vertex_areas(V, self.faces)
         mass = np.maximum(mass, LEAST_MASS * mass[used].mean()) if used.any() else mass
         bending = self.size**4 * bending_matrix(V, self.faces, problem.roles == CREASE, settings.crease_stiffness)
@@ -142,15 +156,14 @@ class System:
         metric = self._metric_on(freedoms)
         if metric is not self._metric:
             self._metric, preconditioner = metric, None
-        right, basis = -point.residual, freedoms.basis
+        right, basis = -point.residual[self._leading], freedoms.basis
         if basis is None:
-            move, preconditioner = least_norm(J, right, metric, freedoms.across(normals), tolerance, NOISE, preconditioner)
+            move, preconditioner = least_norm(J, right, metric, freedoms.across(normals), tolerance, EPS, preconditioner)
         else:
+            J = J[self._leading]
             onto = metric.fairest(freedoms.gap.ravel())
             right = right - J @ onto
-            along, preconditioner = least_norm(
-                (J @ basis).tocsr(), right, metric, freedoms.across(normals), tolerance, NOISE, preconditioner
-            )
+            along, preconditioner = least_norm((J @ basis).tocsr(), right, metric, freedoms.across(normals), tolerance, EPS, preconditioner)
             move = onto + basis @ along
         return self._full(move), preconditioner
 
@@ -165,7 +178,7 @@ class System:
         return vertices
 
     def folds(self, normals: FloatArray) -> FloatArray:
-        """Return the cosine of the angle between the unit normals (m, 3) on the two sides of every inner edge."""
+        """Return the cosine of the angle between the unit normals (m, 3) on the two sides of inner edges."""
         return np.einsum("ij,ij->i", normals[self._hinges[:, 0]], normals[self._hinges[:, 1]])
 
     def rounding(self, point: Point, equations: CurvatureEquations) -> FloatArray:

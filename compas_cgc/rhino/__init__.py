@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from importlib import import_module
 
-__all__ = ["LayerNames", "Model3dm", "describe", "layer_names", "read_model", "write_model", "write_result"]
+__all__ = ["LayerNames", "Model3dm", "constraints_of", "describe", "layer_names", "read_model", "write_model", "write_result"]
 
 # Names are looked up when they are first used: rhino3dm is not loaded to read the other formats.
 _HOME = {
     "LayerNames": ".layers",
     "Model3dm": ".model",
+    "constraints_of": ".constraints",
     "describe": ".findings",
     "layer_names": ".layers",
     "read_model": ".reading",

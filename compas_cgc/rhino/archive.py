@@ -129,7 +129,7 @@ def _check_in_child(path: Path) -> None:
     size = path.stat().st_size
     command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str((1 << 30) + 100 * size)]
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=20.0 + size / 2e6)
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=10.0 + size / 2e6)
     except subprocess.TimeoutExpired:
         raise _damaged(path) from None
     except OSError:

@@ -17,12 +17,11 @@ from ..meshing.split import split_path
 from ..meshing.trace import Trace
 from ..meshing.trace import path_deviation
 from ..meshing.trace import trace_curve
-from .curves import curve_points
-from .objects import Item
+from .drawn import Drawn
 from .shell import Shell
 from .texts import user_number
 
-__all__ = ["CREASE_MODES", "Creases", "read_creases"]
+__all__ = ["CREASE_MODES", "Creases", "lay_creases"]
 
 CREASE_MODES = ("trace", "split")
 
@@ -50,7 +49,7 @@ class _NotLaid(Exception):
     """A curve cannot become a crease; the text says why."""
 
 
-def read_creases(items: list[Item], shell: Shell, supports: IntArray, tolerance: float, mode: str, unit: str) -> Creases:
+def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance: float, mode: str, unit: str) -> Creases:
     """Lay curves along the edges of a mesh.
 
     Curves along edges are taken as they are. For the others ``"trace"`` takes the best
@@ -59,7 +58,7 @@ def read_creases(items: list[Item], shell: Shell, supports: IntArray, tolerance:
 
     Parameters
     ----------
-    items
+    drawn
         Curves.
     shell
         The mesh.
@@ -76,15 +75,15 @@ def read_creases(items: list[Item], shell: Shell, supports: IntArray, tolerance:
         raise ValueError(f"crease must be one of {', '.join(CREASE_MODES)}, not {mode!r}")
     notes: list[str] = []
     problems: list[str] = []
-    used: list[Item] = []
+    used: list[Drawn] = []
     ground = _Ground(shell, edge_net(shell.vertices, shell.faces), [])
-    for item in items:
-        curve = curve_points(item.geometry, 0.25 * tolerance)
+    for item in drawn:
+        curve = item.points
         try:
             if len(curve) < 2:
                 raise _NotLaid(f"crease {item.label} has no length; delete it")
             trace = trace_curve(ground.net, curve, tolerance, _anchors(ground))
-            if mode == "split" and (trace.deviation > tolerance or not trace.paths):
+            if mode == "split" and not trace.exact:
                 ground, note = _split(ground, item, curve, supports, tolerance, unit)
             else:
                 ground, note = _trace(ground, item, trace, tolerance, unit)
@@ -112,14 +111,12 @@ def _anchors(ground: _Ground) -> np.ndarray:
     return marked
 
 
-def _trace(ground: _Ground, item: Item, trace: Trace, tolerance: float, unit: str) -> tuple[_Ground, str]:
+def _trace(ground: _Ground, item: Drawn, trace: Trace, tolerance: float, unit: str) -> tuple[_Ground, str]:
     """Lay a curve along edges, and say how far from it they are."""
     if not trace.paths:
-        raise _NotLaid(
-            f"crease {item.label} runs nowhere along the mesh; move it onto the mesh, or hide it"
-        )
+        raise _NotLaid(f"crease {item.label} runs nowhere along the mesh; move it onto the mesh, or hide it")
     parts = []
-    if trace.deviation > tolerance:
+    if not trace.exact:
         share = trace.deviation / float(ground.net.lengths.data.mean())
         parts.append(
             "does not follow mesh edges; the best path of edges was taken, "
@@ -131,7 +128,7 @@ def _trace(ground: _Ground, item: Item, trace: Trace, tolerance: float, unit: st
     return ground._replace(laid=[*ground.laid, trace.paths]), note
 
 
-def _split(ground: _Ground, item: Item, curve: FloatArray, supports: IntArray, tolerance: float, unit: str) -> tuple[_Ground, str]:
+def _split(ground: _Ground, item: Drawn, curve: FloatArray, supports: IntArray, tolerance: float, unit: str) -> tuple[_Ground, str]:
     """Cut the mesh along a curve, and the earlier creases where it crosses them."""
     shell = ground.shell
     keep = _anchors(ground)

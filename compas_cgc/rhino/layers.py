@@ -32,7 +32,8 @@ class LayerNames:
     targets
         Text dots, or points with user text, such as ``K=0.03`` in a region.
     constraints
-        Curves that vertices shall stay on.
+        Curves that vertices shall stay on, or with user text ``keep`` stay at; points at the
+        height that the vertex under or over them shall come to.
     """
 
     mesh: tuple[str, ...] = ("CGC::Mesh",)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections import deque
+from itertools import chain
+from operator import attrgetter
 from typing import TYPE_CHECKING
+from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -13,17 +17,18 @@ from ..discrete.arrays import IntArray
 if TYPE_CHECKING:
     import rhino3dm
 
-__all__ = ["joined_arrays", "mesh_from_arrays", "mesh_to_arrays", "render_arrays"]
+__all__ = ["coloured", "joined_arrays", "mesh_from_arrays", "mesh_to_arrays", "render_arrays"]
 
 
 def mesh_to_arrays(mesh: rhino3dm.Mesh) -> tuple[FloatArray, IntArray]:
     """Return the vertices (n, 3) [L] and faces (m, 4) of a Rhino mesh; a triangle repeats its last corner."""
-    vertices = np.array([(p.X, p.Y, p.Z) for p in mesh.Vertices.ToPoint3dArray()], dtype=np.float64)
-    faces = np.array(list(mesh.Faces), dtype=np.int64)
-    return vertices.reshape(-1, 3), faces.reshape(-1, 4)
+    points = mesh.Vertices.ToPoint3dArray()
+    vertices = np.column_stack([np.fromiter(map(attrgetter(axis), points), np.float64, len(points)) for axis in "XYZ"])
+    faces = np.fromiter(chain.from_iterable(mesh.Faces), np.int64, 4 * len(mesh.Faces)).reshape(-1, 4)
+    return vertices, faces
 
 
-def mesh_from_arrays(vertices: FloatArray, faces: IntArray, colours: Optional[IntArray] = None) -> rhino3dm.Mesh:
+def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> rhino3dm.Mesh:
     """Return a Rhino mesh with every bit of the coordinates.
 
     Parameters
@@ -32,24 +37,27 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray, colours: Optional[In
         ``(n, 3)`` coordinates [L].
     faces
         ``(m, 3)`` vertex indices.
-    colours
-        ``(n, 3)`` red, green and blue of the vertices, 0..255.
     """
     import rhino3dm
 
     mesh = rhino3dm.Mesh()
-    add = mesh.Vertices.AddPoint3d
-    for x, y, z in np.asarray(vertices, dtype=np.float64).tolist():
-        add(x, y, z)
-    add = mesh.Faces.AddFace
-    for a, b, c in np.asarray(faces, dtype=np.int64).tolist():
-        add(a, b, c)
-    if colours is not None:
-        add = mesh.VertexColors.Add
-        for red, green, blue in np.asarray(colours, dtype=np.int64).tolist():
-            add(red, green, blue)
+    _feed(mesh.Vertices.AddPoint3d, np.asarray(vertices, dtype=np.float64))
+    _feed(mesh.Faces.AddFace, np.asarray(faces, dtype=np.int64))
     mesh.Normals.ComputeNormals()
     return mesh
+
+
+def coloured(mesh: rhino3dm.Mesh, colours: IntArray) -> rhino3dm.Mesh:
+    """Return a copy of a Rhino mesh with colours of its vertices (n, 3), red, green and blue in 0..255."""
+    copy = mesh.Duplicate()
+    copy.VertexColors.Clear()
+    _feed(copy.VertexColors.Add, np.asarray(colours, dtype=np.int64))
+    return copy
+
+
+def _feed(add: Callable[[float, float, float], object], rows: np.ndarray) -> None:
+    # By columns: a list for every row would keep the garbage collector busy.
+    deque(map(add, *rows.T.tolist()), maxlen=0)
 
 
 def render_arrays(geometry: rhino3dm.GeometryBase) -> Optional[tuple[FloatArray, IntArray]]:

@@ -38,7 +38,7 @@ class Model3dm:
     s, e
         ``(n,)`` float64 factor and delay of the strategies S1 and S2, NaN where the file has none.
     constraints
-        What is on the layer of constraints: dicts with ``kind``, ``points``, ``vertices`` and ``text``.
+        Constraints besides K as plain data, see :func:`compas_cgc.rhino.constraints_of`.
     units
         Name of the file's unit system, such as ``Millimeters``.
     tolerance

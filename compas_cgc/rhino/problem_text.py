@@ -1,37 +1,44 @@
-"""What is asked of a mesh, in the forms that a .3dm holds."""
+"""The values of single vertices as user text."""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..files.asked import region_targets
-from .targets import VERTEX_KEY
+from ..files.asked import Asked
 
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
+__all__ = ["VERTEX_KEY", "vertex_text", "vertex_values"]
 
-__all__ = ["crease_polylines", "vertex_text"]
+# User text on a mesh: values of single vertices, where they are not the same all over a region.
+VERTEX_KEY = "cgc vertices"
 
 
-def vertex_text(mesh: CGCMesh) -> dict[str, str]:
+def vertex_text(mesh: Asked) -> dict[str, str]:
     """Return user text with the values of single vertices, empty where the regions say it all."""
-    keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
-    values: dict[str, list] = {}
-    uniform = region_targets(mesh)
-    asked = [mesh.vertex_target(v) for v in keys if mesh.vertex_role(v) == "internal"]
-    if None in uniform and any(K is not None for K in asked):
-        values["target"] = [mesh.vertex_target(v) for v in keys]
+    values = {}
+    if None in mesh.region_targets() and np.isfinite(mesh.targets[mesh.asked]).any():
+        values["target"] = mesh.targets
     for name in ("s", "e"):
-        column = [mesh.vertex_attribute(v, name) for v in keys]
-        if any(value is not None for value in column):
-            values[name] = column
-    return {VERTEX_KEY: json.dumps(values)} if values else {}
+        if np.isfinite(getattr(mesh, name)).any():
+            values[name] = getattr(mesh, name)
+    plain = {name: [None if x != x else x for x in column.tolist()] for name, column in values.items()}
+    return {VERTEX_KEY: json.dumps(plain)} if plain else {}
 
 
-def crease_polylines(mesh: CGCMesh) -> list[FloatArray]:
-    """Return the creases as points from end to end (k, 3) [L]."""
-    return [np.array([mesh.vertex_coordinates(v) for v in path]) for path in mesh.creases()]
+def vertex_values(text: dict[str, str], n: int) -> dict[str, FloatArray]:
+    """Return the values of single vertices in the user text of a mesh with n vertices.
+
+    Returns
+    -------
+    dict
+        ``target``, ``s``, ``e``, each (n,), NaN where none; empty where the text does not
+        belong to this mesh any more.
+    """
+    try:
+        found = json.loads(text.get(VERTEX_KEY, "{}"))
+        columns = {name: np.array([np.nan if x is None else x for x in values], dtype=np.float64) for name, values in found.items()}
+    except (AttributeError, TypeError, ValueError):
+        return {}
+    return {name: values for name, values in columns.items() if name in ("target", "s", "e") and values.shape == (n,)}

@@ -8,27 +8,20 @@ from pathlib import Path
 from typing import Optional
 from typing import Union
 
-import numpy as np
-
-from ..discrete.arrays import FloatArray
 from ..errors import FileError
-from ..meshing import path_edges
-from ..meshing.polyline import points_along
 from .archive import read_archive
-from .creases import read_creases
-from .curves import curve_points
+from .assemble import assemble
+from .convert import to_drawn
+from .convert import to_part
+from .drawn import Drawn
 from .layers import layer_names
 from .model import Model3dm
 from .objects import Item
 from .objects import list_items
 from .selection import select
-from .shell import read_shell
-from .supports import item_points
-from .supports import read_supports
-from .targets import read_targets
-from .targets import read_vertex_values
+from .texts import user_number
+from .texts import user_target
 from .units import unit_name
-from .units import unit_suffix
 
 __all__ = ["read_model"]
 
@@ -68,49 +61,27 @@ def read_model(
     """
     names = layer_names(path, layers)
     archive = read_archive(path)
-    selection = select(list_items(archive), names)
-    units = unit_name(archive.Settings.ModelUnitSystem)
-    unit = unit_suffix(units)
-    own = float(archive.Settings.ModelAbsoluteTolerance)
-    reach = tolerance if tolerance is not None else own if np.isfinite(own) and own > 0 else 0.0
+    found = select(list_items(archive), names)
+    if not found.mesh:
+        raise FileError(f"{path}: there is no mesh in the file; make one with Rhino's command Mesh or QuadRemesh, and save the file again")
     try:
-        shell = read_shell(selection.mesh, reach, unit)
+        converted = [to_part(item) for item in found.mesh]
+        return assemble(
+            name=Path(path).stem,
+            parts=[part for part, _ in converted],
+            supports=lambda fine: _drawn(found.supports, fine),
+            creases=lambda fine: _drawn(found.creases, fine),
+            targets=lambda fine: _drawn(found.targets, fine),
+            constraints=lambda fine: _drawn(found.constraints, fine),
+            units=unit_name(archive.Settings.ModelUnitSystem),
+            tolerance=float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance,
+            solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
+            crease=crease,
+            notes=found.notes + [note for _, notes in converted for note in notes],
+        )
     except FileError as error:
         raise FileError(f"{path}: {error}") from None
-    size = float(np.linalg.norm(np.ptp(shell.vertices, axis=0)))
-    # Points drawn by snapping are off by rounding: that of single precision, or of transforms.
-    snap = max(reach, 4.0 * shell.rounding, 1e-9 * size)
-    supports, support_notes, support_problems = read_supports(selection.supports, shell.vertices, snap, unit)
-    creases = read_creases(selection.creases, shell, supports, snap, crease, unit)
-    shell = creases.shell
-    edges = np.array(path_edges(creases.paths), dtype=np.int64).reshape(-1, 2)
-    targets, target_notes, target_problems = read_targets(selection.targets, selection.mesh, selection.regions, shell, edges, unit)
-    values = {"target": targets, "s": creases.s, "e": creases.e}
-    for name, written in read_vertex_values(selection.mesh, shell).items():
-        values[name] = np.where(np.isfinite(written), written, values[name])
-    return Model3dm(
-        name=Path(path).stem,
-        vertices=shell.vertices,
-        faces=shell.faces,
-        supports=supports,
-        creases=tuple(creases.paths),
-        targets=values["target"],
-        s=values["s"],
-        e=values["e"],
-        constraints=tuple(_constraint(item, shell.vertices, snap) for item in selection.constraints),
-        units=units,
-        tolerance=own,
-        notes=tuple(selection.notes + shell.notes + support_notes + creases.notes + target_notes),
-        problems=tuple(support_problems + creases.problems + target_problems),
-    )
 
 
-def _constraint(item: Item, vertices: FloatArray, tolerance: float) -> dict:
-    """Return a constraint as plain data: where it is, which vertices lie on it, and its user text."""
-    if item.kind == "curve":
-        points = curve_points(item.geometry, tolerance)
-        on = points_along(vertices, points, tolerance) if len(points) > 1 else np.empty(0, np.int64)
-    else:
-        points = item_points(item)
-        on = points_along(vertices, np.repeat(points[:1], 2, axis=0), tolerance)
-    return {"kind": item.kind, "points": points.tolist(), "vertices": on.tolist(), "text": dict(item.text)}
+def _drawn(items: list[Item], tolerance: float) -> list[Drawn]:
+    return [to_drawn(item, tolerance) for item in items]

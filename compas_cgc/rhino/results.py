@@ -11,11 +11,13 @@ from typing import Optional
 from typing import Union
 
 import numpy as np
+import rhino3dm
 
 from .._version import __version__
 from ..discrete import gaussian_curvature
 from ..discrete.arrays import FloatArray
-from ..files.asked import region_faces
+from ..files.asked import Asked
+from ..files.asked import asked_of
 from .archive import read_archive
 from .archive import write_archive
 from .colours import NO_VALUE
@@ -23,6 +25,7 @@ from .colours import largest
 from .colours import signed_colours
 from .drawing import Drawing
 from .layers import RESULT
+from .meshes import coloured
 from .meshes import mesh_from_arrays
 from .problem_text import vertex_text
 from .units import unit_name
@@ -43,6 +46,7 @@ def write_result(
     source: Union[str, os.PathLike, None] = None,
     settings: Optional[Mapping[str, object]] = None,
     version: Optional[int] = None,
+    analysis: Optional[SurfaceReport] = None,
 ) -> None:
     """Write a result as a .3dm file, beside what the input file holds.
 
@@ -60,6 +64,8 @@ def write_result(
         Settings of the solve, to be noted in the file.
     version
         7 or 8. Default: 8 for a source of Rhino 8, else 7.
+    analysis
+        The report on the surface. Default: made here.
 
     Raises
     ------
@@ -68,18 +74,21 @@ def write_result(
     """
     from ..analysis import analyse
 
-    archive = new_archive(result.mesh) if source is None else read_archive(source)
+    mesh = asked_of(result.mesh)
+    own = result.mesh.attributes
+    archive = new_archive(mesh.vertices, own.get("units"), own.get("tolerance")) if source is None else read_archive(source)
     if version is None:
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
     drawing = Drawing(archive)
     drawing.clear(RESULT)
-    analysis = analyse(result.mesh)
+    analysis = analysis or analyse(result.mesh)
     unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
-    _draw_surface(drawing, result, analysis)
-    draw_roles(drawing, result.mesh, RESULT)
-    _draw_maps(drawing, result)
+    whole = mesh_from_arrays(mesh.vertices, mesh.faces)
+    _draw_surface(drawing, mesh, whole, result, analysis)
+    draw_roles(drawing, mesh, RESULT)
+    _draw_maps(drawing, mesh, whole)
     text = _summary(result, analysis, Path(source).name if source is not None else None, unit)
-    _, high, size = _extent(result.mesh.arrays()[0])
+    _, high, size = _extent(mesh.vertices)
     on_report = drawing.layer(f"{RESULT}::Report", (60, 60, 60))
     drawing.dot(text, high + [0.0, 0.1 * size, 0.0], drawing.attributes(on_report, "report"))
     record = {
@@ -104,10 +113,8 @@ def write_result(
     write_archive(archive, path, version)
 
 
-def _draw_surface(drawing: Drawing, result: SolveResult, analysis: SurfaceReport) -> None:
+def _draw_surface(drawing: Drawing, mesh: Asked, whole: rhino3dm.Mesh, result: SolveResult, analysis: SurfaceReport) -> None:
     """Draw the whole mesh, and one mesh for each region."""
-    mesh = result.mesh
-    vertices, faces = mesh.arrays()
     targets = {region.target for region in analysis.regions if region.asked}
     text = {
         "status": result.status,
@@ -118,39 +125,31 @@ def _draw_surface(drawing: Drawing, result: SolveResult, analysis: SurfaceReport
         **vertex_text(mesh),
     }
     on_mesh = drawing.layer(f"{RESULT}::Mesh", (120, 120, 120))
-    whole = mesh_from_arrays(vertices, faces)
     drawing.mesh(whole, drawing.attributes(on_mesh, mesh.name, text))
     on_regions = drawing.layer(f"{RESULT}::Regions", (140, 110, 60), visible=False)
-    label = region_faces(mesh)
     for region in analysis.regions:
-        own = faces[label == region.region]
-        used, corners = np.unique(own, return_inverse=True)
-        part = whole if len(analysis.regions) == 1 else mesh_from_arrays(vertices[used], corners.reshape(-1, 3))
+        used, corners = np.unique(mesh.faces[mesh.regions == region.region], return_inverse=True)
+        part = whole if len(analysis.regions) == 1 else mesh_from_arrays(mesh.vertices[used], corners.reshape(-1, 3))
         figures = {"K": region.target, "K reached": region.total_curvature, "error": region.max_error, "area": region.area}
         notes = {name: repr(value) for name, value in figures.items() if value is not None}
         attributes = drawing.attributes(on_regions, f"region {region.region}", {"region": str(region.region), **notes})
         drawing.mesh(part, attributes)
 
 
-def _draw_maps(drawing: Drawing, result: SolveResult) -> None:
+def _draw_maps(drawing: Drawing, mesh: Asked, whole: rhino3dm.Mesh) -> None:
     """Draw the mesh coloured by curvature and by error, each with a legend."""
-    mesh = result.mesh
-    vertices, faces = mesh.arrays()
-    keys = [v for v in mesh.vertices() if not mesh.is_dummy(v)]
-    asked = np.array([mesh.vertex_role(v) == "internal" for v in keys])
-    targets = np.array([np.nan if mesh.vertex_target(v) is None else mesh.vertex_target(v) for v in keys], dtype=np.float64)
-    K = np.where(asked, gaussian_curvature(vertices, faces), np.nan)
-    for name, values, what in (("Curvature", K, "K"), ("Error", K - targets, "K - target")):
+    K = np.where(mesh.asked, gaussian_curvature(mesh.vertices, mesh.faces), np.nan)
+    low, high, size = _extent(mesh.vertices)
+    for name, values, what in (("Curvature", K, "K"), ("Error", K - mesh.targets, "K - target")):
         limit = largest(values)
         on = drawing.layer(f"{RESULT}::{name}", (90, 90, 90), visible=False)
-        coloured = mesh_from_arrays(vertices, faces, signed_colours(values, limit))
-        drawing.mesh(coloured, drawing.attributes(on, name.lower(), {"from": repr(-limit), "to": repr(limit)}))
-        low, high, size = _extent(vertices)
+        attributes = drawing.attributes(on, name.lower(), {"from": repr(-limit), "to": repr(limit)})
+        drawing.mesh(coloured(whole, signed_colours(values, limit)), attributes)
         steps = np.linspace(-limit, limit, 5)
         for k, (value, colour) in enumerate(zip(steps, signed_colours(steps, limit).tolist())):
             place = np.array([high[0] + 0.1 * size, low[1] + k * (high[1] - low[1]) / 5, low[2]])
             drawing.dot(f"{what} = {value:.3g}", place, drawing.attributes(on, "legend", colour=tuple(colour)))
-        if not asked.all():
+        if not mesh.asked.all():
             place = np.array([high[0] + 0.1 * size, high[1], low[2]])
             drawing.dot("not asked for", place, drawing.attributes(on, "legend", colour=NO_VALUE))
 

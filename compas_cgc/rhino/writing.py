@@ -12,19 +12,20 @@ import numpy as np
 import rhino3dm
 
 from .._version import __version__
-from ..files.asked import region_faces
-from ..files.asked import region_targets
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..files.asked import Asked
+from ..files.asked import asked_of
 from .archive import write_archive
 from .drawing import Drawing
 from .meshes import mesh_from_arrays
-from .problem_text import crease_polylines
 from .problem_text import vertex_text
 from .units import unit_system
 
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh
 
-__all__ = ["new_archive", "write_model"]
+__all__ = ["draw_roles", "new_archive", "write_model"]
 
 
 def write_model(path: Union[str, os.PathLike], mesh: CGCMesh, version: int = 7, units: Optional[str] = None) -> None:
@@ -49,48 +50,61 @@ def write_model(path: Union[str, os.PathLike], mesh: CGCMesh, version: int = 7, 
     FileError
         If it cannot be written.
     """
-    vertices, faces = mesh.arrays()
-    drawing = Drawing(new_archive(mesh, units))
+    asked = asked_of(mesh)
+    drawing = Drawing(new_archive(asked.vertices, units or mesh.attributes.get("units"), mesh.attributes.get("tolerance")))
     on_mesh = drawing.layer("CGC::Mesh", (120, 120, 120))
-    text = vertex_text(mesh)
-    drawing.mesh(mesh_from_arrays(vertices, faces), drawing.attributes(on_mesh, mesh.name, text))
-    draw_roles(drawing, mesh, "CGC")
+    drawing.mesh(mesh_from_arrays(asked.vertices, asked.faces), drawing.attributes(on_mesh, asked.name, vertex_text(asked)))
+    draw_roles(drawing, asked, "CGC")
     on_targets = drawing.layer("CGC::Targets", (30, 130, 60))
-    labels = region_faces(mesh)
-    for region, K in enumerate(region_targets(mesh)):
+    for region, K in enumerate(asked.region_targets()):
         if K is not None:
-            drawing.dot(f"K={K!r}", _inside(vertices, faces[labels == region]), drawing.attributes(on_targets, f"region {region}"))
+            place = _inside(asked.vertices, asked.faces[asked.regions == region])
+            drawing.dot(f"K={K!r}", place, drawing.attributes(on_targets, f"region {region}"))
+    _draw_constraints(drawing, asked.vertices, mesh.attributes.get("constraints") or [])
     write_archive(drawing.archive, path, version)
 
 
-def new_archive(mesh: CGCMesh, units: Optional[str] = None) -> rhino3dm.File3dm:
-    """Return an empty archive in the units and tolerance of a mesh."""
+def _draw_constraints(drawing: Drawing, vertices: FloatArray, constraints: list[dict]) -> None:
+    """Draw constraints as they are read: curves, kept curves, points at a height."""
+    layer = drawing.layer("CGC::Constraints", (120, 40, 140)) if constraints else -1
+    for item in constraints:
+        own = vertices[item["vertices"]]
+        if item["kind"] == "curve":
+            points = np.array(item["points"])
+            drawing.polyline(np.concatenate([points, points[:1]]) if item["closed"] else points, drawing.attributes(layer))
+        elif item["kind"] == "held":
+            for a in own:
+                drawing.polyline(np.array([a, a + [0.0, 0.0, 1.0]]), drawing.attributes(layer, text={"keep": "yes"}))
+        else:
+            drawing.points(np.column_stack([own[:, :2], np.full(len(own), item["height"])]), drawing.attributes(layer))
+
+
+def new_archive(vertices: FloatArray, units: Optional[str], tolerance: Optional[float]) -> rhino3dm.File3dm:
+    """Return an empty archive for a mesh with vertices (n, 3) [L], by default in metres with a tolerance to suit its size."""
     archive = rhino3dm.File3dm()
     archive.ApplicationName = "compas_cgc"
     archive.ApplicationDetails = f"compas_cgc {__version__}"
-    archive.Settings.ModelUnitSystem = unit_system(units or mesh.attributes.get("units") or "Meters")
-    archive.Settings.ModelAbsoluteTolerance = mesh.attributes.get("tolerance") or _tolerance(mesh)
+    archive.Settings.ModelUnitSystem = unit_system(units or "Meters")
+    archive.Settings.ModelAbsoluteTolerance = tolerance or _tolerance(vertices)
     return archive
 
 
-def draw_roles(drawing: Drawing, mesh: CGCMesh, parent: str) -> None:
+def draw_roles(drawing: Drawing, asked: Asked, parent: str) -> None:
     """Draw the supports as points and the creases as polylines on the sublayers of `parent`."""
-    keys = mesh.supports()
-    places = np.array([mesh.vertex_coordinates(key) for key in keys]).reshape(-1, 3)
-    drawing.points(places, drawing.attributes(drawing.layer(f"{parent}::Supports", (200, 30, 30))))
+    on_supports = drawing.layer(f"{parent}::Supports", (200, 30, 30))
+    drawing.points(asked.vertices[asked.supports], drawing.attributes(on_supports))
     on_creases = drawing.layer(f"{parent}::Creases", (20, 60, 160))
-    for line in crease_polylines(mesh):
-        drawing.polyline(line, drawing.attributes(on_creases))
+    for path in asked.creases:
+        drawing.polyline(asked.vertices[path], drawing.attributes(on_creases))
 
 
-def _tolerance(mesh: CGCMesh) -> float:
+def _tolerance(vertices: FloatArray) -> float:
     """Return a ten-thousandth of the size, rounded down to a power of ten, at most 0.001 [L]."""
-    vertices, _ = mesh.arrays()
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 1.0
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
     return min(1e-3, 10.0 ** math.floor(math.log10(1e-4 * size))) if size > 0 else 1e-3
 
 
-def _inside(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def _inside(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return the centre of the face nearest to the middle of a region (3,) [L]."""
     centres = vertices[faces].mean(axis=1)
     return centres[np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1))]
