@@ -217,3 +217,26 @@ def test_reproduce_sets_the_papers_tables_beside_ours(tmp_path, capsys):
     tables = json.loads((tmp_path / "tables.json").read_text(encoding="utf-8"))
     assert len(tables["curves"]) == 6 and len(tables["surfaces"]) == 13 and set(tables["table2"]) == {"5", "10", "15", "20"}
     assert page in capsys.readouterr().out
+
+
+def test_check_says_what_a_file_holds_and_what_is_missing(tmp_path, capsys):
+    before = (ROOFS / "nine_regions.3dm").read_bytes()
+    assert call("check", ROOFS / "nine_regions.3dm") == 2
+    said = capsys.readouterr().out
+    assert "4 vertices are supports" in said and "9 regions:" in said
+    assert said.splitlines()[-1].startswith("- no target is set") and "--target K" in said
+    assert (ROOFS / "nine_regions.3dm").read_bytes() == before
+    out = tmp_path / "roof.3dm"
+    assert call("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01") == 0
+    capsys.readouterr()
+    assert call("check", out) == 0
+    assert "nothing stands in the way of a solve" in capsys.readouterr().out
+
+
+def test_layers_of_other_names_are_read(tmp_path, capsys):
+    out = tmp_path / "roof.3dm"
+    words = ["solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01"]
+    assert call(*words, "--layer", "supports=Supports", "--layer", "mesh=Mesh", "--layer", "creases=None") == 0
+    assert "4 supports, 0 creases" in capsys.readouterr().out
+    assert call(*words, "--layer", "walls=Supports") == 2
+    assert "--layer must be ROLE=NAME" in capsys.readouterr().err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,11 @@ import rhino3dm
 
 from compas_cgc.errors import FileError
 from compas_cgc.errors import ProblemError
+from compas_cgc.projection.constraints import OnCurve
+from compas_cgc.rhino import constraints_of
 from compas_cgc.rhino import describe
 from compas_cgc.rhino import read_model
+from compas_cgc.rhino import write_model
 
 from .rhino_models import ORIGINS
 from .rhino_models import Sketch
@@ -92,7 +96,7 @@ def test_the_layers_of_the_convention_in_capitals_or_not(sketch, tmp_path):
     sketch.curve(vertices[row(N, 3)], "cgc::Creases::main", {"S": "0.5", "E": "4"})
     sketch.dot("0.02", [0.4, 4, 0], "cgc::Targets")
     sketch.points([[6, 4, 0]], "cgc::Targets", {"k": "-0.5"})
-    sketch.curve(vertices[row(N, 6)], "cgc::Constraints", {"weight": "2"})
+    sketch.curve(vertices[row(N, 6)], "cgc::Constraints")
     sketch.curve([[0, 0, 9], [9, 9, 9]], "Sketches")
     sketch.points([[4, 4, 4]])
     model = read_model(sketch.save(tmp_path / "a.3dm"))
@@ -100,9 +104,32 @@ def test_the_layers_of_the_convention_in_capitals_or_not(sketch, tmp_path):
     mesh = model.to_cgcmesh()
     assert [mesh.region_target(r) for r in range(2)] == [0.02, -0.5]
     assert mesh.vertex_s(row(N, 3)[4]) == 0.5 and mesh.vertex_e(row(N, 3)[4]) == 4 and mesh.vertex_s(0) is None
-    (constraint,) = mesh.attributes["constraints"]
-    assert constraint["vertices"] == row(N, 6) and constraint["text"] == {"weight": "2"}
+    (constraint,) = constraints_of(mesh)
+    assert isinstance(constraint, OnCurve) and constraint.vertices == row(N, 6) and not constraint.closed
     assert said(model, "1 curve, 1 point", "not read")
+
+
+def test_constraints_besides_the_curvature(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    ring = [vertices[v] for v in (22, 24, 44, 42, 22)]
+    sketch.curve(ring, "CGC::Constraints")
+    sketch.curve(vertices[row(N, 7)], "CGC::Constraints", {"keep": "yes"})
+    sketch.points([vertices[55] + [0, 0, 3.5]], "CGC::Constraints")
+    sketch.points([vertices[57]], "CGC::Constraints", {"Keep": "yes"})
+    (beside,) = sketch.points([vertices[55] + [0.4, 0, 3.5]], "CGC::Constraints")
+    away = sketch.curve([[0, 0, 5], [9, 9, 5]], "CGC::Constraints")
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert [name in problem for name, problem in zip((beside, away), model.problems)] == [True, True]
+    mesh = replace(model, problems=()).to_cgcmesh()
+    write_model(tmp_path / "b.3dm", mesh)
+    for again in (mesh, read_model(tmp_path / "b.3dm").to_cgcmesh()):
+        found = {}
+        for constraint in constraints_of(again):
+            found.setdefault(type(constraint).__name__, []).append(constraint)
+        (curve,), (height,) = found["OnCurve"], found["AtHeight"]
+        assert curve.closed and len(curve.vertices) == 8 and (height.vertices, height.height) == ([55], 3.5)
+        assert {v for held in found["Held"] for v in held.vertices} == {57, *row(N, 7)}
 
 
 def test_targets_on_the_mesh_its_layer_and_in_dots(sketch, tmp_path):
@@ -177,7 +204,7 @@ def test_unwelded_mixed_and_single_precision_far_from_the_origin(sketch, tmp_pat
     assert len(model.vertices) == (N + 1) ** 2 and len(model.faces) == 2 * N * N and len(model.supports) == 4
     for words in (["welded"], ["quads"], ["2 faces were turned"], [name, "seven digits", "far from the origin"]):
         assert said(model, *words), words
-    assert model.to_cgcmesh().check() == ["no target is set; say which Gaussian curvature is wanted (mesh.set_target(K))"]
+    assert model.to_cgcmesh().check() == ["no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"]
 
 
 def test_normals_that_point_down_are_said(sketch, tmp_path):

@@ -9,6 +9,7 @@ from typing import Optional
 
 from .._version import __version__
 from . import bench
+from . import check
 from . import example
 from . import reproduce
 from . import solve
@@ -17,7 +18,7 @@ from .exits import REFUSED
 
 __all__ = ["main"]
 
-COMMANDS = (solve, example, reproduce, bench)
+COMMANDS = (solve, check, example, reproduce, bench)
 
 EXITS = """\
 exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 130 interrupted

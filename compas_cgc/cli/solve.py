@@ -15,6 +15,8 @@ from ..errors import CGCError
 from .exits import DONE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
+from .inputs import add_reading
+from .inputs import reading
 from .interrupt import interruptible
 from .progress import ProgressBar
 
@@ -66,6 +68,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--steps", type=int, metavar="N", help="most steps of the method named with --method")
     parser.add_argument("--tolerance", type=float, metavar="T", help="tolerance of the method named with --method")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
+    add_reading(parser)
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
 
@@ -75,12 +78,13 @@ def run(arguments: argparse.Namespace) -> int:
     from ..analysis import analyse
     from ..files import read_mesh
     from ..files import write_mesh
+    from ..rhino import constraints_of
     from ..solver import solve
 
     say = (lambda text: None) if arguments.quiet else print
     output = Path(arguments.output)
     settings = _settings(arguments)
-    mesh, notes = read_mesh(arguments.input)
+    mesh, notes = read_mesh(arguments.input, **reading(arguments))
     for note in notes:
         say(f"{arguments.input}: {note}")
     if arguments.supports:
@@ -101,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
             return wish.is_set()
 
         try:
-            result = solve(mesh, method=arguments.method, settings=settings, callback=callback)
+            result = solve(mesh, arguments.method, settings, constraints_of(mesh), callback)
         finally:
             bar.close()
     analysis = analyse(result.mesh, mesh)

@@ -52,9 +52,8 @@ def _polygon_problems(mesh: CGCMesh) -> list[Problem]:
 def _role_problems(mesh: CGCMesh) -> list[Problem]:
     problems = []
     if not mesh.supports():
-        problems.append(
-            Problem("the mesh has no support, nothing holds it; fix vertices (mesh.set_supports('boundary') fixes the whole edge)")
-        )
+        mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
+        problems.append(Problem(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
     lost = [tuple(int(v) for v in name.strip("()").split(",")) for name, values in mesh.edgedata.items() if values.get("is_crease")]
     lost = [(u, v) for u, v in lost if u not in mesh.halfedge or v not in mesh.halfedge or v not in mesh.halfedge[u]]
     if lost:
@@ -73,7 +72,7 @@ def _target_problems(mesh: CGCMesh) -> list[Problem]:
     missing = [v for v in asked if mesh.vertex_target(v) is None]
     wrong = [v for v in asked if v not in set(missing) and not _is_number(mesh.vertex_target(v))]
     if missing and len(missing) == len(asked):
-        problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K))"))
+        problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
     elif missing:
         problems.append(Problem(f"vertices {listed(missing)} have no target; set one for their region (mesh.set_target(K, region=r))"))
     if wrong:

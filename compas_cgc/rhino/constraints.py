@@ -21,8 +21,9 @@ __all__ = ["constraints_of", "find_constraints"]
 def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float, unit: str) -> tuple[list[dict], list[str], list[str]]:
     """Find the vertices that constraints are about.
 
-    The vertices along a curve shall stay on it; with user text ``keep`` they shall stay
-    where they are. The vertex under or over a point (along z) shall come to its height.
+    The vertices along a curve shall stay on it, and the vertex under or over a point (along
+    z) shall come to its height. With user text ``keep`` the vertices along the curve or
+    under the point shall stay where they are.
 
     Parameters
     ----------
@@ -60,7 +61,10 @@ def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float,
                 f"constraint {item.label} is {distance.max():.4g}{unit} in plan from the nearest vertex; put it right over or under one"
             )
             continue
-        found += [{"kind": "height", "vertices": [int(v)], "height": float(p[2])} for v, p in zip(nearest, item.points)]
+        if "keep" in item.text:
+            found.append({"kind": "held", "vertices": sorted(set(nearest.tolist()))})
+        else:
+            found += [{"kind": "height", "vertices": [int(v)], "height": float(p[2])} for v, p in zip(nearest, item.points)]
     notes = [f"{len(found)} constraints besides K, which the method 'projection' holds"] if found else []
     return found, notes, problems
 

@@ -23,7 +23,8 @@ def describe(model: Model3dm) -> tuple[str, list[str]]:
     Returns
     -------
     text, problems
-        The problems of the file, then those of :meth:`compas_cgc.CGCMesh.check`.
+        The problems of the file, then those of :meth:`compas_cgc.CGCMesh.check`, of
+        which some do not keep it from being solved.
     """
     unit = unit_suffix(model.units)
     mesh = dataclasses.replace(model, problems=()).to_cgcmesh()
@@ -36,5 +37,5 @@ def describe(model: Model3dm) -> tuple[str, list[str]]:
         centre = np.mean([mesh.face_centroid(face) for face in faces], axis=0)
         place = ", ".join(f"{x:.4g}" for x in centre)
         lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
-    problems = list(model.problems) + [str(problem) for problem in mesh.check()]
+    problems = [*model.problems, *mesh.check()]
     return "\n".join(lines), problems

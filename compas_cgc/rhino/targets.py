@@ -75,7 +75,8 @@ def find_targets(
         if distance > 0.0:
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was given to the nearest region, {r}")
         K[r] = item.target
-    notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in np.flatnonzero(np.isnan(K)) if count > 1]
+    without = np.flatnonzero(np.isnan(K)) if np.isfinite(K).any() else []
+    notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
     targets = np.full(len(shell.vertices), np.nan)
     for corner in range(3):
         value = K[region]

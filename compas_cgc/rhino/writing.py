@@ -73,8 +73,7 @@ def _draw_constraints(drawing: Drawing, vertices: FloatArray, constraints: list[
             points = np.array(item["points"])
             drawing.polyline(np.concatenate([points, points[:1]]) if item["closed"] else points, drawing.attributes(layer))
         elif item["kind"] == "held":
-            for a in own:
-                drawing.polyline(np.array([a, a + [0.0, 0.0, 1.0]]), drawing.attributes(layer, text={"keep": "yes"}))
+            drawing.points(own, drawing.attributes(layer, text={"keep": "yes"}))
         else:
             drawing.points(np.column_stack([own[:, :2], np.full(len(own), item["height"])]), drawing.attributes(layer))
 
