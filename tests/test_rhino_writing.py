@@ -12,10 +12,14 @@ from compas_cgc import CGCMesh
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.errors import FileError
+from compas_cgc.examples import CATALOGUE
+from compas_cgc.examples import SurfaceExample
+from compas_cgc.files.asked import asked_of
 from compas_cgc.rhino import read_model
 from compas_cgc.rhino import write_model
 from compas_cgc.rhino import write_result
 
+from .rhino_models import ORIGINS
 from .rhino_models import Sketch
 from .rhino_models import corners_of
 from .rhino_models import quads
@@ -79,6 +83,23 @@ def test_targets_and_strategies_of_single_vertices_are_kept(tmp_path):
     for name in ("target", "s", "e"):
         inside = [v for v in mesh.vertices() if mesh.vertex_role(v) in ("internal", "crease")]
         assert mesh.vertices_attribute(name, keys=inside) == back.vertices_attribute(name, keys=inside)
+
+
+@pytest.mark.parametrize("example", [e for e in CATALOGUE if isinstance(e, SurfaceExample)], ids=lambda e: e.name)
+@pytest.mark.parametrize("origin", ORIGINS)
+def test_every_example_of_the_paper_survives_bit_for_bit(tmp_path, example, origin):
+    mesh, _ = example.build()
+    mesh = mesh.without_dummies()
+    mesh = mesh.with_coordinates(mesh.arrays()[0] + np.array(origin) / 3)
+    write_model(tmp_path / "a.3dm", mesh)
+    model = read_model(tmp_path / "a.3dm")
+    back = model.to_cgcmesh()
+    one, other = asked_of(mesh), asked_of(back)
+    assert one.vertices.tobytes() == other.vertices.tobytes() and np.array_equal(one.faces, other.faces)
+    assert np.array_equal(one.roles, other.roles) and np.array_equal(one.regions, other.regions)
+    assert np.array_equal(one.edges, other.edges) and np.array_equal(one.targets[one.asked], other.targets[other.asked])
+    K, L = gaussian_curvature(one.vertices, one.faces), gaussian_curvature(other.vertices, other.faces)
+    assert np.array_equal(K, L, equal_nan=True)
 
 
 def test_units_that_are_none_are_refused(tmp_path):

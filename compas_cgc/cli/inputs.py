@@ -28,6 +28,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         default="trace",
         help="lead creases off the mesh edges along the nearest edges (default), or split the mesh along them",
     )
+    group.add_argument("--edge-length", type=float, metavar="L", help="mesh outlines without a mesh with edges of this length")
     group.add_argument("--weld", type=float, metavar="D", help="distance within which points are one (default: the file's tolerance)")
 
 
@@ -39,4 +40,4 @@ def reading(arguments: argparse.Namespace) -> dict[str, Any]:
         if not equals or role not in ROLES or not name:
             raise CGCError(f"--layer must be ROLE=NAME with ROLE one of {', '.join(ROLES)}, not {text!r}")
         layers.setdefault(role, []).append(name)
-    return {"layers": layers or None, "crease": arguments.crease, "tolerance": arguments.weld}
+    return {"layers": layers or None, "crease": arguments.crease, "tolerance": arguments.weld, "edge_length": arguments.edge_length}

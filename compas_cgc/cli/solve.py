@@ -114,14 +114,15 @@ def run(arguments: argparse.Namespace) -> int:
         from ..atomic import write_text
 
         write_text(arguments.report, json.dumps(_report(arguments, settings, result, analysis), indent=1, ensure_ascii=False) + "\n")
+    kept = dict(result=result, source=arguments.input, settings=None if settings is None else settings.to_dict(), analysis=analysis)
     if result.converged:
-        write_mesh(output, result.mesh, result=result, source=arguments.input)
+        write_mesh(output, result.mesh, **kept)
         say(f"wrote {output}")
         return DONE
     print(f"compas-cgc: {result.message}", file=sys.stderr)
     if result.status in ("step_limit", "stalled", "cancelled"):
         unfinished = output.with_name(f"{output.stem}.unfinished{output.suffix}")
-        write_mesh(unfinished, result.mesh, result=result, source=arguments.input)
+        write_mesh(unfinished, result.mesh, **kept)
         print(f"compas-cgc: the unfinished surface is in {unfinished}; {output} was not written", file=sys.stderr)
     return INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED
 

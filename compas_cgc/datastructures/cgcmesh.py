@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable
 from collections.abc import Mapping
 from collections.abc import Sequence
@@ -146,6 +147,27 @@ class CGCMesh(Mesh):
         if sum(mesh.face_normal(next(iter(mesh.faces())))[2:]) < 0:
             mesh.flip()
         return mesh
+
+    @classmethod
+    def from_3dm(cls, path: Union[str, os.PathLike], **options: object) -> CGCMesh:
+        """Read a mesh with supports, creases and targets from a Rhino file, see :func:`compas_cgc.rhino.read_model`."""
+        from ..rhino import read_model
+
+        return read_model(path, **options).to_cgcmesh()
+
+    def to_3dm(self, path: Union[str, os.PathLike], version: int = 7) -> None:
+        """Write the mesh with supports, creases and targets as a Rhino file that :meth:`from_3dm` reads.
+
+        Parameters
+        ----------
+        path
+            The .3dm file; an older one is replaced when the new one is complete.
+        version
+            Of Rhino: 7 or 8.
+        """
+        from ..rhino import write_model
+
+        write_model(path, self, version)
 
     def triangulate(self) -> None:
         """Split the faces with more than three corners."""

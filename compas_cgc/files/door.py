@@ -9,15 +9,10 @@ from typing import TYPE_CHECKING
 from typing import Optional
 from typing import Union
 
-import numpy as np
-
 from ..errors import FileError
-from ..errors import MeshError
-from ..meshing.tidy import tidy
 from .asked import asked_of
 from .compas_json import json_text
 from .compas_json import read_json
-from .meshfile import MeshFile
 from .obj import obj_text
 from .obj import read_obj
 from .off import off_text
@@ -26,9 +21,11 @@ from .ply import ply_text
 from .ply import read_ply
 from .stl import read_stl
 from .stl import stl_text
+from .tidied import tidied
 from .written import written
 
 if TYPE_CHECKING:
+    from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
     from ..result import SolveResult
 
@@ -44,6 +41,7 @@ def read_mesh(
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
     tolerance: Optional[float] = None,
+    edge_length: Optional[float] = None,
 ) -> tuple[CGCMesh, list[str]]:
     """Read a mesh with the supports, creases and targets that the file holds.
 
@@ -55,7 +53,7 @@ def read_mesh(
     ----------
     path
         A .3dm, .json, .obj, .off, .ply or .stl file.
-    layers, crease, tolerance
+    layers, crease, tolerance, edge_length
         For .3dm, see :func:`compas_cgc.rhino.read_model`.
 
     Returns
@@ -75,14 +73,14 @@ def read_mesh(
     if suffix == ".3dm":
         from ..rhino import read_model
 
-        model = read_model(source, layers, crease, tolerance)
+        model = read_model(source, layers, crease, tolerance, edge_length)
         return model.to_cgcmesh(), list(model.notes)
     if suffix == ".json":
         return read_json(source), []
     found = _READERS[suffix](source)
     if not len(found.vertices) or not len(found.faces):
         raise FileError(f"{path} holds no mesh; give one with vertices and faces")
-    return _tidied(found, source)
+    return tidied(found, source)
 
 
 def write_mesh(
@@ -92,6 +90,7 @@ def write_mesh(
     source: Union[str, os.PathLike, None] = None,
     settings: Optional[Mapping[str, object]] = None,
     version: Optional[int] = None,
+    analysis: Optional[SurfaceReport] = None,
 ) -> None:
     """Write a mesh in the format of the suffix, whole or not at all; every digit is kept.
 
@@ -111,6 +110,8 @@ def write_mesh(
         Settings of the solve, noted in a .3dm.
     version
         Of a .3dm: 7 or 8.
+    analysis
+        The report on the result, shown in a .3dm. Default: made here.
 
     Raises
     ------
@@ -126,7 +127,7 @@ def write_mesh(
         if result is None:
             write_model(target, mesh, version or 7)
         else:
-            write_result(target, result, source if source is not None and _is_3dm(source) else None, settings, version)
+            write_result(target, result, source if source is not None and _is_3dm(source) else None, settings, version, analysis)
         return
     solved = mesh if result is None else result.mesh
     text = json_text(solved) if suffix == ".json" else _WRITERS[suffix](asked_of(solved))
@@ -143,52 +144,3 @@ def _suffix(path: Path) -> str:
 
 def _is_3dm(path: Union[str, os.PathLike]) -> bool:
     return Path(path).suffix.lower() == ".3dm"
-
-
-def _tidied(found: MeshFile, source: Path) -> tuple[CGCMesh, list[str]]:
-    """Return a clean mesh with the roles that still apply."""
-    n = len(found.vertices)
-    wrong = next((i for i, face in enumerate(found.faces) if any(not 0 <= v < n for v in face)), None)
-    if wrong is not None:
-        raise FileError(f"{source}: face {wrong} names a vertex that does not exist; export it again")
-    if not np.isfinite(found.vertices).all():
-        bad = int(np.flatnonzero(~np.isfinite(found.vertices).all(axis=1))[0])
-        raise FileError(f"{source}: vertex {bad} has a coordinate that is no finite number; correct it")
-    try:
-        clean = tidy(found.vertices, found.faces, 0.0)
-    except MeshError as error:
-        raise FileError(f"{source}: {error}") from None
-    index = _places(found.vertices, clean.vertices, clean.index)
-    targets = None
-    if found.targets is not None:
-        targets = [None] * len(clean.vertices)
-        for old, K in enumerate(found.targets):
-            if index[old] >= 0 and K is not None:
-                targets[index[old]] = K
-    creases = [[int(index[v]) for v in path] for path in found.creases]
-    on = [_follows(path, clean.faces) for path in creases]
-    notes = [*found.notes, *clean.notes]
-    if not all(on):
-        notes.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were left out")
-    supports = sorted({int(index[v]) for v in found.supports if index[v] >= 0})
-    kept = MeshFile(clean.vertices, clean.faces.tolist(), supports, [path for path, good in zip(creases, on) if good], targets)
-    return kept.to_cgcmesh(source.stem), notes
-
-
-def _follows(path: list[int], faces: np.ndarray) -> bool:
-    """Tell whether a vertex path runs along edges of faces (m, 3)."""
-    n = int(faces.max()) + 1
-    edges = np.concatenate([faces * n + np.roll(faces, shift, axis=1) for shift in (1, -1)])
-    u, v = np.array(path[:-1]), np.array(path[1:])
-    return bool(len(u) and min(path) >= 0 and np.isin(u * n + v, edges).all())
-
-
-def _places(old: np.ndarray, new: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Return the new index of every old vertex; one of no face, as points and lines of other programs have, goes by its place."""
-    lost = np.flatnonzero(index < 0)
-    if not len(lost):
-        return index
-    at = {place: i for i, place in enumerate(map(tuple, new.tolist()))}
-    index = index.copy()
-    index[lost] = [at.get(tuple(place), -1) for place in old[lost].tolist()]
-    return index

@@ -18,6 +18,7 @@ from .layers import layer_names
 from .model import Model3dm
 from .objects import Item
 from .objects import list_items
+from .outlines import outline_part
 from .selection import select
 from .texts import user_number
 from .texts import user_target
@@ -31,6 +32,7 @@ def read_model(
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
     tolerance: Optional[float] = None,
+    edge_length: Optional[float] = None,
 ) -> Model3dm:
     """Read a surface problem from a .3dm file.
 
@@ -48,6 +50,9 @@ def read_model(
         best path of edges, ``"split"`` cuts the mesh along it.
     tolerance
         Distance within which points are one [L]. Default: the file's.
+    edge_length
+        Where there is no mesh: length of the edges of one that is made between the outline
+        and the creases [L], which takes the extra ``mesher``.
 
     Returns
     -------
@@ -62,10 +67,9 @@ def read_model(
     names = layer_names(path, layers)
     archive = read_archive(path)
     found = select(list_items(archive), names)
-    if not found.mesh:
-        raise FileError(f"{path}: there is no mesh in the file; make one with Rhino's command Mesh or QuadRemesh, and save the file again")
+    own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
     try:
-        converted = [to_part(item) for item in found.mesh]
+        converted = [to_part(item) for item in found.mesh] or [outline_part(found, edge_length, own)]
         return assemble(
             name=Path(path).stem,
             parts=[part for part, _ in converted],
@@ -74,7 +78,7 @@ def read_model(
             targets=lambda fine: _drawn(found.targets, fine),
             constraints=lambda fine: _drawn(found.constraints, fine),
             units=unit_name(archive.Settings.ModelUnitSystem),
-            tolerance=float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance,
+            tolerance=own,
             solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
             crease=crease,
             notes=found.notes + [note for _, notes in converted for note in notes],

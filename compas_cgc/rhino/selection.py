@@ -25,6 +25,7 @@ class Selection(NamedTuple):
     creases: list[Item]
     targets: list[Item]
     constraints: list[Item]
+    outlines: list[Item]  # curves around a mesh yet to be made, the boundary and holes
     regions: list[Item]  # regions of an earlier result, with the targets it was solved for
     notes: list[str]
 
@@ -41,7 +42,7 @@ def select(items: list[Item], names: LayerNames) -> Selection:
         result = _of_result(items)
         if result:
             note = "the file holds nothing but an earlier result, which is taken as the input"
-            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], [], regions, [note])
+            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], [], [], regions, [note])
     if any(role[item.id] for item in given):
         return _by_layer(given, role, regions, names)
     return _by_kind(given, regions)
@@ -60,6 +61,7 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
         "targets": ("text dot", "point"),
         "constraints": ("curve", *_POINTS),
     }
+    outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
     chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
     notes = [
         f"{item.label} was left out: the layer is for {', '.join(wanted[role[item.id]])}"
@@ -67,7 +69,10 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
         if role[item.id] and item.kind not in wanted[role[item.id]]
     ]
     others = [item for item in given if role[item.id] is None]
-    if not chosen["mesh"]:
+    if outlines and not chosen["mesh"]:
+        named = {item.id for item in outlines}
+        notes = [note for note in notes if not any(name in note for name in named)]
+    elif not chosen["mesh"]:
         chosen["mesh"], more = _first_mesh(others, names.mesh[0])
         notes += more
     taken = {item.id for part in chosen.values() for item in part}
@@ -75,7 +80,7 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
     if kinds:
         listed = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
         notes.append(f"on layers of no meaning here: {listed}; not read")
-    return Selection(chosen["mesh"], chosen["supports"], chosen["creases"], chosen["targets"], chosen["constraints"], regions, notes)
+    return Selection(**chosen, outlines=outlines, regions=regions, notes=notes)
 
 
 def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
@@ -86,7 +91,17 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
     named = {item.id for item in targets}
     supports = [item for item in shown if item.kind in _POINTS and item.id not in named]
     creases = [item for item in shown if item.kind == "curve"]
-    return Selection(mesh, supports, creases, targets, [], regions, notes + more)
+    outlines = []
+    if not mesh:
+        # Of the curves alone the closed one that reaches farthest is the boundary.
+        outlines = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)[-1:]
+        creases = [item for item in creases if item not in outlines]
+    return Selection(mesh, supports, creases, targets, [], outlines, regions, notes + more)
+
+
+def _reach(item: Item) -> float:
+    box = item.geometry.GetBoundingBox()
+    return (box.Max.X - box.Min.X) * (box.Max.Y - box.Min.Y)
 
 
 def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:
