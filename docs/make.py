@@ -7,10 +7,13 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from compas_cgc import CGCMesh
 from compas_cgc.atomic import write_text
 from compas_cgc.cli import main
 from compas_cgc.examples import example4
+from compas_cgc.plot import draw_shape
 from compas_cgc.plot import hero
 from compas_cgc.plot import save
 from compas_cgc.problem import CGCProblem
@@ -50,6 +53,33 @@ def roof() -> None:
     save(hero(problem.vertices, problem.faces, problem.roles, creases), DOCS / "images" / "nine_regions.png")
 
 
+def convention() -> None:
+    """Draw which layer of a Rhino file means what."""
+    mesh = CGCMesh.from_3dm(DOCS.parent / "examples" / "nine_regions.3dm")
+    problem = CGCProblem.from_mesh(mesh)
+    index = {key: i for i, key in enumerate(mesh.vertices())}
+    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges()])
+    figure = Figure(figsize=(8, 4.6), dpi=160)
+    ax = figure.add_axes((0.02, 0.03, 0.56, 0.94))
+    draw_shape(problem.vertices, problem.faces, problem.roles, creases, view="plan", ax=ax)
+    for region in range(9):
+        x, y, _ = np.mean([mesh.face_centroid(face) for face in mesh.regions()[region]], axis=0)
+        dot = dict(boxstyle="round", facecolor="#f4d35e", edgecolor="none")
+        ax.text(x, y, "K=0.04" if region == 4 else "K=0.01", ha="center", va="center", fontsize=8, bbox=dot)
+    lines = {
+        "CGC::Mesh": "one mesh, or several to be joined",
+        "CGC::Supports": "points, point clouds, curves: what stays (red)",
+        "CGC::Creases": "curves: where it may fold (thick)",
+        "CGC::Targets": "text dots: K of the region (yellow)",
+        "CGC::Constraints": "curves to stay on, points to reach",
+    }
+    for row, (layer, meaning) in enumerate(lines.items()):
+        figure.text(0.61, 0.84 - 0.16 * row, layer, fontsize=11, weight="bold", family="monospace")
+        figure.text(0.61, 0.79 - 0.16 * row, meaning, fontsize=8.5)
+    save(figure, DOCS / "images" / "layers.png")
+
+
 if __name__ == "__main__":
+    convention()
     reproduction()
     roof()

@@ -213,6 +213,7 @@ COPIES = {
     "copy": lambda mesh: mesh.copy(),
     "json": lambda mesh: compas.json_loads(compas.json_dumps(mesh)),
     "pickle": lambda mesh: pickle.loads(pickle.dumps(mesh)),
+    "duplicate": lambda mesh: mesh._duplicate(),
 }
 
 
@@ -232,6 +233,18 @@ def test_copies_keep_everything(how):
     assert other.attributes["unit"] == "m" and other.default_vertex_attributes["target"] == 0.7
     if how != "copy":
         assert other.name == "roof"
+
+
+def test_a_result_shares_nothing_with_its_input():
+    mesh = nine_regions()
+    mesh.vertex_attribute(5, "loads", [1, 2])
+    twin = mesh.with_coordinates(mesh.arrays()[0] + 1)
+    twin.vertex_attribute(5, "loads").append(3)
+    twin.set_creases([])
+    twin.set_target(9.0)
+    twin.delete_face(0)
+    assert mesh.vertex_attribute(5, "loads") == [1, 2] and mesh.vertex_coordinates(5)[2] == 0.0
+    assert len(mesh.creases()) == 12 and mesh.vertex_target(5) is None and mesh.number_of_faces() == 162
 
 
 def test_a_program_without_us_reads_a_plain_mesh():

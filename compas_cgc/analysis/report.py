@@ -118,12 +118,12 @@ def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport
     SurfaceReport
         Its text is meant to be read; ``to_dict`` gives the same as plain data.
     """
-    vertices, faces = mesh.arrays()
-    keys = [key for key in mesh.vertices() if not mesh.is_dummy(key)]
-    index = {key: i for i, key in enumerate(keys)}
-    problem = CGCProblem.from_mesh(mesh.without_dummies())
+    mesh = mesh.without_dummies()
+    problem = CGCProblem.from_mesh(mesh)
+    vertices, faces = problem.vertices, problem.faces
+    index = {key: i for i, key in enumerate(mesh.vertices())}
     label = np.empty(len(faces), dtype=np.int64)
-    place = {face: i for i, face in enumerate(f for f in mesh.faces() if all(v in index for v in mesh.face_vertices(f)))}
+    place = {face: i for i, face in enumerate(mesh.faces())}
     for number, members in enumerate(mesh.regions()):
         label[[place[face] for face in members]] = number
     moved = None
@@ -132,7 +132,7 @@ def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport
         if before.shape != vertices.shape:
             raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(vertices)}; give the mesh that it was made from")
         moved = np.linalg.norm(vertices - before, axis=1)
-    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges() if u in index and v in index], dtype=np.int64)
+    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges()], dtype=np.int64)
     regions = _regions(problem, label, creases.reshape(-1, 2))
     return SurfaceReport(
         regions,
