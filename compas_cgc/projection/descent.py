@@ -11,7 +11,7 @@ import numpy as np
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.jacobian import CurvatureEquations
-from .system import Point
+from .point import Point
 from .system import System
 
 __all__ = ["Taken", "descend", "in_stages"]
@@ -22,7 +22,7 @@ PATIENCE = 12  # steps within which the merit must fall
 SLOW = 0.9  # to this part of what it was
 TURN = 0.5  # cosine of the angle that a face may turn by in a step
 SHARPEST = 0.0  # cosine of the sharpest fold that a step may make
-LOOSEST, TIGHTEST = 1e-2, 1e-6  # residuals of the linear systems
+LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
 STAGE = 0.25  # first part of the way to the targets
 SHORTEST_STAGE = 1 / 128
 STAGE_STEPS = 6
@@ -43,12 +43,12 @@ def descend(system: System, equations: CurvatureEquations, start: Point, slow: f
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
     """
-    here, preconditioner = start, None
+    here, kept = start, None
     merits = [here.merit]
     tolerance = LOOSEST
     while here.merit > 0.0:
-        step, preconditioner = system.step(here, equations, tolerance, preconditioner)
-        found = _line_search(system, equations, here, step)
+        step, kept = system.step(here, equations, tolerance, kept)
+        found = _line_search(system, equations, here, step) if np.isfinite(step).all() else None
         if found is None:
             return
         there, length, trials = found

@@ -9,8 +9,9 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from ..discrete.arrays import FloatArray
+from ..linalg import SingularMatrixError
 
-__all__ = ["Factor", "factorise"]
+__all__ = ["Factor", "SingularMatrixError", "factorise"]
 
 PARDISO_FROM = 50_000  # unknowns; below, SuperLU's solves are the faster ones
 
@@ -23,7 +24,7 @@ class Factor(Protocol):
 
 
 def factorise(matrix: sparse.csr_matrix) -> Factor:
-    """Return the factors of a symmetric positive definite matrix.
+    """Return the factors of a symmetric positive definite matrix; raises :class:`SingularMatrixError` where there are none.
 
     Without the refinement of :func:`compas_cgc.linalg.factorise`: the solves are the greater
     part of the work here, and any fixed matrix near to the inverse serves as a metric.
@@ -34,4 +35,7 @@ def factorise(matrix: sparse.csr_matrix) -> Factor:
 
         if works():
             return factorise_by(matrix, symmetric=True, backend="pardiso")
-    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    try:
+        return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SingularMatrixError(str(error)) from None

@@ -7,7 +7,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..discrete.arrays import FloatArray
-from .system import Point
+from .point import Point
 from .system import System
 
 __all__ = ["cause", "enclosed_negative", "message"]
@@ -19,7 +19,7 @@ def message(status: str, steps: int, error: float, start_error: float, goal: flo
     """Return the sentence for a status; errors and goal are largest |K - K̄|."""
     reached = f"largest |K - K̄| {error:.3g}"
     if status == "converged":
-        return f"converged in {steps} steps: {reached}"
+        return f"converged in {steps} steps: {reached}" + (", the rounding of this mesh" if error > goal else "")
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if error > start_error:

@@ -21,10 +21,11 @@ SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean count
 def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bool_], crease_stiffness: float) -> sparse.csr_matrix:
     r"""Return the bending energy of a move, per coordinate.
 
-    A quarter of a plate's energy lies in every hinge, an edge between two faces:
-    :math:`3 (k \cdot u)^2 / (A_1 + A_2)`, where ``k . u`` is the jump of u's slope across the
-    edge times its length. Linear moves cost nothing, and a free edge is really free, which the
-    square of a cotangent Laplacian would not give.
+    Every hinge, an edge between two faces, costs :math:`3 (k \cdot u)^2 / (A_1 + A_2)`, where
+    ``k . u`` is its length times the jump of u's slope across it. Linear moves cost
+    nothing, and a free edge may turn freely, which the square of a cotangent Laplacian would
+    not let it. What a bend costs depends on the layout of the mesh by a factor, of no
+    consequence for a metric.
 
     Parameters
     ----------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Callable
@@ -14,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
-from ..discrete.jacobian import CurvatureEquations
 from ..errors import MeshError
 from ..errors import ProblemError
 from ..problem import CGCProblem
@@ -22,25 +20,14 @@ from ..result import History
 from ..result import Solution
 from ..result import SolveState
 from .constraints import Constraint
-from .descent import Taken
-from .descent import descend
-from .descent import in_stages
 from .energy import energy_meter
 from .messages import cause
-from .messages import enclosed_negative
 from .messages import message
-from .seed import flat_vertices
-from .seed import seeded
 from .settings import ProjectionSettings
-from .system import Point
 from .system import System
+from .ways import ways
 
 __all__ = ["Projector"]
-
-FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
-IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
-LESS, MORE = 0.5, 2.5  # smoothness of the second and third way, against the one asked for
-ON = 1e-12  # distance from a constraint, in the local frame, that is rounding
 
 
 class Projector:
@@ -64,7 +51,14 @@ class Projector:
 
     Examples
     --------
-    >>> from compas_cgc.examples import *  # doctest: +SKIP
+    >>> angle = np.arange(6) * np.pi / 3
+    >>> vertices = np.vstack([[0, 0, 0], np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])])
+    >>> faces = [[0, 1 + i, 1 + (i + 1) % 6] for i in range(6)]
+    >>> projector = Projector(CGCProblem(vertices, faces, roles=[0, 1, 1, 1, 1, 1, 1], targets=0.5))
+    >>> cap = projector.solve()
+    >>> lower = projector.solve(0.4, vertices=cap.vertices)
+    >>> cap.status, lower.status, bool(lower.vertices[0, 2] < cap.vertices[0, 2])
+    ('converged', 'converged', True)
     """
 
     def __init__(self, problem: CGCProblem, settings: Optional[ProjectionSettings] = None, constraints: Sequence[Constraint] = ()):
@@ -114,16 +108,16 @@ class Projector:
         goal = settings.tolerance * local.target_scale
         start = best = system.at(local.vertices, equations)
         status, rows = "stalled", []
-        if _fulfilled(start, goal, 0.0):
+        if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        for taken in self._steps(local, equations, start) if status == "stalled" else ():
+        for taken in ways(system, equations, start, settings) if status == "stalled" else ():
             here = system.at(taken.vertices, equations)
-            best = min(best, here, key=_badness)
+            best = min(best, here, key=lambda point: point.badness)
             errors = (here.error_norm / scale2, here.max_error / scale2)
             rows.append((energy(here.vertices) * self._frame.scale, *errors, taken.length, taken.trials, True))
-            if _fulfilled(here, goal, system.floor):
+            if here.fulfils(goal, system.floor):
                 status, best = "converged", here
             elif len(rows) == settings.steps:
                 status = "step_limit"
@@ -133,7 +127,7 @@ class Projector:
                     status = "cancelled"
             if status != "stalled":
                 break
-        if status == "stalled" and _fulfilled(best, goal, system.rounding(best, equations)):
+        if status == "stalled" and best.fulfils(goal, system.rounding(best, equations)):
             status = "converged"
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         max_error = best.max_error / scale2
@@ -164,55 +158,12 @@ class Projector:
             local = replace(local, vertices=moved)
         return local
 
-    def _steps(self, local: CGCProblem, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
-        """Take steps straight to the targets and, should that stall, in other ways from the start again."""
-        system = self._system
-        if self.settings.seed_height > 0:
-            start = self._seeded(local, equations, start)
-        start = system.at(system.settled(start.vertices), equations)
-        if enclosed_negative(system, local.targets):
-            # Over-determined: to insist on it would crumple the surface.
-            yield from descend(system, equations, start, IMPATIENT)
-            return
-        yield from descend(system, equations, start)
-        if self.settings.retry:
-            yield from descend(system.smoother(LESS), equations, start)
-            yield from in_stages(system.smoother(MORE), local.targets, start.vertices)
-
-    def _seeded(self, local: CGCProblem, equations: CurvatureEquations, start: Point) -> Point:
-        system, rows = self._system, self._system.rows
-        wanted, targets = np.zeros(len(local.vertices)), local.targets[rows]
-        wanted[rows] = targets * start.areas
-        flat = flat_vertices(local.vertices, system.faces, wanted)
-        if not np.abs(wanted[flat]).sum() > FLAT_SHARE * np.abs(wanted).sum():
-            return start
-
-        def defects(vertices: FloatArray) -> FloatArray:
-            residual, areas = equations.measure(vertices)
-            result = np.zeros(len(vertices))
-            result[rows] = residual + targets * areas
-            return result
-
-        wanted = np.where(flat, wanted, 0.0)
-        shape = seeded(local.vertices, system.faces, system.columns, system.stiffness, wanted, defects, self.settings.seed_height)
-        return system.at(shape, equations)
-
     def _to_model(self, vertices: FloatArray) -> FloatArray:
         # What may not move is handed back bit for bit, without the way through the frame.
         result = self.problem.vertices.copy()
         columns = self._system.columns
         result[columns] = self._frame.to_model(vertices[columns])
         return result
-
-
-def _fulfilled(point: Point, goal: float, floor: FloatArray | float) -> bool:
-    """Return whether everything is reached, to the goal of |K - K̄| or to the floor of the residuals."""
-    reached = np.abs(point.residual) <= np.maximum(goal * point.areas, floor)
-    return bool(reached.all()) and bool((point.gap <= ON).all())
-
-
-def _badness(point: Point) -> tuple[bool, float]:
-    return bool((point.gap > ON).any()), point.error_norm
 
 
 def _stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:

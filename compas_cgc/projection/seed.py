@@ -62,12 +62,13 @@ def seeded(
     defects
         Angle defects (n,) of a shape (n, 3), zero where none are asked for.
     highest
-        Highest rise over an open boundary, as a part of the diagonal.
+        Highest rise over an open boundary, as a part of the mesh's diameter.
     """
     dome = bool((wanted > 0).any())
     shape = _quadric(vertices, faces, movable, stiffness, dome)
     closed = not boundary_vertices(vertices, faces)[movable].any()
-    size = float(np.linalg.norm(np.ptp(vertices[faces.ravel()], axis=0)))
+    corners = vertices[np.unique(faces)]
+    size = 2 * float(np.linalg.norm(corners - corners.mean(axis=0), axis=1).max())
     normals = vertex_normals(vertices, faces)
     asked = wanted != 0.0
     seeds, misfits = [], []

@@ -31,11 +31,11 @@ class ProjectionSettings:
         fold freely, one takes no notice of them.
     seed_height
         Where the input is flat no small move changes K; there a low dome or saddle is
-        put on it first. No more than this part of the mesh's diagonal on an open boundary, where
+        put on it first. No higher than this part of the mesh's diameter on an open boundary, where
         flat and steep surfaces have the same K. Zero: no such start.
     retry
-        When the straight way to the targets stalls, try less smoothness, and then more of
-        it with targets that come from the curvature of the start in stages.
+        When the straight way to the targets stalls, try less smoothness, then more of it,
+        and at last targets that come from the curvature of the start in stages.
     """
 
     steps: int = 100

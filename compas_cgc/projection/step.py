@@ -11,6 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from ..discrete.arrays import FloatArray
+from .factor import SingularMatrixError
 from .factor import factorise
 from .metric import Metric
 from .vectors import dot
@@ -80,7 +81,11 @@ def least_norm(
     goal = max(tolerance * norm(right), floor * math.sqrt(len(right)))
     y, done = _conjugate_gradients(apply, right, np.zeros(len(right)), preconditioner or (lambda v: v / scale), goal, FEW)
     if not done:
-        preconditioner = _normal_moves(J, metric, across, apply)
+        try:
+            preconditioner = _normal_moves(J, metric, across, apply)
+        except SingularMatrixError:
+            # Faces without area: what was found without it has to do.
+            return Step(metric.solve(transposed @ y), None)
         y, _ = _conjugate_gradients(apply, right, y, preconditioner, goal, MOST)
     return Step(metric.solve(transposed @ y), preconditioner)
 

@@ -17,6 +17,7 @@ from .constraints import unit
 __all__ = ["Image", "images", "keep_faces"]
 
 REACH = 0.5  # how far from its place an image may be, in mean edges
+SAME = 1e-9  # difference of two symmetries that is rounding
 MOST = 48  # images of a vertex, those of a cube's symmetry
 
 
@@ -50,11 +51,16 @@ def images(vertices: FloatArray, edge: float, mirrors: Sequence[Mirror]) -> list
     for image in found:
         for other in generators:
             new = Image(other.to[image.to], other.turn @ image.turn, other.turn @ image.shift + other.shift)
-            if not any(np.array_equal(new.to, known.to) and np.allclose(new.turn, known.turn) for known in found):
+            if not any(_same(new, known) for known in found):
                 found.append(new)
             if len(found) > MOST:
                 raise ProblemError([f"the mirrors make more than {MOST} images of a vertex; use planes that meet at 90 or 45 degrees"])
     return found
+
+
+def _same(one: Image, other: Image) -> bool:
+    near = [np.allclose(a, b, rtol=0, atol=SAME) for a, b in ((one.turn, other.turn), (one.shift, other.shift))]
+    return np.array_equal(one.to, other.to) and all(near)
 
 
 def keep_faces(faces: IntArray, symmetries: Sequence[Image]) -> bool:
