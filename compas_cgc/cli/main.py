@@ -12,13 +12,14 @@ from . import bench
 from . import check
 from . import example
 from . import reproduce
+from . import serve
 from . import solve
 from .exits import INTERRUPTED
 from .exits import REFUSED
 
 __all__ = ["main"]
 
-COMMANDS = (solve, check, example, reproduce, bench)
+COMMANDS = (solve, check, example, reproduce, bench, serve)
 
 EXITS = """\
 exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 130 interrupted

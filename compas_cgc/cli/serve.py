@@ -1,0 +1,52 @@
+"""``compas-cgc serve``: solves for Grasshopper (Hops), browsers and scripts."""
+
+from __future__ import annotations
+
+import argparse
+import os
+
+from .exits import DONE
+
+EPILOG = """\
+The key is better given as the environment variable COMPAS_CGC_KEY than as an argument, which other users of the machine can see.
+In Grasshopper put a Hops component and set its path to http://127.0.0.1:7331/cgc/dome (or /cgc/solve, /cgc/flow, /cgc/analyse).
+"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Add the command and its arguments."""
+    parser = subparsers.add_parser(
+        "serve",
+        help="run the compute server",
+        description="Run the compute server for Grasshopper (Hops) and scripts until Ctrl-C.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other needs a key"
+    )
+    parser.add_argument("--port", type=int, default=7331, help="port (default 7331), 0 for any free one")
+    parser.add_argument("--key", help="what clients have to send (default: COMPAS_CGC_KEY, or none)")
+    parser.add_argument("--workers", type=_positive, help="solves at the same time (default: processors less one)")
+    parser.add_argument("--store", metavar="FILE", help="file that keeps the jobs (default: one of the user's, by the port)")
+    parser.add_argument(
+        "--name", action="append", default=[], help="host name that clients use for this server; may be given several times"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..server import serve
+
+    key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
+    names = tuple(name.lower() for name in arguments.name)
+    serve(arguments.host, arguments.port, key, arguments.workers, arguments.store, names=names)
+    return DONE
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError("must be 1 or more")
+    return value

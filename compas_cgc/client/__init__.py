@@ -1,0 +1,12 @@
+"""A client of the compute server that needs nothing but Python 3.9: not even the rest of this package."""
+
+from __future__ import annotations
+
+from .client import Client
+from .errors import ClientError
+from .errors import Failed
+from .errors import Refused
+from .errors import ServerUnavailable
+from .start import ensure_server
+
+__all__ = ["Client", "ClientError", "Failed", "Refused", "ServerUnavailable", "ensure_server"]

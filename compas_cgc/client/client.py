@@ -1,0 +1,218 @@
+"""Solve on a server as if it were here."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import random
+import time
+import urllib.error
+import urllib.request
+import uuid
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Callable
+from typing import Optional
+from typing import Union
+from urllib.parse import quote
+from urllib.parse import urlencode
+
+from .errors import Failed
+from .errors import Refused
+from .errors import ServerUnavailable
+
+__all__ = ["Client"]
+
+API = 1
+LOST = (OSError, http.client.HTTPException)
+# A proxy of the system between this program and its own machine would only be in the way.
+_DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+
+class Client:
+    """A compute server.
+
+    Parameters
+    ----------
+    url
+        Its address.
+    key
+        Its key, where it has one.
+    retries
+        How often a lost connection or a busy server is tried again, with growing pauses.
+    timeout
+        Seconds to wait for an answer; a solve may take any time.
+    """
+
+    def __init__(self, url: str = "http://127.0.0.1:7331", key: Optional[str] = None, retries: int = 5, timeout: float = 30.0):
+        self.url = url.rstrip("/")
+        self.key = key
+        self.retries = retries
+        self.timeout = timeout
+
+    # ------------------------------------------------------------------
+    # Solves
+    # ------------------------------------------------------------------
+
+    def solve(
+        self,
+        vertices: Sequence[Sequence[float]],
+        faces: Sequence[Sequence[int]],
+        on_progress: Optional[Callable[[dict], object]] = None,
+        cancel: Optional[Callable[[], bool]] = None,
+        interval: float = 0.2,
+        **asked: object,
+    ) -> dict:
+        """Solve and wait for the result.
+
+        Parameters
+        ----------
+        vertices
+            ``(n, 3)`` coordinates [L].
+        faces
+            Lists of vertex numbers.
+        on_progress
+            Called with the status after every look.
+        cancel
+            Asked at every look; True stops the solve.
+        interval
+            Seconds between two looks.
+        asked
+            ``supports``, ``creases``, ``targets``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
+
+        Returns
+        -------
+        dict
+            With ``vertices``, ``faces``, ``status``, ``message``, ``max_error``, ``curvature``, ``history``, ``report``.
+
+        Raises
+        ------
+        ServerUnavailable, Refused, Failed
+            With a sentence to show.
+        """
+        id = self.submit(vertices, faces, **asked)
+        pause = min(0.02, interval)
+        while True:
+            status = self.poll(id)
+            if on_progress is not None:
+                on_progress(status)
+            if status["state"] == "succeeded":
+                return self.result(id)
+            if status["state"] in ("failed", "cancelled"):
+                raise Failed(status["message"] or status["state"], status["state"])
+            if cancel is not None and cancel():
+                self.cancel(id)
+                cancel = None
+            time.sleep(pause)
+            pause = min(interval, 1.5 * pause)
+
+    def submit(self, vertices: Sequence[Sequence[float]], faces: Sequence[Sequence[int]], id: Optional[str] = None, **asked: object) -> str:
+        """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
+        body = {
+            "id": id or uuid.uuid4().hex,
+            "vertices": _rows(vertices),
+            "faces": _rows(faces),
+            **{name: _rows(value) if hasattr(value, "tolist") else value for name, value in asked.items()},
+        }
+        return self._json("POST", "/api/v1/jobs", body)["id"]
+
+    def submit_file(self, content: bytes, kind: str, **asked: object) -> str:
+        """Hand in the bytes of a ``3dm`` or ``obj`` file and return the id of the job."""
+        query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **asked})})
+        return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
+
+    def poll(self, id: str) -> dict:
+        """Return the status of a job: ``state``, ``progress``, ``iteration``, ``error``, ``elapsed``, ``message``."""
+        return self._json("GET", f"/api/v1/jobs/{quote(id)}")
+
+    def result(self, id: str, format: str = "arrays") -> Union[dict, bytes]:
+        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``."""
+        content = self.request("GET", f"/api/v1/jobs/{quote(id)}/result?format={quote(format)}")
+        return json.loads(content) if format == "arrays" else content
+
+    def cancel(self, id: str) -> dict:
+        """Stop a job and return its status."""
+        return self._json("POST", f"/api/v1/jobs/{quote(id)}/cancel")
+
+    def delete(self, id: str) -> None:
+        """Stop a job and forget it."""
+        self.request("DELETE", f"/api/v1/jobs/{quote(id)}")
+
+    def jobs(self) -> list[dict]:
+        """Return the newest jobs."""
+        return self._json("GET", "/api/v1/jobs")["jobs"]
+
+    # ------------------------------------------------------------------
+    # The server
+    # ------------------------------------------------------------------
+
+    def health(self) -> dict:
+        """Return how the server is."""
+        return self._json("GET", "/health")
+
+    def version(self) -> dict:
+        """Return name and version of the server.
+
+        Raises
+        ------
+        ServerUnavailable
+            If something else answers at the address, or a server of another interface.
+        """
+        try:
+            found = self._json("GET", "/version")
+        except Refused:
+            found = {}
+        if not isinstance(found, Mapping) or found.get("name") != "compas_cgc":
+            raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address")
+        if found.get("api") != API:
+            raise ServerUnavailable(
+                f"the server at {self.url} is compas_cgc {found.get('version')}, which this client does not fit; update one"
+            )
+        return dict(found)
+
+    def request(self, method: str, path: str, body: Optional[bytes] = None) -> bytes:
+        """Send a request and return the answer; what can be tried again is.
+
+        Raises
+        ------
+        ServerUnavailable, Refused
+            With a sentence to show.
+        """
+        headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.key}"} if self.key else {})}
+        attempt = 0
+        while True:
+            asked = urllib.request.Request(self.url + path, body, headers, method=method)
+            try:
+                with _DIRECT.open(asked, timeout=self.timeout) as answer:
+                    return answer.read()
+            except urllib.error.HTTPError as error:
+                refusal = Refused(_sentence(error), error.code)
+                if error.code not in (429, 502, 503) or attempt == self.retries:
+                    raise refusal from None
+            except LOST as error:
+                if attempt == self.retries:
+                    reason = getattr(error, "reason", error)
+                    raise ServerUnavailable(f"no server answers at {self.url} ({reason}); start one with: compas-cgc serve") from None
+            time.sleep(min(2.0, 0.1 * 2**attempt) * random.uniform(0.5, 1.0))
+            attempt += 1
+
+    def _json(self, method: str, path: str, value: Optional[dict] = None) -> dict:
+        body = None if value is None else json.dumps(value, allow_nan=False).encode("utf-8")
+        try:
+            return json.loads(self.request(method, path, body))
+        except ValueError:
+            raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
+
+
+def _rows(value: object) -> object:
+    """Return arrays as lists; numbers of .NET and numpy as those of Python."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return [row.tolist() if hasattr(row, "tolist") else list(row) for row in value]
+
+
+def _sentence(error: urllib.error.HTTPError) -> str:
+    try:
+        return json.loads(error.read())["message"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return f"the server answered {error.code} {error.reason}"

@@ -1,0 +1,1 @@
+"""Solves through ``compas.rpc``: see :mod:`compas_cgc.rpc.service`."""

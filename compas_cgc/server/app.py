@@ -1,0 +1,112 @@
+"""The Flask application: what is served, to whom, and what is said when something is wrong."""
+
+from __future__ import annotations
+
+import logging
+import os
+import secrets
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Optional
+from typing import Union
+
+from flask import Flask
+from flask import Response
+from flask import g
+from flask import json
+from flask import request
+from werkzeug.exceptions import HTTPException
+
+from .hops.routes import hops
+from .jobs import Jobs
+from .limits import Limits
+from .pool import WorkerPool
+from .problems import RequestProblem
+from .problems import error_body
+from .routes import api
+from .security import guard
+from .solving import warm_up
+from .store import Store
+
+__all__ = ["create_app"]
+
+log = logging.getLogger(__name__)
+
+SENTENCES = {
+    404: "there is nothing at this address; GET /openapi.json lists what there is",
+    405: "this address does not take {method} requests; GET /openapi.json lists what there is",
+    413: "the request is larger than the server takes; use a coarser mesh",
+}
+
+
+def create_app(
+    store: Union[str, Path] = ":memory:",
+    key: Optional[str] = None,
+    workers: Optional[int] = None,
+    limits: Optional[Limits] = None,
+    hosts: tuple[str, ...] = (),
+    executor: Optional[Executor] = None,
+) -> Flask:
+    """Make the application with its workers; ``app.extensions["jobs"].close()`` ends them.
+
+    Parameters
+    ----------
+    store
+        SQLite file that keeps the jobs, or ``":memory:"``.
+    key
+        What clients have to send to have anything computed. Default: nothing.
+    workers
+        Number of worker processes. Default: one less than the processors, at least one.
+    limits
+        What is refused.
+    hosts
+        Names under which the server may be addressed besides those of this machine itself.
+    executor
+        Runs the solves instead of worker processes.
+    """
+    limits = limits or Limits()
+    app = Flask("compas_cgc.server", static_folder=None)
+    app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEY=key, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
+    app.json.sort_keys = False
+    app.json.ensure_ascii = False
+    pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
+    app.extensions["jobs"] = Jobs(pool, Store(store), limits)
+    app.before_request(guard)
+    app.after_request(_finish)
+    app.register_error_handler(RequestProblem, _problem)
+    app.register_error_handler(HTTPException, _http_error)
+    app.register_error_handler(Exception, _bug)
+    app.register_blueprint(api)
+    app.register_blueprint(hops)
+    return app
+
+
+def _finish(response: Response) -> Response:
+    response.headers["X-Content-Type-Options"] = "nosniff"
+    response.headers.setdefault("Cache-Control", "no-store")
+    response.headers.setdefault("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'")
+    spent = g.get("spent")
+    if spent:
+        response.headers["Server-Timing"] = ", ".join(f"{name};dur={1000 * seconds:.1f}" for name, seconds in spent.items())
+    return response
+
+
+def answer(body: dict, status: int, headers: Optional[dict] = None) -> Response:
+    """Return a JSON answer."""
+    return Response(json.dumps(body), status, headers, mimetype="application/json")
+
+
+def _problem(problem: RequestProblem) -> Response:
+    return answer(error_body(str(problem)), problem.status, problem.headers)
+
+
+def _http_error(error: HTTPException) -> Response:
+    code = error.code or 500
+    sentence = SENTENCES.get(code, (error.description or error.name)[:200]).format(method=request.method)
+    allowed = {"Allow": ", ".join(sorted(error.valid_methods))} if getattr(error, "valid_methods", None) else None
+    return answer(error_body(sentence), code, allowed)
+
+
+def _bug(error: Exception) -> Response:
+    log.exception("%s %s failed", request.method, request.path)
+    return answer(error_body("the server has a fault and could not answer; its log says more"), 500)

@@ -1,0 +1,112 @@
+"""JSON from outside: parsed with care, checked before anything is done with it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from .limits import Limits
+from .problems import BadRequest
+from .problems import TooLarge
+from .problems import Unprocessable
+
+__all__ = ["LARGEST", "number", "polygons", "read_json", "vertex_array", "whole"]
+
+LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
+DIGITS = 300
+
+
+def read_json(body: bytes, limits: Limits) -> object:
+    """Parse JSON.
+
+    Raises
+    ------
+    BadRequest
+        If it is not JSON in UTF-8, names NaN or Infinity, or is nested too deeply.
+    """
+    try:
+        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=_whole)
+    except UnicodeDecodeError:
+        raise BadRequest("the request is not text in UTF-8; send JSON") from None
+    except RecursionError:
+        raise BadRequest(f"the JSON is nested more than {limits.depth} deep") from None
+    except ValueError as error:
+        raise BadRequest(f"the request is not valid JSON: {str(error)[:120]}") from None
+    level = [value]
+    for _ in range(limits.depth + 1):
+        level = [item for node in level for item in _items(node) if isinstance(item, (list, dict))]
+        if not level:
+            return value
+    raise BadRequest(f"the JSON is nested more than {limits.depth} deep")
+
+
+def _items(node: object) -> object:
+    return node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+
+
+def vertex_array(value: object, limits: Limits) -> FloatArray:
+    """Return vertices (n, 3) [L] of a list of triples of numbers."""
+    if not isinstance(value, list) or not value:
+        raise Unprocessable("'vertices' must be a list of [x, y, z] with at least three of them")
+    if len(value) > limits.vertices:
+        raise TooLarge(f"the mesh has {len(value)} vertices, the server takes {limits.vertices}; use a coarser mesh")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iuf":
+        raise Unprocessable("'vertices' must be a list of [x, y, z], three numbers each")
+    array = array.astype(np.float64)
+    bad = ~(np.abs(array) <= LARGEST).all(axis=1)
+    if bad.any():
+        raise Unprocessable(
+            f"vertex {int(np.argmax(bad))} has a coordinate that is no finite number or larger than {LARGEST:g}; correct it"
+        )
+    return array
+
+
+def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int]]:
+    """Return faces as lists of indices of `count` vertices."""
+    if not isinstance(value, list) or not value:
+        raise Unprocessable("'faces' must be a list of lists of vertex numbers with at least one face")
+    if len(value) > limits.faces:
+        raise TooLarge(f"the mesh has {len(value)} faces, the server takes {limits.faces}; use a coarser mesh")
+    wrong = next((i for i, face in enumerate(value) if not isinstance(face, list) or not 3 <= len(face) <= 1000), None)
+    if wrong is not None:
+        raise Unprocessable(f"face {wrong} must be a list of three or more vertex numbers")
+    flat = np.array([v for face in value for v in face])
+    if flat.dtype.kind not in "iu":
+        raise Unprocessable("'faces' must hold whole numbers only, the positions of vertices counted from 0")
+    if flat.min() < 0 or flat.max() >= count:
+        raise Unprocessable(f"a face names vertex {int(flat.max() if flat.max() >= count else flat.min())}; there are {count}, from 0 on")
+    return value
+
+
+def number(value: object, what: str) -> float:
+    """Return a finite number of moderate size."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise Unprocessable(f"{what} must be a number")
+    if not math.isfinite(value) or abs(value) > LARGEST:
+        raise Unprocessable(f"{what} must be a finite number, not larger than {LARGEST:g}")
+    return float(value)
+
+
+def whole(value: object, what: str) -> int:
+    """Return a whole number; 3.0 is one."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value or abs(value) > LARGEST or int(value) != value:
+        raise Unprocessable(f"{what} must be a whole number")
+    return int(value)
+
+
+def _refuse(name: str) -> None:
+    raise ValueError(f"{name} is no number in JSON")
+
+
+def _whole(text: str) -> int:
+    if len(text) > DIGITS:
+        raise ValueError("a number has too many digits")
+    return int(text)

@@ -1,0 +1,1 @@
+"""The protocol of Hops, Grasshopper's component for functions on a server, and the functions."""

@@ -1,0 +1,115 @@
+"""What Hops is told about a function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional
+from typing import Union
+
+__all__ = ["Endpoint", "Input", "Output"]
+
+RESULT_TYPES = {
+    "Number": "System.Double",
+    "Integer": "System.Int32",
+    "Boolean": "System.Boolean",
+    "Text": "System.String",
+    "Mesh": "Rhino.Geometry.Mesh",
+    "Point": "Rhino.Geometry.Point3d",
+    "Curve": "Rhino.Geometry.Curve",
+}
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output of a component.
+
+    Parameters
+    ----------
+    name, nickname, kind, text
+        ``kind`` is Grasshopper's name of the type.
+    """
+
+    name: str
+    nickname: str
+    kind: str
+    text: str
+
+    def describe(self) -> dict:
+        """Return the entry of the description."""
+        return {
+            "Name": self.name,
+            "Nickname": self.nickname,
+            "Description": self.text,
+            "ParamType": self.kind,
+            "ResultType": RESULT_TYPES[self.kind],
+        }
+
+
+@dataclass(frozen=True)
+class Input(Output):
+    """An input of a component.
+
+    Parameters
+    ----------
+    default
+        Value when nothing is connected, a number, a truth or a text.
+    many
+        Takes a list.
+    optional
+        May stay empty; only newer Hops know that.
+    low, high
+        Bounds of a number.
+    """
+
+    default: Union[float, int, bool, str, None] = None
+    many: bool = False
+    optional: bool = False
+    low: Optional[float] = None
+    high: Optional[float] = None
+
+    def describe(self) -> dict:
+        """Return the entry of the description."""
+        entry = {**super().describe(), "AtLeast": 0 if self.optional else 1, "AtMost": 2147483647 if self.many else 1, "TreeAccess": False}
+        extra = {"Default": self.default, "Minimum": self.low, "Maximum": self.high}
+        return {**entry, **{name: value for name, value in extra.items() if value is not None}}
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A function on the server that is a component in Grasshopper.
+
+    Parameters
+    ----------
+    uri
+        Such as ``cgc/dome``.
+    name, text, icon
+        ``icon`` is SVG.
+    inputs, outputs
+        In their order on the component.
+    """
+
+    uri: str
+    name: str
+    text: str
+    icon: str
+    inputs: tuple[Input, ...]
+    outputs: tuple[Output, ...]
+
+    def describe(self) -> dict:
+        """Return what ``GET`` of the address answers."""
+        return {
+            "Uri": f"/{self.uri}",
+            "Name": self.name,
+            "Nickname": self.name,
+            "Description": self.text,
+            "Category": "COMPAS CGC",
+            "Subcategory": "Solve",
+            "CacheKey": None,
+            "InputNames": [entry.name for entry in self.inputs],
+            "OutputNames": [entry.name for entry in self.outputs],
+            "Inputs": [entry.describe() for entry in self.inputs],
+            "Outputs": [entry.describe() for entry in self.outputs],
+            "Icon": self.icon,
+            "Errors": [],
+            "Warnings": [],
+        }

@@ -1,0 +1,105 @@
+"""Rhino geometry on the wire, decoded with suspicion."""
+
+from __future__ import annotations
+
+import json
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...rhino.colours import signed_colours
+from ...rhino.curves import curve_points
+from ...rhino.drawn import Part
+from ...rhino.meshes import coloured
+from ...rhino.meshes import mesh_from_arrays
+from ...rhino.meshes import mesh_to_arrays
+from ..arrays import LARGEST
+from ..limits import Limits
+from ..problems import TooLarge
+from ..problems import Unprocessable
+
+__all__ = ["mesh_text", "read_curve", "read_mesh"]
+
+
+def read_mesh(data: dict, name: str, limits: Limits) -> Part:
+    """Return the mesh of an input.
+
+    Raises
+    ------
+    Unprocessable, TooLarge
+        With a sentence that names the input.
+    """
+    import rhino3dm
+
+    geometry = _decode(data, name, "mesh")
+    if not isinstance(geometry, rhino3dm.Mesh):
+        raise Unprocessable(f"input '{name}' is a {type(geometry).__name__}, not a mesh; convert it with Mesh or QuadRemesh")
+    if len(geometry.Vertices) > limits.vertices or len(geometry.Faces) > limits.faces:
+        raise TooLarge(f"input '{name}' has {len(geometry.Vertices)} vertices, the server takes {limits.vertices}; use a coarser mesh")
+    if not len(geometry.Vertices) or not len(geometry.Faces):
+        raise Unprocessable(f"input '{name}' is a mesh without vertices or faces, or its data is damaged; mesh it again")
+    vertices, faces = mesh_to_arrays(geometry)
+    if not (np.abs(vertices) <= LARGEST).all():
+        raise Unprocessable(f"input '{name}' has vertices with coordinates that are no finite numbers; mesh it again")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise Unprocessable(f"input '{name}' has faces with vertices that do not exist; mesh it again")
+    single = not geometry.Vertices.UseDoublePrecisionVertices
+    rounding = float(np.abs(vertices).max()) * 2.0**-24 if single else 0.0
+    return Part(f"input '{name}'", vertices, faces, rounding, None, {})
+
+
+def read_curve(data: dict, name: str, tolerance: float) -> FloatArray:
+    """Return points (k, 3) along a curve, kept to within the tolerance [L]."""
+    import rhino3dm
+
+    own = {str(key).lower(): value for key, value in data.items()}
+    if "from" in own and "to" in own:
+        points = _ends(own, name)
+    else:
+        geometry = _decode(data, name, "curve")
+        if not isinstance(geometry, rhino3dm.Curve):
+            raise Unprocessable(f"input '{name}' holds a {type(geometry).__name__}, not a curve")
+        points = curve_points(geometry, tolerance)
+    if not len(points) or not (np.abs(points) <= LARGEST).all():
+        raise Unprocessable(f"input '{name}' holds a curve without finite points; draw it again")
+    return points
+
+
+def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray] = None, limit: float = 1.0) -> str:
+    """Return a mesh as Hops reads it.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` [L] and ``(m, 3)``.
+    values
+        ``(n,)`` numbers to colour the vertices by, from -limit (blue) to limit (red), grey for NaN.
+    limit
+        Largest value.
+    """
+    mesh = mesh_from_arrays(vertices, faces)
+    if values is not None:
+        mesh = coloured(mesh, signed_colours(values, limit))
+    return json.dumps(mesh.Encode())
+
+
+def _decode(data: dict, name: str, kind: str) -> object:
+    import rhino3dm
+
+    try:
+        geometry = rhino3dm.CommonObject.Decode({key: data[key] for key in ("version", "archive3dm", "opennurbs", "data")})
+    except Exception:
+        geometry = None
+    if geometry is None:
+        raise Unprocessable(f"input '{name}' cannot be decoded; connect a {kind} to it")
+    return geometry
+
+
+def _ends(own: dict, name: str) -> FloatArray:
+    try:
+        ends = [{str(key).lower(): value for key, value in own[end].items()} for end in ("from", "to")]
+        return np.array([[float(end[axis]) for axis in "xyz"] for end in ends])
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise Unprocessable(f"input '{name}' holds a line without ends") from None

@@ -1,0 +1,99 @@
+"""What is connected to the inputs of a solve, as a mesh with what is asked of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import CGCError
+from ...rhino.assemble import assemble
+from ...rhino.drawn import Drawn
+from ..limits import Limits
+from ..problems import Unprocessable
+from ..request import Asked
+from ..request import read_asked
+from .catalogue import SOLVE_INPUTS
+from .geometry import read_curve
+from .geometry import read_mesh
+
+if TYPE_CHECKING:
+    from ...datastructures import CGCMesh
+
+__all__ = ["clean_mesh", "solve_problem"]
+
+DEFAULTS = {own.name: own.default for own in SOLVE_INPUTS}
+
+
+def clean_mesh(inputs: dict, context: dict) -> tuple[CGCMesh, list[str]]:
+    """Return the mesh of the input Mesh, welded and triangulated, with notes."""
+    return _assembled({"Mesh": inputs["Mesh"]}, context)
+
+
+def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str]]:
+    """Return the mesh, what is asked of it, and notes.
+
+    Parameters
+    ----------
+    inputs
+        Of ``cgc/solve``, by name.
+    context
+        ``modelunits`` and ``absolutetolerance`` of the document [L].
+
+    Raises
+    ------
+    Unprocessable, CGCError
+        With a sentence that names the input.
+    """
+    K, At = inputs["K"], inputs["At"]
+    if At and len(At) != len(K):
+        raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
+    if not At and len(K) != 1:
+        raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
+    mesh, notes = _assembled(inputs, context)
+    asked: dict = {"method": inputs["Method"], "settings": {}}
+    if not inputs["Supports"]:
+        asked["supports"] = "boundary"
+    if not At:
+        asked["targets"] = K[0]
+    if inputs["Tolerance"] > 0:
+        asked["settings"]["tolerance"] = inputs["Tolerance"]
+    if (inputs["S"], inputs["Delay"]) != (DEFAULTS["S"], DEFAULTS["Delay"]):
+        asked["settings"].update(s=inputs["S"], e=inputs["Delay"])
+        asked["method"] = "flow" if asked["method"] == "auto" else asked["method"]
+    elif asked["method"] == "auto" and asked["settings"]:
+        raise Unprocessable("input 'Tolerance' belongs to a method; set Method to flow, newton or projection too")
+    return mesh, read_asked(asked, mesh.number_of_vertices(), Limits()), notes
+
+
+def _assembled(inputs: dict, context: dict) -> tuple[CGCMesh, list[str]]:
+    part = read_mesh(inputs["Mesh"], "Mesh", Limits())
+    supports = np.array(inputs.get("Supports") or [], dtype=np.float64).reshape(-1, 3)
+    curves = inputs.get("Creases") or []
+    places = inputs.get("At") or []
+
+    def support(tolerance: float) -> list[Drawn]:
+        return [Drawn("of input 'Supports'", "point cloud", supports, None, {})] if len(supports) else []
+
+    def creases(tolerance: float) -> list[Drawn]:
+        named = enumerate(curves)
+        return [Drawn(f"{i} of input 'Creases'", "curve", read_curve(data, "Creases", tolerance), None, {}) for i, data in named]
+
+    def targets(tolerance: float) -> list[Drawn]:
+        named = enumerate(zip(inputs["K"], places))
+        return [Drawn(f"point {i} of input 'At'", "point", np.array([place]), K, {}) for i, (K, place) in named]
+
+    model = assemble(
+        "mesh",
+        [part],
+        support,
+        creases,
+        targets if places else lambda tolerance: [],
+        lambda tolerance: [],
+        context["modelunits"],
+        context["absolutetolerance"],
+    )
+    if model.problems:
+        raise CGCError("; ".join(model.problems))
+    # What the model lacks is said by the check of the solve, in the words of the inputs.
+    return model.to_cgcmesh(), [note for note in model.notes if "no support" not in note]

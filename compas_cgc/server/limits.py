@@ -1,0 +1,65 @@
+"""How much the server takes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Limits"]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits that keep a server answering, each refused with a sentence of its own.
+
+    Parameters
+    ----------
+    body
+        Largest request in bytes.
+    depth
+        Deepest nesting of lists and objects in JSON.
+    vertices, faces
+        Largest mesh.
+    steps
+        Most steps of a solve.
+    queue
+        Most jobs that wait or run.
+    per_client
+        Most jobs of one client (an address) that wait or run.
+    seconds
+        Longest running time of a job.
+    blocking
+        Longest time that a request may wait for its solve. Hops gives up after 100 seconds.
+    grace
+        Seconds between the wish to stop and force.
+    results
+        Most finished jobs that are kept.
+    result_bytes
+        Most bytes of results that are kept.
+    remembered
+        Most jobs that are remembered after their result is gone.
+    streams
+        Most event streams at once; each holds a thread.
+    calls
+        Most blocking solves at once; each holds a thread.
+    """
+
+    body: int = 64 * 2**20
+    depth: int = 32
+    vertices: int = 200_000
+    faces: int = 400_000
+    steps: int = 100_000
+    queue: int = 256
+    per_client: int = 128
+    seconds: float = 3600.0
+    blocking: float = 90.0
+    grace: float = 1.0
+    results: int = 200
+    result_bytes: int = 2**30
+    remembered: int = 5000
+    streams: int = 16
+    calls: int = 32
+
+    @property
+    def threads(self) -> int:
+        """Serving threads needed so that short requests are never kept waiting."""
+        return self.streams + self.calls + 8

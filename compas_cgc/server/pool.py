@@ -1,0 +1,289 @@
+"""Warm worker processes behind the interface of :class:`concurrent.futures.Executor`."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import threading
+import time
+from collections import deque
+from concurrent.futures import Executor
+from concurrent.futures import Future
+from multiprocessing import connection
+from typing import Callable
+from typing import Optional
+
+from .worker import run_tasks
+
+__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "WorkerPool"]
+
+TICK = 0.02  # seconds between two looks at wishes and limits
+FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
+
+log = logging.getLogger(__name__)
+
+
+class WorkerDied(RuntimeError):
+    """The process of a task ended before the task did."""
+
+
+class TaskStopped(RuntimeError):
+    """A task was ended by force: it did not heed the wish to stop within the grace period."""
+
+
+class TaskError(RuntimeError):
+    """A task raised an exception; `kind` is the name of its class, `trace` the worker's traceback."""
+
+    def __init__(self, kind: str, text: str, trace: str):
+        super().__init__(text)
+        self.kind = kind
+        self.trace = trace
+
+
+class Task(Future):
+    """A future that can be stopped while it runs and tells how far it is.
+
+    Attributes
+    ----------
+    on_progress
+        Called with everything that the task reports.
+    stop_reason
+        Why it was asked to stop, None if it was not.
+    """
+
+    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
+        super().__init__()
+        self.call = call
+        self.on_progress = on_progress
+        self.time_limit = time_limit
+        self.stop_reason: Optional[str] = None
+        self.stop_time = 0.0
+
+    def stop(self, reason: str = "cancelled") -> None:
+        """Cancel the task if it waits, ask it to end if it runs."""
+        if not self.cancel() and self.stop_reason is None:
+            self.stop_time = time.monotonic()
+            self.stop_reason = reason
+
+
+class WorkerPool(Executor):
+    """Spawned processes that each run one task at a time.
+
+    A process that ends (a crash, a lack of memory, a kill) fails its own task only and is
+    replaced. A task that does not end when asked to is ended with its process.
+
+    Parameters
+    ----------
+    workers
+        Number of processes.
+    warm_up
+        Function called in every process before its first task.
+    grace
+        Seconds between the wish to stop and force.
+    """
+
+    def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0):
+        self._context = multiprocessing.get_context("spawn")
+        self._warm_up = warm_up
+        self._grace = grace
+        self._waiting: deque[Task] = deque()
+        self._change = threading.Condition()
+        self._closed = False
+        self._failed_starts = 0
+        self.replaced = 0
+        self._slots = [_Slot() for _ in range(workers)]
+        self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, function: Callable, *args: object, **kwargs: object) -> Task:
+        """Queue a call; `function` must be importable by the workers."""
+        return self.start(function, args, kwargs)
+
+    def start(
+        self,
+        function: Callable,
+        args: tuple = (),
+        kwargs: Optional[dict] = None,
+        on_progress: Optional[Callable[[object], object]] = None,
+        time_limit: Optional[float] = None,
+    ) -> Task:
+        """Queue a call with a listener for its reports and a limit on its running time in seconds."""
+        task = Task((function, args, kwargs or {}), on_progress, time_limit)
+        with self._change:
+            if self._closed:
+                raise RuntimeError("the pool is closed, no task can be started")
+            self._waiting.append(task)
+            self._change.notify_all()
+        return task
+
+    def health(self) -> dict:
+        """Count workers by what they do, and the tasks that wait."""
+        states = [slot.state for slot in self._slots]
+        counts = {name: states.count(name) for name in ("starting", "idle", "busy")}
+        return {"workers": len(states), **counts, "waiting": len(self._waiting), "replaced": self.replaced}
+
+    def processes(self) -> list[int]:
+        """Return the process ids of the workers."""
+        return [slot.process.pid for slot in self._slots if slot.process is not None and slot.process.is_alive()]
+
+    def wait_until_ready(self, timeout: Optional[float] = None) -> bool:
+        """Wait until every worker has started."""
+        with self._change:
+            return self._change.wait_for(lambda: all(slot.state in ("idle", "busy") for slot in self._slots), timeout)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes; running tasks are ended unless `wait` is set and `cancel_futures` is not."""
+        with self._change:
+            if wait and not cancel_futures:
+                self._change.wait_for(lambda: not self._waiting and all(slot.state != "busy" for slot in self._slots))
+            self._closed = True
+            left = list(self._waiting)
+            self._waiting.clear()
+            self._change.notify_all()
+        for task in left:
+            task.cancel()
+        if wait:
+            for thread in self._threads:
+                thread.join()
+
+    # ------------------------------------------------------------------
+    # One thread per worker
+    # ------------------------------------------------------------------
+
+    def _keep(self, slot: _Slot) -> None:
+        """Keep a worker running and fed until the pool is closed."""
+        while not self._closed:
+            if self._start(slot):
+                self._failed_starts = 0
+                self._feed(slot)
+            elif not self._closed:
+                self._give_up_some()
+            slot.end()
+        slot.state = "closed"
+
+    def _start(self, slot: _Slot) -> bool:
+        slot.state = "starting"
+        slot.line, theirs = self._context.Pipe()
+        slot.flag = self._context.RawValue("b", 0)
+        slot.process = self._context.Process(target=run_tasks, args=(theirs, slot.flag, self._warm_up), daemon=True)
+        slot.process.start()
+        theirs.close()
+        while not self._closed:
+            if slot.line in connection.wait([slot.line, slot.process.sentinel], TICK):
+                try:
+                    slot.line.recv()
+                    return True
+                except (EOFError, OSError):
+                    return False
+            if not slot.process.is_alive():
+                return False
+        return False
+
+    def _give_up_some(self) -> None:
+        self._failed_starts += 1
+        log.error("a worker ended before it was ready (%d in a row)", self._failed_starts)
+        if self._failed_starts >= FAILED_STARTS:
+            with self._change:
+                left = list(self._waiting)
+                self._waiting.clear()
+            for task in left:
+                if task.set_running_or_notify_cancel():
+                    task.set_exception(WorkerDied("the workers of the server do not start; its log says why"))
+            time.sleep(1.0)
+
+    def _feed(self, slot: _Slot) -> None:
+        """Run tasks until the process is gone."""
+        while True:
+            with self._change:
+                slot.state = "idle"
+                self._change.notify_all()
+                while not self._waiting and not self._closed and slot.process.is_alive():
+                    self._change.wait(0.5)
+                if self._closed or not slot.process.is_alive():
+                    return
+                task = self._waiting.popleft()
+                if not task.set_running_or_notify_cancel():
+                    continue
+                slot.state = "busy"
+            if not self._run(slot, task):
+                self.replaced += 1
+                return
+
+    def _run(self, slot: _Slot, task: Task) -> bool:
+        """Run a task; tell whether the process is still there."""
+        slot.flag.value = 0
+        started = time.monotonic()
+        try:
+            slot.line.send(task.call)
+        except Exception as error:
+            task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.obituary()))
+            return slot.process.is_alive()
+        while True:
+            if self._closed:
+                task.set_exception(TaskStopped("the server was stopped"))
+                return False
+            now = time.monotonic()
+            if task.time_limit is not None and now - started > task.time_limit:
+                task.stop(f"it took longer than the {task.time_limit:g} seconds allowed")
+            if task.stop_reason is not None:
+                slot.flag.value = 1
+                if now - task.stop_time > self._grace:
+                    slot.end()
+                    task.set_exception(TaskStopped(task.stop_reason))
+                    return False
+            if slot.line not in connection.wait([slot.line, slot.process.sentinel], TICK) and slot.process.is_alive():
+                continue
+            try:
+                # What was sent before the end of the process can still be read.
+                kind, content = slot.line.recv() if slot.line.poll() else ("gone", None)
+            except (EOFError, OSError):
+                kind, content = "gone", None
+            if kind == "gone":
+                slot.process.join(1.0)
+                log.error("worker %s: %s", slot.process.pid, slot.obituary())
+                task.set_exception(WorkerDied(slot.obituary()))
+                return False
+            if kind == "progress":
+                _tell(task, content)
+            elif kind == "error":
+                task.set_exception(TaskError(*content))
+                return True
+            else:
+                task.set_result(content)
+                return True
+
+
+def _tell(task: Task, progress: object) -> None:
+    if task.on_progress is not None:
+        try:
+            task.on_progress(progress)
+        except Exception:
+            log.exception("a listener to a task failed")
+
+
+class _Slot:
+    """A place for a worker process."""
+
+    def __init__(self) -> None:
+        self.state = "starting"
+        self.process: Optional[multiprocessing.process.BaseProcess] = None
+        self.line: Optional[connection.Connection] = None
+        self.flag: Optional[object] = None
+
+    def end(self) -> None:
+        """End the process by force and let go of the line."""
+        if self.process is not None and self.process.is_alive():
+            self.process.terminate()
+            self.process.join(0.3)
+            if self.process.is_alive():
+                self.process.kill()
+                self.process.join()
+        if self.line is not None:
+            self.line.close()
+
+    def obituary(self) -> str:
+        """Say how the process ended."""
+        code = self.process.exitcode
+        how = f"killed by signal {-code}" if code is not None and code < 0 else f"exit code {code}"
+        return f"the worker process of this job ended unexpectedly ({how}), perhaps for lack of memory; submit the job again"

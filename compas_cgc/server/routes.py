@@ -1,0 +1,183 @@
+"""The job API, health, version and their description."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Iterator
+from typing import Optional
+
+from flask import Blueprint
+from flask import Response
+from flask import current_app
+from flask import g
+from flask import request
+from flask import url_for
+
+from .._version import __version__
+from .arrays import read_json
+from .formats import FORMATS
+from .formats import encoded
+from .jobs import Jobs
+from .openapi import description
+from .problems import BadRequest
+from .problems import Busy
+from .problems import NotFound
+from .problems import Unprocessable
+from .request import OPTIONS
+from .request import check_request
+from .request import read_asked
+from .status import status
+from .uploads import KINDS
+
+__all__ = ["api", "jobs"]
+
+api = Blueprint("api", __name__)
+_open_streams = 0
+_streams_lock = threading.Lock()
+
+
+def jobs() -> Jobs:
+    """Return the engine of the running application."""
+    return current_app.extensions["jobs"]
+
+
+def respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:
+    """Return a JSON answer; what is not a number in JSON is a fault of the server."""
+    return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
+
+
+@api.get("/health")
+def health() -> Response:
+    """Tell at once whether the server and its workers live."""
+    executor = jobs().executor
+    workers = executor.health() if hasattr(executor, "health") else {}
+    return respond({"status": "starting" if workers.get("starting") == workers.get("workers", -1) else "ok", **workers})
+
+
+@api.get("/version")
+def version() -> Response:
+    """Name the program and its version."""
+    return respond({"name": "compas_cgc", "version": __version__, "api": 1, "instance": current_app.config["INSTANCE"]})
+
+
+@api.get("/openapi.json")
+def openapi() -> Response:
+    """Describe the job API."""
+    return respond(description())
+
+
+@api.post("/api/v1/jobs")
+def submit() -> Response:
+    """Accept a job."""
+    started = time.perf_counter()
+    limits = current_app.config["LIMITS"]
+    body = request.get_data(cache=False)
+    kind = request.args.get("kind", "json")
+    options: dict = {}
+    if kind == "json":
+        value = read_json(body, limits)
+        check_request(value, limits)
+        options = {name: value[name] for name in ("name",) if isinstance(value.get(name), str)}
+        id = value.get("id")
+    elif kind in KINDS:
+        options, id = _file_options(body)
+    else:
+        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
+    if id is not None and not isinstance(id, str):
+        raise Unprocessable("'id' must be a text")
+    g.spent = {"check": time.perf_counter() - started}
+    job, _ = jobs().submit(kind, body, options, id, request.remote_addr or "")
+    address = url_for("api.show", id=job.id)
+    links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
+    return respond(links, 202, {"Location": address})
+
+
+def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
+    """Return what the query asks of an uploaded mesh."""
+    limits = current_app.config["LIMITS"]
+    if not body:
+        raise BadRequest("the request is empty; send the bytes of the file")
+    text = request.args.get("options", "{}")
+    options = read_json(text.encode(), limits)
+    if not isinstance(options, dict) or set(options) - set(OPTIONS):
+        raise Unprocessable(f"'options' must be a JSON object of {', '.join(OPTIONS)}")
+    read_asked(options, None, limits)
+    return options, options.pop("id", None)
+
+
+@api.get("/api/v1/jobs")
+def show_all() -> Response:
+    """List the newest jobs."""
+    return respond({"jobs": [status(job) for job in jobs().list()]})
+
+
+@api.get("/api/v1/jobs/<id>")
+def show(id: str) -> Response:
+    """Tell how a job is doing."""
+    return respond(status(jobs().get(id)))
+
+
+@api.get("/api/v1/jobs/<id>/result")
+def result(id: str) -> Response:
+    """Return the result of a job in one of the formats."""
+    name = request.args.get("format", "arrays")
+    if name not in FORMATS:
+        raise Unprocessable(f"'format' must be one of {', '.join(FORMATS)}")
+    content = jobs().result(id)
+    started = time.perf_counter()
+    answer = Response(encoded(name, content), mimetype=FORMATS[name])
+    if name in KINDS:
+        answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
+    g.spent = {"encode": time.perf_counter() - started}
+    return answer
+
+
+@api.get("/api/v1/jobs/<id>/surface")
+def surface(id: str) -> Response:
+    """Return the present vertices of a running live job as little-endian float32."""
+    content = jobs().surface(id)
+    if content is None:
+        raise NotFound("there is no moving surface; submit the job with 'live', and ask while it runs")
+    return Response(content, mimetype="application/octet-stream")
+
+
+@api.post("/api/v1/jobs/<id>/cancel")
+def cancel(id: str) -> Response:
+    """Stop a job."""
+    return respond(status(jobs().cancel(id)))
+
+
+@api.delete("/api/v1/jobs/<id>")
+def delete(id: str) -> Response:
+    """Stop a job and forget it."""
+    jobs().delete(id)
+    return Response(status=204)
+
+
+@api.get("/api/v1/jobs/<id>/events")
+def events(id: str) -> Response:
+    """Send the states of a job as they change."""
+    global _open_streams
+    engine = jobs()
+    engine.get(id)
+    with _streams_lock:
+        if _open_streams >= current_app.config["LIMITS"].streams:
+            raise Busy("too many event streams are open; ask for the status of the job instead")
+        _open_streams += 1
+
+    def stream() -> Iterator[str]:
+        global _open_streams
+        try:
+            for job in engine.follow(id):
+                if job is None:
+                    yield ": still here\n\n"
+                    continue
+                kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
+                yield f"event: {kind}\ndata: {json.dumps(status(job), ensure_ascii=False)}\n\n"
+        finally:
+            with _streams_lock:
+                _open_streams -= 1
+
+    return Response(stream(), mimetype="text/event-stream")

@@ -1,0 +1,153 @@
+"""Run the server with waitress until it is interrupted."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import sys
+import threading
+import urllib.request
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Optional
+
+from .._version import __version__
+from ..errors import CGCError
+from .limits import Limits
+from .security import is_loopback
+
+if TYPE_CHECKING:
+    from .jobs import Jobs
+    from .pool import WorkerPool
+
+__all__ = ["HOST", "PORT", "default_store", "serve"]
+
+HOST, PORT = "127.0.0.1", 7331
+
+
+def default_store(port: int) -> Path:
+    """Return where the jobs of a server are kept: one file per port in the user's folder for such things."""
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
+    return base / "compas_cgc" / f"jobs-{port}.sqlite"
+
+
+def serve(
+    host: str = HOST,
+    port: int = PORT,
+    key: Optional[str] = None,
+    workers: Optional[int] = None,
+    store: Optional[str] = None,
+    limits: Optional[Limits] = None,
+    names: tuple[str, ...] = (),
+) -> None:
+    """Serve until interrupted.
+
+    Parameters
+    ----------
+    host
+        Address to listen on; any but this machine's own needs a key.
+    port
+        0 for any free one.
+    key
+        What clients have to send.
+    workers
+        Number of worker processes.
+    store
+        File that keeps the jobs. Default: one of the user's, by the port.
+    limits
+        What is refused.
+    names
+        Host names under which clients reach the server.
+
+    Raises
+    ------
+    CGCError
+        If there is no key where one is needed, or the port is taken.
+    """
+    if not is_loopback(host) and not key:
+        raise CGCError(
+            f"listening on {host} needs a key, or anybody on the network could use this machine; set one with --key or COMPAS_CGC_KEY"
+        )
+    if key is not None and (len(key) < 8 or not key.isascii() or not key.isprintable()):
+        raise CGCError("the key must be 8 or more plain letters, digits and signs")
+    listener = _listen(host, port)
+    port = listener.getsockname()[1]
+    limits = limits or Limits()
+    # Imported late: a refusal should not wait for it.
+    import waitress
+
+    from .app import create_app
+
+    app = create_app(store or default_store(port), key, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
+    server = waitress.create_server(
+        app,
+        sockets=[listener],
+        threads=limits.threads,
+        connection_limit=limits.threads + 200,
+        # A body somewhat too large is read to its end, or the client would see a broken connection instead of the sentence.
+        max_request_body_size=2 * limits.body,
+        channel_request_lookahead=1,
+        ident=None,
+        clear_untrusted_proxy_headers=True,
+    )
+    shown = f"[{host}]" if ":" in host else host
+    print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if key else 'without'} a key); Ctrl-C ends it")
+    print(f"Grasshopper: put a Hops component and set its path to http://{shown}:{port}/cgc/dome", flush=True)
+    jobs = app.extensions["jobs"]
+    _end_on_signals(jobs)
+    threading.Thread(target=_say_ready, args=(jobs.executor,), daemon=True).start()
+    try:
+        server.run()
+    finally:
+        server.close()
+        jobs.close()
+        print("stopped", flush=True)
+
+
+def _say_ready(pool: WorkerPool) -> None:
+    if pool.wait_until_ready(600):
+        print(f"ready, {pool.health()['workers']} workers", flush=True)
+
+
+def _end_on_signals(jobs: Jobs) -> None:
+    def interrupt(number: int, frame: object) -> None:
+        # waitress waits for its threads, and these wait for their solves.
+        threading.Thread(target=jobs.close).start()
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens, or say who does already."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    if sys.platform != "win32":
+        # On Windows this would let two servers share the port.
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+    except OSError as error:
+        listener.close()
+        raise CGCError(
+            f"the address {host}:{port} cannot be used ({error.strerror}){_who(host, port)}; choose another with --port"
+        ) from None
+    return listener
+
+
+def _who(host: str, port: int) -> str:
+    shown = f"[{host}]" if ":" in host else host
+    try:
+        with urllib.request.urlopen(f"http://{shown}:{port}/version", timeout=2.0) as answer:
+            found = json.loads(answer.read(10_000))
+        return f": a server of {found['name']} {found['version']} runs there already"
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""

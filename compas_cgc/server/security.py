@@ -1,0 +1,76 @@
+"""Who may ask: known hosts, no foreign pages, and the key where one is set."""
+
+from __future__ import annotations
+
+import hmac
+from urllib.parse import urlsplit
+
+from flask import current_app
+from flask import request
+
+from .problems import RequestProblem
+
+__all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "is_loopback"]
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+
+
+class Unauthorized(RequestProblem):
+    """The key is missing or wrong."""
+
+    status = 401
+    headers = {"WWW-Authenticate": "Bearer"}
+
+
+class Forbidden(RequestProblem):
+    """Another site asks."""
+
+    status = 403
+
+
+class Misdirected(RequestProblem):
+    """The request was meant for another host."""
+
+    status = 421
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether an address to listen on can be reached from this machine only."""
+    return host in LOOPBACK
+
+
+def guard() -> None:
+    """Check a request before anything of it is read.
+
+    A web page can send requests to this machine: those carry its Origin, or after DNS
+    rebinding a Host of its own.
+    """
+    name = _hostname(request.headers.get("Host", ""))
+    if name not in LOOPBACK and name not in current_app.config["HOSTS"]:
+        raise Misdirected("this server does not answer to that host name; use the address that it printed, or start it with --name")
+    origin = request.headers.get("Origin")
+    if origin is not None and origin.rstrip("/") not in (f"http://{request.headers['Host']}", f"https://{request.headers['Host']}"):
+        raise Forbidden("requests of pages of other sites are refused")
+    key = current_app.config["KEY"]
+    if key and not _is_open() and not _has(key):
+        raise Unauthorized(
+            "the key is missing or wrong; send the server's key as RhinoComputeKey (in Hops: Preferences, Solver, Hops, API key)"
+        )
+
+
+def _is_open() -> bool:
+    """Tell whether the address may be read without a key: descriptions, health and version, as Hops asks for them without."""
+    return request.method in ("GET", "HEAD", "OPTIONS") and not request.path.startswith("/api/")
+
+
+def _has(key: str) -> bool:
+    scheme, _, bearer = request.headers.get("Authorization", "").partition(" ")
+    given = [request.headers.get("RhinoComputeKey", ""), bearer.strip() if scheme.lower() == "bearer" else ""]
+    return any([hmac.compare_digest(text.encode(), key.encode()) for text in given])
+
+
+def _hostname(host: str) -> str:
+    try:
+        return (urlsplit(f"//{host}").hostname or "").lower()
+    except ValueError:
+        return ""

@@ -1,0 +1,111 @@
+"""The service for compas.rpc, through Proxy as a script uses it."""
+
+from __future__ import annotations
+
+import http.client
+import socket
+import subprocess
+import sys
+import time
+from xmlrpc.client import ServerProxy
+
+import pytest
+from compas.datastructures import Mesh
+from compas.rpc import Proxy
+from compas.rpc import RPCServerError
+
+from compas_cgc import CGCMesh
+from compas_cgc import __version__
+
+
+@pytest.fixture(scope="module")
+def proxy():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    own = Proxy(service="compas_cgc.rpc.service", python=sys.executable, port=port, autoreload=False, capture_output=False)
+    yield own
+    process = own._process
+    own.stop_server()
+    process.wait(10)
+
+
+def roof(n=8):
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=n)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    return mesh
+
+
+ENDLESS = {"method": "flow", "settings": {"steps": 100000, "tolerance": 0.0}}
+
+
+def test_it_says_who_it_is(proxy):
+    assert proxy.version() == {"name": "compas_cgc", "version": __version__}
+
+
+def test_a_mesh_comes_back_as_what_it_was(proxy):
+    result = proxy.solve(roof())
+    assert isinstance(result["mesh"], CGCMesh) and result["status"] == "converged" and result["max_error"] < 1e-7
+    plain = proxy.solve(Mesh.from_meshgrid(9, 8), supports="boundary", targets=0.01)
+    assert type(plain["mesh"]) is Mesh and plain["mesh"].number_of_vertices() == 81
+    vertices, faces = roof().arrays()
+    arrays = proxy.solve(vertices=vertices.tolist(), faces=faces.tolist(), supports="boundary", targets=0.01)
+    assert len(arrays["vertices"]) == 81
+
+
+def test_a_long_solve_is_followed_and_cancelled_while_others_are_answered(proxy):
+    id = proxy.submit(roof(20), **ENDLESS)
+    end = time.monotonic() + 20
+    while not proxy.status(id)["iteration"]:
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    assert proxy.version()["name"] == "compas_cgc"
+    with pytest.raises(RPCServerError, match="ask again"):
+        proxy.result(id)
+    proxy.cancel(id)
+    while proxy.status(id)["state"] == "running":
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    assert proxy.status(id)["state"] == "cancelled" and proxy.result(id)["status"] == "cancelled"
+
+
+@pytest.mark.parametrize("name", ["os.getpid", "_dispatch", "_jobs.close", "on_module_imported", "system.listMethods"])
+def test_nothing_else_can_be_called(proxy, name):
+    with pytest.raises(RPCServerError, match="not part of the API"):
+        Proxy.__getattr__(proxy, name)()
+
+
+def test_errors_are_sentences_without_traces(proxy):
+    for call, part in (
+        (lambda: proxy.solve(roof(), method="magic"), "'method' must be one of"),
+        (lambda: proxy.solve(roof(), targets=9.0), "more than this boundary"),
+        (lambda: proxy.submit({"dtype": "os/system", "data": {}}), "COMPAS Mesh"),
+        (lambda: proxy.status("nobody-here"), "no job"),
+        (lambda: proxy.status(), "missing"),
+    ):
+        with pytest.raises(RPCServerError, match=part) as error:
+            call()
+        assert "Traceback" not in str(error.value)
+
+
+def test_a_path_of_the_client_is_not_imported_from(proxy, tmp_path):
+    (tmp_path / "evil.py").write_text("raise SystemExit")
+    server = ServerProxy(proxy.address)
+    assert "not part of the API" in getattr(server, "evil.run")('{"args": [], "kwargs": {}}', str(tmp_path))
+    assert "a call must be a JSON object" in server.version("[]")
+
+
+def test_web_pages_and_other_hosts_are_refused(proxy):
+    for headers in ({"Origin": "https://evil.example"}, {"Host": "evil.example"}, {"Content-Length": "999999999"}):
+        connection = http.client.HTTPConnection(proxy.address.split("//")[1], timeout=10)
+        connection.request("POST", "/RPC2", b"", headers)
+        assert connection.getresponse().status in (403, 413)
+        connection.close()
+
+
+def test_a_port_in_use_is_said(proxy):
+    port = proxy.address.rsplit(":", 1)[1]
+    command = [sys.executable, "-m", "compas_cgc.rpc.service", "--port", port, "--autoreload"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+    assert done.returncode == 2 and "give another with --port" in done.stderr
