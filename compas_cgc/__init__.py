@@ -22,6 +22,8 @@ __all__ = [
     "solve",
 ]
 
+__all_plugins__ = ["compas_cgc.scene"]
+
 # Names are looked up when they are first used, so that importing the package costs nothing.
 _HOME = {
     "CGCError": ".errors",

@@ -11,6 +11,7 @@ from .._version import __version__
 from . import bench
 from . import check
 from . import example
+from . import grasshopper
 from . import reproduce
 from . import serve
 from . import solve
@@ -19,7 +20,7 @@ from .exits import REFUSED
 
 __all__ = ["main"]
 
-COMMANDS = (solve, check, example, reproduce, bench, serve)
+COMMANDS = (solve, check, example, reproduce, bench, serve, grasshopper)
 
 EXITS = """\
 exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 130 interrupted

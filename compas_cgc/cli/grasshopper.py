@@ -1,0 +1,84 @@
+"""``compas-cgc grasshopper``: components, definitions and the package for Rhino 8."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Optional
+
+from .exits import DONE
+
+EPILOG = """\
+examples:
+  compas-cgc grasshopper install
+  compas-cgc grasshopper build -o grasshopper
+"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction) -> None:
+    """Add the command and its arguments."""
+    parser = subparsers.add_parser(
+        "grasshopper",
+        help="make and install the Grasshopper components",
+        description="Make the components, example definitions and the package for Grasshopper in Rhino 8, or install the components.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    building = actions.add_parser("build", help="make everything below a folder")
+    building.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
+    installing = actions.add_parser("install", help="put the components where Rhino 8 looks")
+    removing = actions.add_parser("uninstall", help="take them away again")
+    for action in (installing, removing):
+        action.add_argument("--to", metavar="DIR", help="another folder than Grasshopper's")
+        action.add_argument("--dry-run", action="store_true", help="say what would be done, and do nothing")
+    for action in (building, installing):
+        action.add_argument("--source", metavar="DIR", help="folder of the components (default: that of this clone)")
+    building.set_defaults(run=build)
+    installing.set_defaults(run=install)
+    removing.set_defaults(run=uninstall)
+
+
+def build(arguments: argparse.Namespace) -> int:
+    """Run ``compas-cgc grasshopper build``."""
+    from ..ghpython.build import build as build_all
+
+    for path in build_all(Path(arguments.output), _path(arguments.source)):
+        print(path)
+    return DONE
+
+
+def install(arguments: argparse.Namespace) -> int:
+    """Run ``compas-cgc grasshopper install``."""
+    from ..ghpython.build import user_object_files
+    from ..ghpython.install import install as put
+    from ..ghpython.install import user_objects_folder
+
+    files = user_object_files(_path(arguments.source))
+    written, removed = put(files, _path(arguments.to) or user_objects_folder(), arguments.dry_run)
+    _say("would write" if arguments.dry_run else "wrote", written)
+    _say("would remove" if arguments.dry_run else "removed", removed)
+    if not arguments.dry_run:
+        print("restart Rhino 8; the components are on Grasshopper's tab COMPAS CGC")
+    return DONE
+
+
+def uninstall(arguments: argparse.Namespace) -> int:
+    """Run ``compas-cgc grasshopper uninstall``."""
+    from ..ghpython.install import uninstall as take
+    from ..ghpython.install import user_objects_folder
+
+    removed = take(_path(arguments.to) or user_objects_folder(), arguments.dry_run)
+    _say("would remove" if arguments.dry_run else "removed", removed)
+    if not removed:
+        print("there is nothing to remove")
+    return DONE
+
+
+def _path(text: Optional[str]) -> Optional[Path]:
+    return Path(text) if text else None
+
+
+def _say(what: str, paths: list[Path]) -> None:
+    for path in paths:
+        print(f"{what} {path}")

@@ -1,0 +1,101 @@
+"""What holds in every definition that Grasshopper writes."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from uuid import UUID
+
+from .tree import Chunk
+
+__all__ = ["definition_problems"]
+
+
+def definition_problems(root: Chunk) -> list[str]:
+    """Return in sentences where a definition breaks the rules that Grasshopper's own files keep.
+
+    Parameters
+    ----------
+    root
+        What :func:`read_archive` returns for a .gh or .ghx file.
+
+    Returns
+    -------
+    list of str
+        Empty for a definition as Grasshopper writes it.
+    """
+    if root.name != "Root" or root.get("ArchiveVersion") is None:
+        return ["the archive is no definition: its root is not called 'Root' or has no ArchiveVersion"]
+    definition = root.child("Definition")
+    objects = definition.child("DefinitionObjects") if definition else None
+    if objects is None:
+        return ["the archive is no definition: it has no DefinitionObjects"]
+    found = objects.children("Object")
+    problems = list(_numbered("the definition", "ObjectCount", objects.get("ObjectCount"), [part.index for part in found]))
+    names = list(_instances(objects))
+    problems += [f"the instance {name} occurs twice" for name in sorted({n for n in names if names.count(n) > 1}, key=str)]
+    known = set(names)
+    for part in found:
+        where = f"{part.get('Name', default='an object')} ({part.index})"
+        container = part.child("Container")
+        if not {entry.name for entry in part.items} <= {"GUID", "Lib", "Name"} or not part.has("GUID") or not part.has("Name"):
+            problems.append(f"{where}: an object has the items GUID, Lib and Name and no others")
+        if container is None or len(part.chunks) != 1:
+            problems.append(f"{where}: an object has one Container and nothing else")
+            continue
+        problems += _container_problems(where, container, known)
+    return problems
+
+
+def _container_problems(where: str, container: Chunk, known: set[UUID]) -> Iterator[str]:
+    if container.child("Attributes") is None:
+        yield f"{where}: it has no Attributes, so no place on the canvas"
+    data = container.child("ParameterData")
+    if data is not None:
+        for side in ("Input", "Output"):
+            ids = [entry.index for entry in data.items if entry.name == f"{side}Id"]
+            yield from _numbered(f"{where}: {side}Id", f"{side}Count", data.get(f"{side}Count"), ids)
+            yield from _numbered(
+                f"{where}: {side}Param", f"{side}Count", data.get(f"{side}Count"), [p.index for p in data.children(f"{side}Param")]
+            )
+    for count, entry in (("ListCount", "ListItem"), ("ID_Count", "ID")):
+        if container.has(count):
+            parts = [p.index for p in container.children(entry)] or [p.index for p in container.items if p.name == entry]
+            yield from _numbered(f"{where}: {entry}", count, container.get(count), parts)
+    for part in _walk(container):
+        sources = [entry for entry in part.items if entry.name == "Source"]
+        if sources or part.has("SourceCount"):
+            yield from _numbered(f"{where}: Source", "SourceCount", part.get("SourceCount"), [entry.index for entry in sources])
+        for entry in sources:
+            if entry.value not in known:
+                yield f"{where}: a wire comes from {entry.value}, which is not in the file"
+        if part.name == "Script":
+            yield from _script_problems(where, part)
+
+
+def _script_problems(where: str, script: Chunk) -> Iterator[str]:
+    language = script.child("LanguageSpec")
+    # Scripts in C# and Python 2 cannot be judged here.
+    if language is None or not str(language.get("Taxon")).endswith("python") or not str(language.get("Version")).startswith("3"):
+        return
+    try:
+        compile(base64.b64decode(str(script.get("Text")), validate=True).decode("utf-8"), where, "exec")
+    except (ValueError, SyntaxError) as error:
+        yield f"{where}: its source cannot be read: {error}"
+
+
+def _numbered(where: str, name: str, count: object, indices: list) -> Iterator[str]:
+    if count != len(indices) or sorted(-1 if i is None else i for i in indices) != list(range(len(indices))):
+        yield f"{where}: {name} is {count}, but the parts are numbered {indices}"
+
+
+def _instances(part: Chunk) -> Iterator[UUID]:
+    for child in _walk(part):
+        if child.has("InstanceGuid"):
+            yield child.get("InstanceGuid")
+
+
+def _walk(part: Chunk) -> Iterator[Chunk]:
+    yield part
+    for child in part.chunks:
+        yield from _walk(child)

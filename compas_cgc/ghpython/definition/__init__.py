@@ -1,0 +1,10 @@
+"""Grasshopper definitions: described as data, laid out, written, drawn."""
+
+from __future__ import annotations
+
+from .examples import EXAMPLES
+from .nodes import Definition
+from .picture import definition_svg
+from .write import definition_archive
+
+__all__ = ["EXAMPLES", "Definition", "definition_archive", "definition_svg"]

@@ -1,0 +1,180 @@
+"""The example definitions."""
+
+from __future__ import annotations
+
+from .nodes import Button
+from .nodes import Definition
+from .nodes import Group
+from .nodes import Hops
+from .nodes import Node
+from .nodes import Note
+from .nodes import Panel
+from .nodes import Parameter
+from .nodes import Script
+from .nodes import Slider
+from .nodes import Toggle
+from .nodes import ValueList
+
+__all__ = ["EXAMPLES"]
+
+FIGURES = ("K", "error", "H", "k_max", "k_min")
+
+
+def _headline(title: str, steps: str) -> tuple[Node, ...]:
+    return Note("title", title, 28.0), Note("steps", steps)
+
+
+def _solving(mesh: str, settings: str = "", key: str = "solve", **wires: str) -> Script:
+    if settings:
+        wires["settings"] = settings
+    return Script(key, "CGC_Solve", {"cgc_mesh": mesh, "run": "run", "reset": "reset", **wires}, hidden=True)
+
+
+SWITCHES = (Toggle("run", "run"), Button("reset", "reset"))
+
+FIRST_DOME = Definition(
+    "first_dome",
+    "The first dome",
+    "A square fixed at its edge becomes a surface of constant Gaussian curvature; a slider sets the curvature.",
+    (
+        *_headline("The first dome", "1  Set run to True.   2  Move the slider: the surface follows.   3  Choose what the colours show."),
+        Slider("number", "example", 2, 2, 7, 0),
+        Slider("K", "curvature K", 1.0, 0.1, 2.0, 2),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("target", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh"),
+        ValueList("show", "show", FIGURES),
+        Script("analyse", "CGC_Analyse", {"cgc_mesh": "solve.cgc_mesh", "show": "show"}),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("legend", "legend", source="analyse.legend", size=(120, 150)),
+        Panel("report", "report", source="solve.report", size=(520, 190)),
+        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+    ),
+)
+
+NINE_REGIONS = Definition(
+    "nine_regions",
+    "Nine regions",
+    "A square in nine regions, the paper's Example 4: one curvature around, another in the centre, with folds between.",
+    (
+        *_headline("Nine regions, as in the paper", "1  Set run to True.   2  Move a slider.   3  Bake the regions: one mould for each."),
+        Panel("number", "example", "4", size=(60, 40)),
+        Slider("around", "K around", 1.0, 0.2, 4.0, 2),
+        Slider("centre", "K in the centre", 4.0, 0.2, 6.0, 2),
+        Slider("region", "region of the centre", 4, 0, 8, 0),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("all", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "around"}),
+        Script("one", "CGC_Target", {"cgc_mesh": "all.cgc_mesh", "K": "centre", "region": "region"}),
+        *SWITCHES,
+        _solving("one.cgc_mesh"),
+        ValueList("show", "show", FIGURES),
+        Script("analyse", "CGC_Analyse", {"cgc_mesh": "solve.cgc_mesh", "show": "show"}),
+        Script("regions", "CGC_Regions", {"cgc_mesh": "solve.cgc_mesh"}, hidden=True),
+        Script("history", "CGC_History", {"result": "solve.result"}),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("report", "report", source="solve.report", size=(520, 230)),
+        Panel("targets", "targets by region", source="regions.targets", size=(160, 90)),
+        Panel("errors", "largest error by step", source="history.max_error", size=(200, 80)),
+        Group("ask", "what is asked", ("number", "around", "centre", "region", "example", "all", "one", "run", "reset")),
+    ),
+)
+
+TWO_STRATEGIES = Definition(
+    "two_strategies",
+    "Two strategies for creases",
+    "The same problem by the paper's strategies S1 (creases follow by a factor) and S2 (creases wait, then follow), side by side.",
+    (
+        *_headline("S1 and S2 side by side", "Creases follow by a factor s (left), or wait for some steps and then follow fully (right)."),
+        Panel("number", "example", "4", size=(60, 40)),
+        Slider("K", "curvature K", 4.0, 0.5, 4.0, 2),
+        Slider("s", "S1: factor s", 0.5, 0.0, 1.0, 2),
+        Slider("delay", "S2: delay in steps", 5, 1, 20, 0),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("target", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "K"}),
+        Script("first", "CGC_Settings", {"s": "s"}),
+        Script("second", "CGC_Settings", {"delay": "delay"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh", "first.settings", "solve_first"),
+        _solving("target.cgc_mesh", "second.settings", "solve_second"),
+        Slider("aside", "second one aside by", 2.0, 0.0, 5.0, 1),
+        Script("analyse_first", "CGC_Analyse", {"cgc_mesh": "solve_first.cgc_mesh"}),
+        Script("analyse_second", "CGC_Analyse", {"cgc_mesh": "solve_second.cgc_mesh", "aside": "aside"}),
+        Panel("report_first", "S1", source="solve_first.report", size=(520, 230)),
+        Panel("report_second", "S2", source="solve_second.report", size=(520, 230)),
+        Group("strategies", "strategies", ("s", "delay", "first", "second")),
+    ),
+)
+
+OWN_MESH = Definition(
+    "own_mesh",
+    "Your own mesh",
+    "A mesh from Rhino with points that hold it and curves along which it may fold.",
+    (
+        *_headline(
+            "Your own mesh",
+            "1  Right-click Mesh > Set one Mesh; supports and creases too, if you want.\n"
+            "2  Set K: 1/r² for a sphere of radius r.   3  Set run to True.",
+        ),
+        Parameter("mesh", "Mesh", "Mesh"),
+        Parameter("points", "supports", "Point"),
+        Parameter("curves", "creases", "Curve"),
+        Slider("K", "curvature K", 0.01, 0.0, 1.0, 4),
+        Toggle("flip", "flip"),
+        Script("made", "CGC_Mesh", {"mesh": "mesh", "supports": "points", "creases": "curves", "flip": "flip"}),
+        Script("target", "CGC_Target", {"cgc_mesh": "made.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh"),
+        ValueList("show", "show", FIGURES),
+        Panel("problems", "problems", source="made.problems", size=(260, 60)),
+        Script("analyse", "CGC_Analyse", {"cgc_mesh": "solve.cgc_mesh", "show": "show"}),
+        Script("regions", "CGC_Regions", {"cgc_mesh": "solve.cgc_mesh"}, hidden=True),
+        Panel("report", "report", source="solve.report", size=(520, 190)),
+        Group("draw", "from Rhino", ("mesh", "points", "curves")),
+    ),
+)
+
+HOPS_DOME = Definition(
+    "hops_dome",
+    "A dome by Hops",
+    "A mesh fixed at its edge becomes a surface of constant Gaussian curvature, on the server; for Rhino 7 and 8, without our components.",
+    (
+        *_headline(
+            "A dome by Hops",
+            "1  Start the server: compas-cgc serve.   2  Right-click Mesh > Set one Mesh.\n3  Set K: 1/r² for a sphere of radius r.",
+        ),
+        Parameter("mesh", "Mesh", "Mesh"),
+        Slider("K", "curvature K", 0.01, 0.0, 1.0, 4),
+        Hops("dome", "cgc/dome", {"Mesh": "mesh", "K": "K"}),
+        Panel("info", "info", source="dome.Info", size=(380, 60)),
+        Panel("error", "largest error", source="dome.Error", size=(160, 40)),
+    ),
+    rhino=7,
+)
+
+HOPS_REGIONS = Definition(
+    "hops_regions",
+    "Regions by Hops",
+    "A mesh with creases and a curvature for each region between them, on the server; for Rhino 7 and 8, without our components.",
+    (
+        *_headline(
+            "Regions by Hops",
+            "1  Start the server: compas-cgc serve.   2  Open nine_regions.3dm; set its mesh, supports and creases.\n"
+            "3  Set a point in each region, and write one K per line in the same order.",
+        ),
+        Parameter("mesh", "Mesh", "Mesh"),
+        Parameter("supports", "supports", "Point"),
+        Parameter("creases", "creases", "Curve"),
+        Panel("K", "K by region", "0.01\n0.01\n0.01\n0.01\n0.04\n0.01\n0.01\n0.01\n0.01", size=(80, 170)),
+        Parameter("at", "points in regions", "Point"),
+        Slider("s", "factor s of creases", 0.8, 0.0, 1.0, 2),
+        Hops("solve", "cgc/solve", {"Mesh": "mesh", "Supports": "supports", "Creases": "creases", "K": "K", "At": "at", "S": "s"}),
+        Panel("info", "info", source="solve.Info", size=(380, 100)),
+        Panel("error", "largest error", source="solve.Error", size=(160, 40)),
+        Hops("analyse", "cgc/analyse", {"Mesh": "solve.Mesh"}),
+        Panel("report", "report", source="analyse.Info", size=(520, 150)),
+    ),
+    rhino=7,
+)
+
+EXAMPLES = (FIRST_DOME, NINE_REGIONS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)

@@ -1,0 +1,38 @@
+"""CGC meshes drawn in Rhino, Grasshopper and compas_viewer: in curvature colours, with supports and creases.
+
+COMPAS finds the functions of this module through ``compas_cgc.__all_plugins__``.
+"""
+
+from __future__ import annotations
+
+from compas.plugins import plugin
+from compas.scene import register
+
+__all__ = ["register_grasshopper", "register_rhino", "register_viewer"]
+
+
+@plugin(category="factories", pluggable_name="register_scene_objects", requires=["Rhino"])
+def register_rhino() -> None:
+    """Register how a CGC mesh is drawn in Rhino."""
+    from ..datastructures import CGCMesh
+    from .rhino import CGCMeshObject
+
+    register(CGCMesh, CGCMeshObject, context="Rhino")
+
+
+@plugin(category="factories", pluggable_name="register_scene_objects", requires=["Grasshopper"])
+def register_grasshopper() -> None:
+    """Register how a CGC mesh is drawn in Grasshopper."""
+    from ..datastructures import CGCMesh
+    from .grasshopper import CGCMeshObject
+
+    register(CGCMesh, CGCMeshObject, context="Grasshopper")
+
+
+@plugin(category="factories", pluggable_name="register_scene_objects", requires=["compas_viewer"])
+def register_viewer() -> None:
+    """Register how a CGC mesh is drawn in compas_viewer."""
+    from ..datastructures import CGCMesh
+    from .viewer import CGCMeshObject
+
+    register(CGCMesh, CGCMeshObject, context="Viewer")

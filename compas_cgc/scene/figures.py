@@ -1,0 +1,57 @@
+"""Figures of a CGC mesh, and their colours."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete import gaussian_curvature
+from ..discrete import mean_curvature
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..problem import CGCProblem
+from ..rhino.colours import largest
+from ..rhino.colours import signed_colours
+
+if TYPE_CHECKING:
+    from ..datastructures import CGCMesh
+
+__all__ = ["FIGURES", "Coloured", "coloured", "figures"]
+
+FIGURES = ("K", "H", "k_max", "k_min", "error")
+
+
+class Coloured(NamedTuple):
+    """A figure in colours."""
+
+    values: FloatArray  # (n,) NaN where there is none
+    limit: float  # largest |value|
+    colours: IntArray  # (n, 3) red, green, blue, 0..255
+
+
+def coloured(mesh: CGCMesh, show: str = "K") -> Coloured:
+    """Return a figure of every vertex in colours: blue below zero, white at zero, red above, grey for none.
+
+    Raises
+    ------
+    ValueError
+        If there is no such figure.
+    """
+    if show not in FIGURES:
+        raise ValueError(f"show must be one of {', '.join(FIGURES)}, not {show!r}")
+    values = figures(mesh)[show]
+    limit = largest(values)
+    return Coloured(values, limit, signed_colours(values, limit))
+
+
+def figures(mesh: CGCMesh) -> dict[str, FloatArray]:
+    """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] of every vertex (n,), NaN where K is not asked."""
+    vertices, faces = mesh.arrays()
+    problem = CGCProblem.from_mesh(mesh.without_dummies())
+    K = np.where(problem.asked, gaussian_curvature(vertices, faces), np.nan)
+    H = np.where(problem.asked, mean_curvature(vertices, faces), np.nan)
+    # Rounding can take H² below K where the two principal curvatures are equal.
+    half = np.sqrt(np.maximum(H * H - K, 0.0))
+    return dict(zip(FIGURES, (K, H, H + half, H - half, K - problem.targets)))

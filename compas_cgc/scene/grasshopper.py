@@ -1,0 +1,40 @@
+"""CGC meshes in Grasshopper; imports only inside of it."""
+
+from __future__ import annotations
+
+from compas_ghpython.scene import MeshObject
+
+from ..datastructures import CGCMesh
+from ..ghpython.geometry import points_to_rhino
+from ..ghpython.geometry import polyline_to_rhino
+from ..rhino.inside import mesh_from_arrays
+from .appearance import appearance
+from .appearance import real_mesh
+from .figures import coloured
+
+__all__ = ["CGCMeshObject"]
+
+
+class CGCMeshObject(MeshObject):
+    """Gives a CGC mesh in double precision, points at its supports and polylines along its creases.
+
+    Parameters
+    ----------
+    item
+        The mesh; a dummy mesh is not drawn.
+    show_figure
+        What the colours show: K, H, k_max, k_min or error.
+    """
+
+    def __init__(self, item: CGCMesh, show_figure: str = "K", **options: object):
+        real = real_mesh(item)
+        super().__init__(item=real, **{**appearance(real, show_figure), **options})
+        self.show_figure = show_figure
+
+    def draw(self) -> list:
+        """Return the Rhino geometry to put out."""
+        mesh = mesh_from_arrays(*self.mesh.arrays(), coloured(self.mesh, self.show_figure).colours)
+        supports = points_to_rhino([self.mesh.vertex_coordinates(key) for key in self.mesh.supports()])
+        creases = [polyline_to_rhino([self.mesh.vertex_coordinates(key) for key in path]) for path in self.mesh.creases()]
+        self._guids = [mesh, *supports, *creases]
+        return self._guids

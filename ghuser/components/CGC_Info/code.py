@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Versions of the package, of Python and of what it builds on.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.ghpython.components.info import info
+
+
+class Info(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self):
+        out = info(ghenv.Component)  # noqa: F821
+        return out.info

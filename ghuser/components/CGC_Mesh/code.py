@@ -1,0 +1,25 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Make a mesh with what holds it and where it may fold.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino
+import System
+
+from compas_cgc.ghpython.components.mesh import cgc_mesh
+
+
+class Mesh(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(
+        self,
+        mesh: Rhino.Geometry.Mesh,
+        supports: System.Collections.Generic.List[Rhino.Geometry.Point3d],
+        fix: str,
+        creases: System.Collections.Generic.List[Rhino.Geometry.Curve],
+        flip: bool,
+    ):
+        out = cgc_mesh(ghenv.Component, mesh, supports, fix, creases, flip)  # noqa: F821
+        return out.cgc_mesh, out.problems

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Take a CGC mesh apart into region meshes, creases, open edges and supports.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.ghpython.components.regions import regions
+
+
+class Regions(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, cgc_mesh):
+        out = regions(ghenv.Component, cgc_mesh)  # noqa: F821
+        return out.regions, out.creases, out.edges, out.supports, out.targets

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Find or start the compute server, so that a solve runs outside of Rhino.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.ghpython.components.server import server
+
+
+class Server(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, run: bool, url: str, key: str, python: str):
+        out = server(ghenv.Component, run, url, key, python)  # noqa: F821
+        return out.server, out.url, out.status

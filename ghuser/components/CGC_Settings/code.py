@@ -1,0 +1,29 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Say how a solve goes about it. Without any settings Solve chooses the method by the problem.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.ghpython.components.settings import settings
+
+
+class Settings(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(
+        self,
+        method: str,
+        steps: int,
+        tolerance: float,
+        s: float,
+        delay: int,
+        filter_radius: float,
+        nearness: float,
+        smoothness: float,
+        crease_stiffness: float,
+    ):
+        out = settings(ghenv.Component, method, steps, tolerance, s, delay, filter_radius, nearness, smoothness, crease_stiffness)  # noqa: F821
+        return out.settings

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Find the surface whose Gaussian curvature is the target in every region, without blocking the canvas.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System
+
+from compas_cgc.ghpython.components.solve import solve
+
+
+class Solve(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, cgc_mesh, settings, constraints: System.Collections.Generic.List[object], run: bool, reset: bool, server):
+        out = solve(ghenv.Component, cgc_mesh, settings, constraints, run, reset, server)  # noqa: F821
+        return out.mesh, out.cgc_mesh, out.status, out.progress, out.report, out.result

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Write a CGC mesh with supports, creases and targets as a .3dm file, in double precision.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.ghpython.components.files import write_3dm
+
+
+class Write3dm(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, path: str, cgc_mesh, write: bool):
+        out = write_3dm(ghenv.Component, path, cgc_mesh, write)  # noqa: F821
+        return out.written
