@@ -8,9 +8,11 @@ import pytest
 from compas_cgc.discrete import MeshError
 from compas_cgc.discrete import angle_defects
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete import mean_curvature
 from compas_cgc.discrete import vertex_areas
 from compas_cgc.discrete import vertex_normals
 from compas_cgc.discrete.jacobian import CurvatureEquations
+from compas_cgc.discrete.laplacian import cotangent_laplacian
 
 
 def bumpy_grid(cells: int, shear: float) -> tuple[np.ndarray, np.ndarray]:
@@ -120,3 +122,38 @@ def test_no_equation_on_an_open_boundary():
     vertices, faces = bumpy_grid(3, 0.0)
     with pytest.raises(MeshError, match="vertex 0 has no closed ring"):
         CurvatureEquations(faces, np.ones(len(vertices)), [5, 0], [5])
+
+
+# ----------------------------------------------------------------------
+# The cotangent Laplacian, on the same sparsity
+# ----------------------------------------------------------------------
+
+
+def test_the_laplacian_knows_constants_and_is_symmetric_and_negative():
+    vertices, faces = bumpy_grid(5, 0.3)
+    L = cotangent_laplacian(vertices, faces)
+    assert abs(L - L.T).max() < 1e-14
+    assert np.abs(L @ np.ones(len(vertices))).max() < 1e-12
+    assert np.linalg.eigvalsh(L.toarray()).max() < 1e-10
+
+
+def test_the_laplacian_of_a_linear_function_on_a_plane_vanishes_inside():
+    vertices, faces = bumpy_grid(5, 0.3)
+    vertices[:, 2] = 0.0
+    inside = ~boundary_vertices(vertices, faces)
+    assert np.abs((cotangent_laplacian(vertices, faces) @ vertices)[inside]).max() < 1e-12
+
+
+def test_the_laplacian_of_the_coordinates_is_twice_the_mean_curvature():
+    from . import shapes
+
+    vertices, faces = shapes.icosphere(3, radius=2.0)
+    vectors = cotangent_laplacian(vertices, faces) @ vertices
+    H = mean_curvature(vertices, faces)
+    assert np.allclose(np.linalg.norm(vectors, axis=1), 2 * H * vertex_areas(vertices, faces))
+
+
+def test_leaving_the_areas_out_leaves_the_derivative_of_the_defects():
+    vertices, equations = problem(0.45)
+    bare = CurvatureEquations(equations.faces, np.zeros(len(vertices)), equations.rows, equations.columns)
+    assert np.array_equal(equations.jacobian(vertices, areas=False).data, bare.jacobian(vertices).data)

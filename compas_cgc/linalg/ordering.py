@@ -12,7 +12,7 @@ from ..discrete.arrays import FloatArray
 __all__ = ["nested_dissection"]
 
 
-def nested_dissection(matrix: sparse.csr_matrix, points: FloatArray, leaf: int = 16) -> NDArray[np.int64]:
+def nested_dissection(matrix: sparse.csr_matrix, points: FloatArray, leaf: int = 8) -> NDArray[np.int64]:
     """Return an elimination order that halves the unknowns by place, over and over.
 
     Each cut goes through the median of the longer side; the unknowns next to the cut are

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import Optional
 
 import numpy as np
@@ -15,12 +15,16 @@ from .system import System
 __all__ = ["at_rounding", "damped_newton"]
 
 ARMIJO = 1e-4  # part of the expected decrease of the residual that a step must bring
+CRAWL = 0.25  # damping factor of a step that is short
+PATIENCE = 10  # short steps in a row that lead nowhere
 WORTHWHILE = 0.1  # factor on the residual that makes a step with old factors pay
 ROUNDING = 10.0  # residuals of so many rounding errors are zero
 
 
-def damped_newton(system: System, shape: Shape, tolerance: float, shortest: float) -> Iterator[Step]:
-    """Yield Newton's steps until the residuals are below the tolerance, or no step makes them smaller.
+def damped_newton(system: System, shape: Shape, tolerance: float, shortest: float) -> Generator[Step, None, bool]:
+    """Yield Newton's steps until the residuals are below the tolerance, and return True.
+
+    Return False when no step makes them smaller, or only ever shorter ones do.
 
     The derivative is exact, the unknowns are moves along the present normals. A step is
     halved while it does not lessen the norm of the residuals, or while it turns a vertex
@@ -44,14 +48,17 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
     SingularMatrixError
         If the equations have no solution to first order.
     """
+    crawled = 0
     while shape.largest > tolerance:
         J = system.equations.jacobian(shape.vertices, shape.normal)
         move = system.solver.factorise(J).solve(-shape.residual)
         step = _shortened(system, shape, move, shortest)
-        if step is None:
-            return
+        crawled = crawled + 1 if step is None or step.length < CRAWL else 0
+        if step is None or crawled > PATIENCE:
+            return False
         shape = _repeated(system, step.shape, tolerance)
         yield step._replace(shape=shape)
+    return True
 
 
 def at_rounding(system: System, shape: Shape) -> bool:

@@ -22,7 +22,7 @@ Benamou, Froese, Oberman, doi:10.1051/m2an/2010017; Bokanowski, Maroso, Zidani, 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import NamedTuple
 
 import numpy as np
@@ -82,8 +82,10 @@ def policy(mean: FloatArray, curvature: FloatArray, bound: float, unit: FloatArr
     return Policy(value, np.where(even, 0.0, weight), of_laplacian)
 
 
-def elliptic_steps(system: System, shape: Shape, bound: float) -> Iterator[Step]:
-    """Yield the steps of the iteration until a shape is near enough for Newton's method, or does not come nearer.
+def elliptic_steps(system: System, shape: Shape, bound: float) -> Generator[Step, None, bool]:
+    """Yield the steps of the iteration until a shape is near enough for Newton's method, and return True.
+
+    Return False when it does not come nearer.
 
     Parameters
     ----------
@@ -107,13 +109,13 @@ def elliptic_steps(system: System, shape: Shape, bound: float) -> Iterator[Step]
         now, error = _policy_and_error(shape, goal, bound, unit)
         if _is_exact(now, goal):
             if error <= NEAR_ENOUGH:
-                return
+                return True
         elif error <= TIGHTEN and bound < LARGEST:
             bound, best = bound * GROWTH, np.inf
             now, error = _policy_and_error(shape, goal, bound, unit)
         best, waited = (error, 0) if error < best else (best, waited + 1)
         if waited > PATIENCE or not np.isfinite(error):
-            return
+            return False
         directions = smooth_normals(shape.vertices, faces, SMOOTHING)[system.asked]
         matrix = _derivative(system, shape, now, directions)
         lengths = system.solver.factorise(matrix).solve(shape.area * (goal - now.value))

@@ -15,7 +15,7 @@ from .system import System
 __all__ = ["message"]
 
 
-def message(status: str, cause: Union[str, Overload], steps: int, max_error: float, system: System, frame: Frame) -> str:
+def message(status: str, cause: Union[str, Overload], steps: int, max_error: float, system: System, frame: Frame, dents: int) -> str:
     """Return the sentence.
 
     Parameters
@@ -32,21 +32,25 @@ def message(status: str, cause: Union[str, Overload], steps: int, max_error: flo
         The problem.
     frame
         From the units of the system to those of the model.
+    dents
+        Vertices of a mostly convex surface that bend the other way.
     """
     reached = f"largest |K - K̄| {max_error:.3g}"
+    taken = "1 step" if steps == 1 else f"{steps} steps"
     if status == "converged":
-        return f"converged in {steps} steps: {reached}"
+        bent = f"; {dents} vertices are dented, another start may give a smoother surface" if dents else ""
+        return f"converged in {taken}: {reached}{bent}"
     if status == "cancelled":
-        return f"cancelled after {steps} steps: {reached}"
+        return f"cancelled after {taken}: {reached}"
     if status == "step_limit":
-        return f"not converged in {steps} steps: {reached}; allow more steps"
+        return f"not converged in {taken}: {reached}; allow more steps"
     if isinstance(cause, Overload):
         K, area = cause.curvature / frame.scale**2, cause.area * frame.scale**2
         return (
             f"no convex surface spans this plane boundary with K̄ = {K:.3g}: K̄ times the plan area {area:.3g} "
             f"must stay below π; ask for less than {math.pi / area:.3g}"
         )
-    return f"{status} at step {steps}: {_advice(cause, system)}; the best shape before that is returned, {reached}"
+    return f"{status} after {taken}: {_advice(cause, system)}; the best shape on the way is returned, {reached}"
 
 
 def _advice(cause: str, system: System) -> str:
@@ -57,6 +61,8 @@ def _advice(cause: str, system: System) -> str:
         if loose >= 0:
             return f"the part of the mesh around vertex {loose} is held nowhere; fix some of its vertices"
         return "the equations have no solution near this shape; try a smaller K̄, or a start without flat or folded faces"
+    if (system.targets == 0).any():
+        return "regions of K̄ = 0 need a start that is bent already, or creases around them; else use method 'projection'"
     if cause == "start":
         return "this start is too far from the target; start from a better shape, or let the solve find its own"
     return "the target is probably more than this boundary can carry; try a smaller K̄, or a boundary without inward corners"

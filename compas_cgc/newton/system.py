@@ -92,6 +92,11 @@ class System:
             return 0.0, 0.0
         return float(np.abs(error).max()), float(np.linalg.norm(error))
 
+    def dents(self, shape: Shape) -> int:
+        """Return how many vertices bend the other way than most, of those where K̄ > 0."""
+        inwards = int((shape.mean[self.targets > 0] < 0).sum())
+        return min(inwards, int((self.targets > 0).sum()) - inwards)
+
     def rounding_floor(self, shape: Shape) -> FloatArray:
         """Return how far rounding the coordinates moves each residual (k,) [rad]."""
         J = abs(self.equations.jacobian(shape.vertices))
