@@ -17,7 +17,7 @@ from ..result import SolveResult
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh
 
-__all__ = ["Outcome", "pack", "unpack"]
+__all__ = ["Outcome", "pack", "unpack", "unpack_arrays"]
 
 
 class Outcome(NamedTuple):
@@ -64,11 +64,16 @@ def pack(result: SolveResult, report: dict) -> bytes:
     return file.getvalue()
 
 
-def unpack(content: bytes) -> tuple[SolveResult, dict]:
-    """Return the result and the report of :func:`pack`."""
+def unpack_arrays(content: bytes) -> tuple[dict[str, np.ndarray], dict]:
+    """Return the arrays and the words of :func:`pack` by their names there."""
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
         data = {name: file[name] for name in file.files}
-    words = json.loads(data["words"].tobytes())
+    return data, json.loads(data.pop("words").tobytes())
+
+
+def unpack(content: bytes) -> tuple[SolveResult, dict]:
+    """Return the result and the report of :func:`pack`."""
+    data, words = unpack_arrays(content)
     history = History(*(data[f"history_{name}"] for name in History._fields))
     names = ("status", "message", "iterations", "seconds", "max_error")
     mesh = _mesh(data)
