@@ -173,7 +173,9 @@ class CGCProblem:
 
         The scale is a power of two, so that no digit is lost by it.
         """
-        used = self.vertices[np.unique(self.faces)] if len(self.faces) else self.vertices
+        of_faces = np.zeros(len(self.vertices), bool)
+        of_faces[self.faces] = True
+        used = self.vertices[of_faces] if len(self.faces) else self.vertices
         low, high = used.min(axis=0), used.max(axis=0)
         size = float(np.linalg.norm(high - low))
         scale = 2.0 ** math.floor(math.log2(size)) if size > 0 else 1.0

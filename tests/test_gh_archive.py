@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import uuid
 import zlib
 from decimal import Decimal
@@ -276,3 +277,10 @@ def test_huge_counts_and_deep_nests_cost_nothing():
         from_bytes(deflated(deep + head + b"\0" * 8))
     with pytest.raises(FileError, match="control character"):
         to_xml(chunk("r", [item("a", "gh_string", "\x1b")]))
+
+
+@pytest.mark.parametrize("value", [3.4025001647762064e38, 3.4028234663852886e38, -3.4028234663852886e38, 1e-45])
+def test_singles_at_the_end_of_their_range_go_through_xml(value):
+    (value,) = struct.unpack("<f", struct.pack("<f", value))
+    root = chunk("a", [item("b", "gh_single", value)], ())
+    assert from_xml(to_xml(root)) == root

@@ -36,7 +36,7 @@ def nested_dissection(matrix: sparse.csr_matrix, points: FloatArray, leaf: int =
 
     References
     ----------
-    George, doi:10.1137/0710032; Gilbert, Miller, Teng, doi:10.1137/S1064827594275339.
+    George, doi:10.1137/0710032.
     """
     return _dissect(matrix.indptr, matrix.indices, np.ascontiguousarray(points, dtype=np.float64), leaf)
 

@@ -7,10 +7,10 @@ minimum,
 .. math:: F_Λ = \min_{1/Λ \le a \le Λ} \tfrac12 (a k_1 + k_2 / a),
 
 is defined on every surface, concave, and uniformly elliptic; it is ``√K`` where
-``k₁ <= Λ² k₂`` and ``½ (k₁ / Λ + Λ k₂)`` elsewhere. Newton's method on ``F_Λ = √K̄``
-(each step holds every a and solves the linear equation that is left) needs no damping, takes about five
-steps on any size of mesh, and where the surface is flat its step is the one of
-Benamou, Froese and Oberman, ``-Δδ = 2 √K̄``.
+``k₁ <= Λ² k₂`` and ``½ (k₁ / Λ + Λ k₂)`` elsewhere. Newton's method on ``F_Λ = √K̄`` (each
+step holds every a and solves the linear equation that is left) needs no damping. Where
+the surface is flat its step is the one of Benamou, Froese and Oberman, ``-Δδ = 2 √K̄``.
+Λ grows as the shape comes near: on good meshes four steps at 100 vertices, ten at a million.
 
 The derivative of ``F_Λ`` is put together from rows that are known: those of the angle
 defects, ``k₂ ∂k₁ + k₁ ∂k₂``, and of the cotangent matrix, ``∂k₁ + ∂k₂``.

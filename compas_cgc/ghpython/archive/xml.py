@@ -28,6 +28,10 @@ NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 SPELT = {"\r": "&#13;"}
 
 
+# Half a step beyond the largest single, from where rounding goes to infinity.
+SINGLE_LIMIT = float.fromhex("0x1.ffffffp+127")
+
+
 def to_xml(root: Chunk) -> bytes:
     """Return a chunk as the bytes of a .ghx file.
 
@@ -112,7 +116,7 @@ def _number(value: float, single: bool) -> str:
     if not isinstance(value, float) or not single:
         return repr(value)
     texts = (f"{value:.{digits}g}" for digits in range(1, 10))
-    return next(text for text in texts if abs(float(text)) < 3.5e38 and struct.pack("<f", float(text)) == struct.pack("<f", value))
+    return next(text for text in texts if abs(float(text)) < SINGLE_LIMIT and struct.pack("<f", float(text)) == struct.pack("<f", value))
 
 
 def _chunk(element: ElementTree.Element, depth: int) -> Chunk:
