@@ -31,8 +31,8 @@ def solve(
     mesh: CGCMesh,
     method: str = "auto",
     settings: Optional[Settings] = None,
-    constraints: Sequence[Constraint] = (),
     callback: Optional[Callable[[SolveState], object]] = None,
+    constraints: Sequence[Constraint] = (),
 ) -> SolveResult:
     """Return the surface whose Gaussian curvature is the target in every region.
 
@@ -56,12 +56,12 @@ def solve(
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`;
         with ``"auto"`` they choose their method.
-    constraints
-        What is asked of vertices besides K, see :mod:`compas_cgc.projection.constraints`.
-        Vertices are counted in the order of ``mesh.vertices()``.
     callback
         Called with a :class:`~compas_cgc.result.SolveState` after every step; return
         True or raise ``StopIteration`` to cancel.
+    constraints
+        What is asked of vertices besides K, see :mod:`compas_cgc.projection.constraints`.
+        Vertices are counted in the order of ``mesh.vertices()``.
 
     Returns
     -------

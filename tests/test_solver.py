@@ -228,7 +228,7 @@ def test_every_method_can_be_watched_and_cancelled(method):
         return state.step == 2
 
     mesh = dome()
-    result = solve(mesh, method=method, callback=callback)
+    result = solve(mesh, method, None, callback)
     assert result.status == "cancelled" and [state.step for state in seen] == [1, 2]
     assert seen[0].vertices.shape == (100, 3)
     assert np.isfinite(result.mesh.arrays()[0]).all()

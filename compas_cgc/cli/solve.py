@@ -105,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
             return wish.is_set()
 
         try:
-            result = solve(mesh, arguments.method, settings, constraints_of(mesh), callback)
+            result = solve(mesh, arguments.method, settings, callback, constraints_of(mesh))
         finally:
             bar.close()
     analysis = analyse(result.mesh, mesh)
