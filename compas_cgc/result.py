@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from .discrete.arrays import IntArray
 if TYPE_CHECKING:
     from .datastructures import CGCMesh
 
-__all__ = ["STATUSES", "History", "Solution", "SolveResult", "SolveState"]
+__all__ = ["STATUSES", "History", "Solution", "SolveResult", "SolveState", "stops"]
 
 STATUSES = ("converged", "step_limit", "stalled", "diverged", "infeasible", "cancelled")
 
@@ -53,6 +54,14 @@ class SolveState(NamedTuple):
     trials: int  # step lengths tried
     seconds: float  # since the start
     vertices: FloatArray  # (n, 3) present coordinates with any dummy vertices at the end [L]
+
+
+def stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
+    """Show a state to a callback and tell whether it asks to cancel: by True, or by ``StopIteration``."""
+    try:
+        return callback(state) is True
+    except StopIteration:
+        return True
 
 
 class Solution(NamedTuple):

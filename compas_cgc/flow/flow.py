@@ -19,6 +19,7 @@ from ..problem import Frame
 from ..result import History
 from ..result import Solution
 from ..result import SolveState
+from ..result import stops
 from .filter import GradientFilter
 from .linesearch import armijo_line_search
 from .measure import Measure
@@ -134,7 +135,7 @@ def flow(
                 time.perf_counter() - started,
                 _to_model(problem, local, frame, vertices),
             )
-            if _stops(callback, state) and status == "step_limit":
+            if stops(callback, state) and status == "step_limit":
                 status = "cancelled"
     if status == "step_limit" and error > ASTRAY * start_error:
         status, vertices, error = "diverged", best, best_error
@@ -194,13 +195,6 @@ def _to_model(problem: CGCProblem, local: CGCProblem, frame: Frame, vertices: Fl
     # What did not move is handed back bit for bit, without the way through the frame.
     moved = (vertices != local.vertices).any(axis=1)
     return np.where(moved[:, None], frame.to_model(vertices), problem.vertices)
-
-
-def _stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
-    try:
-        return callback(state) is True
-    except StopIteration:
-        return True
 
 
 def _message(status: str, step: int, error: float, goal: float, problem: CGCProblem, radius: float) -> str:

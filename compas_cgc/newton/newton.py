@@ -15,6 +15,7 @@ from ..problem import Frame
 from ..result import History
 from ..result import Solution
 from ..result import SolveState
+from ..result import stops
 from .messages import message
 from .rounding import model_errors
 from .rounding import polished
@@ -88,7 +89,7 @@ def newton(
         if callback is not None:
             seconds = time.perf_counter() - started
             state = SolveState(len(rows), settings.steps, *rows[-1][:5], seconds, _to_model(problem, frame, here.vertices))
-            if _stops(callback, state):
+            if stops(callback, state):
                 outcome = "cancelled", ""
         if outcome is None and len(rows) == settings.steps and here.largest > settings.tolerance:
             outcome = "step_limit", ""
@@ -111,10 +112,3 @@ def _row(system: System, step: Step, frame: Frame) -> tuple:
 def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
     # What is held is handed back bit for bit, without the way through the frame.
     return np.where(problem.asked[:, None], frame.to_model(vertices), problem.vertices)
-
-
-def _stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
-    try:
-        return callback(state) is True
-    except StopIteration:
-        return True

@@ -19,6 +19,7 @@ from ..problem import CGCProblem
 from ..result import History
 from ..result import Solution
 from ..result import SolveState
+from ..result import stops
 from .constraints import Constraint
 from .energy import energy_meter
 from .messages import cause
@@ -123,7 +124,7 @@ class Projector:
                 status = "step_limit"
             if callback is not None:
                 state = SolveState(len(rows), settings.steps, *rows[-1][:5], time.perf_counter() - started, self._to_model(here.vertices))
-                if _stops(callback, state) and status == "stalled":
+                if stops(callback, state) and status == "stalled":
                     status = "cancelled"
             if status != "stalled":
                 break
@@ -164,10 +165,3 @@ class Projector:
         columns = self._system.columns
         result[columns] = self._frame.to_model(vertices[columns])
         return result
-
-
-def _stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
-    try:
-        return callback(state) is True
-    except StopIteration:
-        return True
