@@ -70,7 +70,7 @@ def _target_problems(mesh: CGCMesh) -> list[Problem]:
     # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
     asked = [v for v in mesh.vertices() if mesh.vertex_role(v) == "internal"]
     missing = [v for v in asked if mesh.vertex_target(v) is None]
-    wrong = [v for v in asked if v not in set(missing) and not _is_number(mesh.vertex_target(v))]
+    wrong = [v for v in asked if mesh.vertex_target(v) is not None and not _is_number(mesh.vertex_target(v))]
     if missing and len(missing) == len(asked):
         problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
     elif missing:
