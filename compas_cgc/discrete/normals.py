@@ -9,10 +9,11 @@ from . import _kernels
 from .arrays import FloatArray
 from .arrays import mesh_arrays
 
-__all__ = ["face_normals", "vertex_normals"]
+__all__ = ["face_normals", "unit_vectors", "vertex_normals"]
 
 
-def _unit(vectors: FloatArray) -> FloatArray:
+def unit_vectors(vectors: FloatArray) -> FloatArray:
+    """Return vectors ``(n, 3)`` at length one, zero where they have none."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
 
@@ -33,7 +34,7 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
         Unit vectors; zero where a face has no area.
     """
     V, F = mesh_arrays(vertices, faces)
-    return _unit(_kernels.cross_vectors(V, F))
+    return unit_vectors(_kernels.cross_vectors(V, F))
 
 
 def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
@@ -52,4 +53,4 @@ def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
         Unit vectors; zero where the faces cancel or where there are none.
     """
     V, F = mesh_arrays(vertices, faces)
-    return _unit(_kernels.sum_at_vertices(len(V), F, _kernels.cross_vectors(V, F)))
+    return unit_vectors(_kernels.sum_at_vertices(len(V), F, _kernels.cross_vectors(V, F)))

@@ -10,6 +10,7 @@ from ..discrete import edge_faces
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.normals import unit_vectors
 
 __all__ = ["dummy_ring"]
 
@@ -51,16 +52,11 @@ def dummy_ring(vertices: FloatArray, faces: IntArray, free: np.ndarray) -> tuple
     after[u], before[v] = v, u
     inner = np.unique(rim)
     to_next, to_last = vertices[after[inner]] - vertices[inner], vertices[inner] - vertices[before[inner]]
-    tangent = _unit(_unit(to_next) + _unit(to_last))
-    outward = _unit(np.cross(tangent, vertex_normals(vertices, faces)[inner]))
+    tangent = unit_vectors(unit_vectors(to_next) + unit_vectors(to_last))
+    outward = unit_vectors(np.cross(tangent, vertex_normals(vertices, faces)[inner]))
     length = 0.5 * (np.linalg.norm(to_next, axis=1) + np.linalg.norm(to_last, axis=1))
     dummies = vertices[inner] + length[:, None] * outward
     index = np.full(n, -1)
     index[inner] = n + np.arange(len(inner))
     strip = np.concatenate([np.column_stack([v, u, index[u]]), np.column_stack([v, index[u], index[v]])])
     return np.concatenate([vertices, dummies]), np.concatenate([faces, strip]), inner
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from ..files.asked import asked_of
 from .model import Model3dm
 from .units import unit_suffix
 
@@ -32,8 +33,7 @@ def describe(model: Model3dm) -> tuple[str, list[str]]:
     lines += [f"- {note}" for note in model.notes]
     regions = mesh.regions()
     lines.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}:")
-    for number, faces in enumerate(regions):
-        K = mesh.region_target(number)
+    for number, (faces, K) in enumerate(zip(regions, asked_of(mesh).region_targets())):
         centre = np.mean([mesh.face_centroid(face) for face in faces], axis=0)
         place = ", ".join(f"{x:.4g}" for x in centre)
         lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
