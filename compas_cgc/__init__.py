@@ -20,6 +20,7 @@ __all__ = [
     "SolveResult",
     "__version__",
     "solve",
+    "solve_problem",
 ]
 
 __all_plugins__ = ["compas_cgc.scene"]
@@ -34,6 +35,7 @@ _HOME = {
     "ProjectionSettings": ".projection",
     "SolveResult": ".result",
     "solve": ".solver",
+    "solve_problem": ".solver",
 }
 
 

@@ -69,7 +69,7 @@ def run_auto(
     settings: Optional[Settings] = None,
     constraints: Sequence[Constraint] = (),
     callback: Callback = None,
-) -> tuple[Solution, Choice]:
+) -> Solution:
     """Solve by the first method that arrives; else return the surface nearest to its targets.
 
     Parameters
@@ -97,4 +97,4 @@ def run_auto(
     text = f"{choice.method}, as {choice.reason}: {solution.message}"
     if before:
         text += f" ({', '.join(before)})"
-    return solution._replace(message=text), choice
+    return solution._replace(message=text)

@@ -64,7 +64,7 @@ def run(
         With the vertices of the problem, in its order.
     """
     if method == "projection":
-        return project(problem, settings, constraints, callback)
+        return project(problem, settings, constraints, callback)._replace(method=method)
     carried = problem.with_dummy_ring()
     own = len(problem.vertices)
     seen = callback if callback is None else lambda state: callback(state._replace(vertices=state.vertices[:own]))
@@ -72,7 +72,7 @@ def run(
         solution = newton(carried, settings, seen)
     else:
         solution = flow_and_finish(carried, settings or FlowSettings(), seen)
-    return solution._replace(vertices=solution.vertices[:own])
+    return solution._replace(vertices=solution.vertices[:own], method=method)
 
 
 def flow_and_finish(problem: CGCProblem, settings: FlowSettings, callback: Callback = None) -> Solution:

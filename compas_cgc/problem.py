@@ -18,6 +18,7 @@ from .discrete import face_areas
 from .discrete import mesh_arrays
 from .discrete.arrays import FloatArray
 from .discrete.arrays import IntArray
+from .meshing.regions import face_regions
 from .meshing.ring import dummy_ring
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ class CGCProblem:
         ``(n,)`` float64 factor of strategy S1, NaN where the settings' value holds.
     e
         ``(n,)`` float64 delay of strategy S2 in steps, NaN where the settings' value holds.
+    creases
+        ``(c, 2)`` int64 edges along which the surface may fold; they divide it into regions.
     """
 
     vertices: FloatArray
@@ -70,6 +73,7 @@ class CGCProblem:
     targets: FloatArray
     s: Optional[FloatArray] = None
     e: Optional[FloatArray] = None
+    creases: Optional[IntArray] = None
 
     def __post_init__(self) -> None:
         V, F = mesh_arrays(self.vertices, self.faces)
@@ -78,6 +82,8 @@ class CGCProblem:
         put(self, "vertices", V)
         put(self, "faces", F)
         put(self, "roles", np.ascontiguousarray(self.roles, dtype=np.int64))
+        creases = () if self.creases is None else self.creases
+        put(self, "creases", np.ascontiguousarray(creases, dtype=np.int64).reshape(-1, 2))
         for name in ("targets", "s", "e"):
             value = getattr(self, name)
             value = np.nan if value is None else value
@@ -88,15 +94,20 @@ class CGCProblem:
     @classmethod
     def from_mesh(cls, mesh: CGCMesh) -> CGCProblem:
         """Return the problem that a mesh poses, with any dummy mesh, in the order of its vertices."""
-        keys = list(mesh.vertices())
         vertices, faces = mesh.arrays(dummies=True)
+        index = {key: i for i, key in enumerate(mesh.vertices())}
 
-        def column(name: str) -> FloatArray:
-            values = mesh.vertices_attribute(name)
-            return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+        def column(name: str) -> list:
+            default = mesh.default_vertex_attributes.get(name)
+            return [own.get(name, default) for own in mesh.vertex.values()]
 
-        roles = np.array([ROLES.index(mesh.vertex_role(key)) for key in keys], dtype=np.int64)
-        return cls(vertices, faces, roles, column("target"), column("s"), column("e"))
+        def numbers(name: str) -> FloatArray:
+            return np.array([np.nan if value is None else value for value in column(name)], dtype=np.float64)
+
+        number = {role: i for i, role in enumerate(ROLES)}
+        roles = [number[role] for role in column("role")]
+        creases = [(index[u], index[v]) for u, v in mesh.crease_edges()]
+        return cls(vertices, faces, roles, numbers("target"), numbers("s"), numbers("e"), creases)
 
     @property
     def asked(self) -> NDArray[np.bool_]:
@@ -121,6 +132,21 @@ class CGCProblem:
             return largest
         return 1.0 / float(face_areas(self.vertices, self.faces[self.real_faces]).sum())
 
+    def regions(self) -> IntArray:
+        """Number the regions of the faces, see :func:`compas_cgc.meshing.face_regions` (m,)."""
+        return face_regions(self.faces, self.creases)
+
+    def without_dummies(self) -> CGCProblem:
+        """Return the problem of the real mesh; its free edges are free again."""
+        real = self.roles != DUMMY
+        if real.all():
+            return self
+        index = np.cumsum(real) - 1
+        V, F = self.vertices[real], index[self.faces[self.real_faces]]
+        own = self.roles[real]
+        roles = np.where(boundary_vertices(V, F) & (own == INTERNAL), FREE, own)
+        return CGCProblem(V, F, roles, self.targets[real], self.s[real], self.e[real], index[self.creases])
+
     def with_dummy_ring(self) -> CGCProblem:
         """Return the problem with dummy faces along the free edges, where K is then asked for too.
 
@@ -141,6 +167,7 @@ class CGCProblem:
             np.concatenate([self.targets, nothing]),
             np.concatenate([self.s, nothing]),
             np.concatenate([self.e, nothing]),
+            self.creases,
         )
 
     def face_targets(self) -> FloatArray:

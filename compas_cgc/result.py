@@ -74,6 +74,7 @@ class Solution(NamedTuple):
     seconds: float  # wall time
     max_error: float  # largest |K - K̄| where K is asked [1/L^2]
     history: History
+    method: str = ""  # the method that was used
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,17 @@ from typing import Optional
 import numpy as np
 
 from .auto import run_auto
+from .check import Names
+from .check import check
+from .check import refuse
 from .datastructures import CGCMesh
-from .errors import ProblemError
+from .datastructures.check import problems_of_keys
 from .methods import METHODS
 from .methods import SETTINGS
 from .methods import run
 from .problem import DUMMY
 from .problem import CGCProblem
+from .result import Solution
 from .result import SolveResult
 from .result import SolveState
 
@@ -24,7 +28,7 @@ if TYPE_CHECKING:
     from .methods import Settings
     from .projection.constraints import Constraint
 
-__all__ = ["METHODS", "solve"]
+__all__ = ["METHODS", "solve", "solve_problem"]
 
 
 def solve(
@@ -85,27 +89,51 @@ def solve(
     ('converged', 'newton')
     """
     _check_arguments(method, settings, constraints)
-    fatal = [problem for problem in mesh.check() if problem.fatal]
-    if fatal:
-        raise ProblemError(fatal)
+    refuse(problems_of_keys(mesh))
     problem = CGCProblem.from_mesh(mesh)
-    real = problem.roles != DUMMY
-    seen = _real_only(callback, real)
+    solution = solve_problem(problem, method, settings, callback, constraints, mesh.names())
+    return SolveResult(mesh.with_coordinates(solution.vertices[problem.roles != DUMMY]), *solution[1:])
+
+
+def solve_problem(
+    problem: CGCProblem,
+    method: str = "auto",
+    settings: Optional[Settings] = None,
+    callback: Optional[Callable[[SolveState], object]] = None,
+    constraints: Sequence[Constraint] = (),
+    names: Optional[Names] = None,
+) -> Solution:
+    """Solve a problem of arrays, see :func:`solve`.
+
+    Parameters
+    ----------
+    problem
+        Vertices and faces with roles, targets and creases.
+    method, settings, constraints
+        As for :func:`solve`; constraints name vertices by their positions.
+    callback
+        As for :func:`solve`; it sees the real vertices only.
+    names
+        What sentences call vertices and faces. Default: their positions.
+
+    Returns
+    -------
+    Solution
+        With all vertices of the problem, in its order.
+
+    Raises
+    ------
+    ProblemError
+        With the fatal sentences of :func:`compas_cgc.check.check`.
+    ValueError
+        If the method is unknown, or the settings or constraints belong to another.
+    """
+    _check_arguments(method, settings, constraints)
+    refuse(check(problem, names))
+    seen = _real_only(callback, problem.roles != DUMMY)
     if method == "auto":
-        solution, choice = run_auto(problem, settings, constraints, seen)
-        method = choice.method
-    else:
-        solution = run(method, problem, settings, constraints, seen)
-    return SolveResult(
-        mesh=mesh.with_coordinates(solution.vertices[real]),
-        status=solution.status,
-        message=solution.message,
-        iterations=solution.iterations,
-        seconds=solution.seconds,
-        max_error=solution.max_error,
-        history=solution.history,
-        method=method,
-    )
+        return run_auto(problem, settings, constraints, seen)
+    return run(method, problem, settings, constraints, seen)
 
 
 def _check_arguments(method: str, settings: Optional[Settings], constraints: Sequence[Constraint]) -> None:

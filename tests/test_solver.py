@@ -248,7 +248,7 @@ def test_settings_and_constraints_of_another_method_are_refused_in_words():
 def test_what_is_fixed_stays_bit_for_bit_with_every_method():
     problem = CGCProblem.from_mesh(dome())
     for method in ("flow", "newton", "projection"):
-        solution, _ = run_auto(problem, {"flow": FlowSettings(), "newton": NewtonSettings(), "projection": ProjectionSettings()}[method])
+        solution = run_auto(problem, {"flow": FlowSettings(), "newton": NewtonSettings(), "projection": ProjectionSettings()}[method])
         assert np.array_equal(solution.vertices[problem.roles == FIXED], problem.vertices[problem.roles == FIXED])
 
 

@@ -24,7 +24,7 @@ from .quadric import quadric_curvatures
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem"]
 
 
 @dataclass(frozen=True)
@@ -118,25 +118,28 @@ def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport
     SurfaceReport
         Its text is meant to be read; ``to_dict`` gives the same as plain data.
     """
-    mesh = mesh.without_dummies()
-    problem = CGCProblem.from_mesh(mesh)
-    vertices, faces = problem.vertices, problem.faces
-    index = {key: i for i, key in enumerate(mesh.vertices())}
-    label = np.empty(len(faces), dtype=np.int64)
-    place = {face: i for i, face in enumerate(mesh.faces())}
-    for number, members in enumerate(mesh.regions()):
-        label[[place[face] for face in members]] = number
-    moved = None
-    if reference is not None:
-        before, _ = reference.arrays()
-        if before.shape != vertices.shape:
-            raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(vertices)}; give the mesh that it was made from")
-        moved = np.linalg.norm(vertices - before, axis=1)
-    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges()], dtype=np.int64)
-    regions = _regions(problem, label, creases.reshape(-1, 2))
+    return analyse_problem(CGCProblem.from_mesh(mesh), None if reference is None else reference.arrays()[0])
+
+
+def analyse_problem(problem: CGCProblem, before: Optional[FloatArray] = None) -> SurfaceReport:
+    """Measure the vertices of a problem against its targets, as :func:`analyse` does.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles, targets and creases.
+    before
+        ``(n, 3)`` where its real vertices were before [L].
+    """
+    problem = problem.without_dummies()
+    V, F = problem.vertices, problem.faces
+    if before is not None and before.shape != V.shape:
+        raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
+    moved = None if before is None else np.linalg.norm(V - before, axis=1)
+    regions = _regions(problem, problem.regions(), problem.creases)
     return SurfaceReport(
         regions,
-        _quality(vertices, faces, problem.asked),
+        _quality(V, F, problem.asked),
         max((r.max_error for r in regions if r.max_error is not None), default=0.0),
         None if moved is None else float(moved.max(initial=0.0)),
         None if moved is None else float(moved.mean()),

@@ -8,22 +8,26 @@ from collections.abc import Iterable
 from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
+from itertools import chain
 from typing import Optional
 from typing import Union
 
 import numpy as np
 from compas.datastructures import Mesh
 
+from ..check import Names
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
 from ..meshing import Problem
+from ..meshing import boundary_loops
 from ..meshing import crease_paths
 from ..meshing import dummy_ring
 from ..meshing import face_regions
+from ..meshing import loop_corners
 from ..meshing import path_edges
+from ..meshing import triangles_of
 from ..meshing import triangulate
-from ..meshing.triangulate import distinct_corners
 from ..problem import ROLES
 
 __all__ = ["CGCMesh"]
@@ -98,20 +102,20 @@ class CGCMesh(Mesh):
         points = _plain(vertices, float)
         polygons = _plain(faces, int)
         where = points if isinstance(points, Mapping) else dict(enumerate(points))
-        items = list(polygons.items()) if isinstance(polygons, Mapping) else list(enumerate(polygons))
-        for key, polygon in items:
-            for v in polygon:
-                if v not in where:
-                    raise MeshError(f"face {key} names the vertex {v}, which does not exist; correct the face")
-        if all(len(distinct_corners(polygon)) == 3 for _, polygon in items):
-            triangles: object = {key: distinct_corners(polygon) for key, polygon in items}
-        else:
-            triangles = [triangle for _, polygon in items for triangle in triangulate(where, polygon)]
-        mesh = super().from_vertices_and_faces(points, triangles)
-        dropped = [[key, polygon] for key, polygon in items if len(set(polygon)) < 3]
-        if dropped:
+        named = polygons if isinstance(polygons, Mapping) else dict(enumerate(polygons))
+        lost = set(chain.from_iterable(named.values())).difference(where)
+        if lost:
+            key, v = next((key, v) for key, polygon in named.items() for v in polygon if v in lost)
+            raise MeshError(f"face {key} names the vertex {v}, which does not exist; correct the face")
+        keys = list(named)
+        triangles, owner = triangles_of(where, list(named.values()))
+        whole = len(np.unique(owner)) == len(owner)
+        names = [keys[k] for k in owner] if whole else range(len(triangles))
+        mesh = super().from_vertices_and_faces(points, dict(zip(names, triangles.tolist())))
+        dropped = np.setdiff1d(np.arange(len(keys)), owner)
+        if len(dropped):
             # COMPAS leaves such faces out without a word; check() says it.
-            mesh.attributes["dropped_faces"] = dropped
+            mesh.attributes["dropped_faces"] = [[keys[k], named[keys[k]]] for k in dropped]
         mesh.update_roles()
         return mesh
 
@@ -200,11 +204,25 @@ class CGCMesh(Mesh):
         dummies
             Keep the dummy mesh.
         """
-        keys = [v for v in self.vertices() if dummies or not self.is_dummy(v)]
-        index = {key: i for i, key in enumerate(keys)}
-        vertices = np.array([[self.vertex[v]["x"], self.vertex[v]["y"], self.vertex[v]["z"]] for v in keys], dtype=np.float64)
-        faces = [[index[v] for v in corners] for corners in self.face.values() if all(v in index for v in corners)]
-        return vertices.reshape(-1, 3), np.array(faces, dtype=np.int64).reshape(-1, 3)
+        points = [(own["x"], own["y"], own["z"]) for own in self.vertex.values()]
+        vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
+        faces = self._positions(np.array(list(self.face.values()), dtype=np.int64).reshape(-1, 3))
+        dummy = np.zeros(len(points), bool) if dummies else np.array([self.is_dummy(key) for key in self.vertex], dtype=bool)
+        if not dummy.any():
+            return vertices, faces
+        return vertices[~dummy], (np.cumsum(~dummy) - 1)[faces[~dummy[faces].any(axis=1)]]
+
+    def names(self) -> Names:
+        """Return the keys of vertices (n,) and faces (m,), dummies too, in the order of :meth:`arrays`."""
+        return Names(np.array(list(self.vertex), dtype=np.int64), np.array(list(self.face), dtype=np.int64))
+
+    def _positions(self, keys: IntArray) -> IntArray:
+        """Return the positions of vertices in the order of the mesh."""
+        known = np.array(list(self.vertex), dtype=np.int64)
+        if np.array_equal(known, np.arange(len(known))):
+            return keys
+        order = np.argsort(known)
+        return order[np.searchsorted(known, keys, sorter=order)]
 
     def with_coordinates(self, vertices: FloatArray) -> CGCMesh:
         """Return a copy without dummies whose vertices are at `vertices` (n, 3)."""
@@ -267,36 +285,16 @@ class CGCMesh(Mesh):
     def _named_supports(self, name: str) -> list[int]:
         if name not in ("boundary", "corners"):
             raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
-        corners = []
-        for loop in self.boundary_loops():
-            if name == "boundary":
-                corners += loop
-                continue
-            points = np.array([self.vertex_coordinates(key) for key in loop])
-            ahead = np.roll(points, -1, axis=0) - points
-            ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
-            cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))
-            corners += [key for key, c in zip(loop, cosine) if c < math.cos(math.radians(30))]
-        return corners
+        loops = self.boundary_loops()
+        if name == "boundary":
+            return [key for loop in loops for key in loop]
+        corners = [loop_corners(np.array([self.vertex_coordinates(key) for key in loop])) for loop in loops]
+        return [key for loop, turns in zip(loops, corners) for key, turn in zip(loop, turns) if turn]
 
     def boundary_loops(self) -> list[list[int]]:
         """Return the loops of vertices around the open edges of the real mesh, the longest first."""
-        real = {f for f, corners in self.face.items() if not any(self.is_dummy(v) for v in corners)}
-        after = {}
-        for face in real:
-            corners = self.face[face]
-            for u, v in zip(corners, corners[1:] + corners[:1]):
-                if self.halfedge[v].get(u) not in real:
-                    after.setdefault(u, v)
-        loops = []
-        while after:
-            key = min(after)
-            loop = []
-            while key in after:
-                loop.append(key)
-                key = after.pop(key)
-            loops.append(loop)
-        return sorted(loops, key=lambda loop: (-len(loop), loop))
+        keys = [key for key in self.vertices() if not self.is_dummy(key)]
+        return [[keys[v] for v in loop] for loop in boundary_loops(self.arrays()[1])]
 
     def update_roles(self) -> None:
         """Give every vertex that is neither fixed nor dummy the role that its place calls for.
@@ -354,10 +352,8 @@ class CGCMesh(Mesh):
         faces = [f for f, corners in self.face.items() if not any(self.is_dummy(v) for v in corners)]
         if not faces:
             return []
-        keys = list(self.vertices())
-        index = {key: i for i, key in enumerate(keys)}
-        corners = np.array([[index[v] for v in self.face[f][:3]] for f in faces])
-        edges = np.array([[index[u], index[v]] for u, v in self.crease_edges()], dtype=np.int64).reshape(-1, 2)
+        corners = self._positions(np.array([self.face[f][:3] for f in faces], dtype=np.int64))
+        edges = self._positions(np.array(self.crease_edges(), dtype=np.int64).reshape(-1, 2))
         labels = face_regions(corners, edges)
         regions: list[list[int]] = [[] for _ in range(labels.max() + 1)]
         for face, label in zip(faces, labels.tolist()):

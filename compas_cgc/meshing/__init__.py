@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from .boundary import boundary_loops
+from .boundary import loop_corners
 from .checks import Problem
 from .checks import existence_problems
 from .checks import mesh_problems
@@ -9,15 +11,19 @@ from .paths import crease_paths
 from .paths import path_edges
 from .regions import face_regions
 from .ring import dummy_ring
+from .triangulate import triangles_of
 from .triangulate import triangulate
 
 __all__ = [
     "Problem",
+    "boundary_loops",
     "crease_paths",
     "dummy_ring",
     "existence_problems",
     "face_regions",
+    "loop_corners",
     "mesh_problems",
     "path_edges",
+    "triangles_of",
     "triangulate",
 ]

@@ -47,27 +47,24 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
     Parameters
     ----------
     vertices, faces
-        ``(n, 3)`` coordinates, not necessarily finite, and ``(m, 3)`` existing indices.
+        ``(n, 3)`` coordinates and ``(m, 3)`` indices.
     vertex_names, face_names
         ``(n,)`` and ``(m,)``: what the user calls them.
     """
-    problems = []
-    bad = ~np.isfinite(vertices).all(axis=1)
-    if bad.any():
-        problems.append(Problem(f"vertices {listed(vertex_names[bad])} have coordinates that are no finite numbers; correct them"))
     if not len(faces):
-        return [*problems, Problem("the mesh has no faces; give a mesh with faces")]
+        return [Problem("the mesh has no faces; give a mesh with faces")]
+    problems = []
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     if not used.all():
         problems.append(
             Problem(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices() does)")
         )
-    problems += _face_problems(vertices, faces, face_names, bad.any())
+    problems += _face_problems(vertices, faces, face_names)
     return problems + _manifold_problems(faces, vertex_names, face_names)
 
 
-def _face_problems(V: FloatArray, F: IntArray, names: IntArray, broken: bool) -> list[Problem]:
+def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Problem]:
     problems = []
     key = np.sort(F, axis=1)
     order = np.lexsort(key.T)
@@ -75,14 +72,13 @@ def _face_problems(V: FloatArray, F: IntArray, names: IntArray, broken: bool) ->
     twin[order[1:]] = (key[order[1:]] == key[order[:-1]]).all(axis=1)
     if twin.any():
         problems.append(Problem(f"faces {listed(names[twin])} are duplicates of others; remove them"))
-    if not broken:
-        corners = V[F]
-        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-        flat = face_areas(V, F) <= 1e-12 * longest**2
-        if flat.any():
-            problems.append(
-                Problem(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
-            )
+    corners = V[F]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    flat = face_areas(V, F) <= 1e-12 * longest**2
+    if flat.any():
+        problems.append(
+            Problem(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
+        )
     return problems
 
 
@@ -143,8 +139,9 @@ def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntA
     same = code[order[1:]] == code[order[:-1]]
     i, j = at[order[:-1][same]], at[order[1:][same]]
     _, fan = connected_components(sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(3 * m, 3 * m)), directed=False)
-    pairs = np.unique(np.column_stack([F.ravel(), fan]), axis=0)
-    fans = np.bincount(pairs[:, 0], minlength=n)
+    at_vertex = np.empty(fan.max() + 1, np.int64)
+    at_vertex[fan] = F.ravel()
+    fans = np.bincount(at_vertex, minlength=n)
     if (fans > 1).any():
         touching = names[np.flatnonzero(fans > 1)]
         return [Problem(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")]
@@ -183,7 +180,10 @@ def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray
     x, y = rim.T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
     most = np.pi / area
-    inside = np.setdiff1d(np.unique(faces), boundary)
+    within = np.zeros(len(vertices), bool)
+    within[faces] = True
+    within[boundary] = False
+    inside = np.flatnonzero(within)
     if len(inside):
         middle = 0.5 * (rim + np.roll(rim, -1, axis=0))
         reach = float(np.linalg.norm(rim - middle, axis=1).max())

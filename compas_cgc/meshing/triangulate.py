@@ -2,12 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Sequence
+from typing import Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ["distinct_corners", "triangulate"]
+from ..discrete.arrays import IntArray
+
+__all__ = ["triangles_of", "triangulate"]
+
+
+def triangles_of(
+    vertices: Union[Mapping[int, Sequence[float]], Sequence[Sequence[float]]], faces: Sequence[Sequence[int]]
+) -> tuple[IntArray, IntArray]:
+    """Split the polygons of a mesh into triangles.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates by position or key [L].
+    faces
+        Polygons of any length.
+
+    Returns
+    -------
+    triangles (k, 3), owner (k,)
+        The triangles in the order of their polygons, and the position of each one's polygon; polygons with fewer than
+        three different corners have none.
+    """
+    if all(len(face) == 3 for face in faces):
+        F = np.array(faces, dtype=np.int64).reshape(-1, 3)
+        owner = np.flatnonzero((F != np.roll(F, 1, axis=1)).all(axis=1))
+        return F[owner], owner
+    parts = [triangulate(vertices, face) for face in faces]
+    owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    return np.array([triangle for part in parts for triangle in part], dtype=np.int64).reshape(-1, 3), owner
 
 
 def distinct_corners(face: Sequence[int]) -> list[int]:
