@@ -70,6 +70,11 @@ def lost_creases(edges: list) -> Problem:
     return Problem(f"the creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
 
 
+def dropped_faces(names: object) -> Problem:
+    """Return the sentence on faces that are no polygons."""
+    return Problem(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
+
+
 def _role_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
     problems = []
     if not (problem.roles == FIXED).any():

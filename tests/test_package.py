@@ -21,7 +21,7 @@ PACKAGE = ROOT / "compas_cgc"
 LAYERS = [
     {"_version", "errors", "atomic", "client"},
     {"discrete", "linalg"},
-    {"meshing", "problem", "result", "check"},
+    {"meshing", "problem", "result", "check", "posing"},
     {"flow", "newton", "projection"},
     {"datastructures"},
     {"methods", "analysis"},

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests import shapes
 
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
@@ -19,6 +18,8 @@ from compas_cgc.meshing import triangles_of
 from compas_cgc.problem import DUMMY
 from compas_cgc.problem import FIXED
 from compas_cgc.problem import INTERNAL
+
+from . import shapes
 
 
 def vault():

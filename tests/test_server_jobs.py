@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import time
@@ -13,15 +12,16 @@ import pytest
 from compas_cgc.server.jobs import Jobs
 from compas_cgc.server.limits import Limits
 from compas_cgc.server.outcome import unpack
-from compas_cgc.server.pool import TaskError
-from compas_cgc.server.pool import TaskStopped
-from compas_cgc.server.pool import WorkerDied
 from compas_cgc.server.pool import WorkerPool
 from compas_cgc.server.problems import Busy
 from compas_cgc.server.problems import Conflict
 from compas_cgc.server.problems import Gone
+from compas_cgc.server.request import accept
 from compas_cgc.server.solving import warm_up
 from compas_cgc.server.store import Store
+from compas_cgc.server.task import TaskError
+from compas_cgc.server.task import TaskStopped
+from compas_cgc.server.task import WorkerDied
 from compas_cgc.server.worker import report
 from compas_cgc.server.worker import stop_wanted
 
@@ -62,7 +62,7 @@ def wait_for(condition, seconds=20.0):
 def body(n=6, **more):
     vertices, faces = grid(n)
     request = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
-    return json.dumps(request).encode()
+    return accept(request, Limits())
 
 
 def endless(n=24):
@@ -150,7 +150,7 @@ def test_a_killed_worker_fails_its_own_task_only(pool):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
     pool.wait_until_ready(60)
-    job, _ = jobs.submit("json", endless())
+    job, _ = jobs.submit(*endless())
     wait_for(lambda: jobs.get(job.id).progress.get("step"))
     (busy,) = (slot for slot in pool._slots if slot.state == "busy")
     os.kill(busy.process.pid, signal.SIGKILL)
@@ -159,7 +159,7 @@ def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
 
 
 def test_a_job_runs_and_keeps_its_result(jobs):
-    job, new = jobs.submit("json", body(), id="roof-0001")
+    job, new = jobs.submit(*body(), id="roof-0001")
     assert new and job.state == "queued"
     wait_for(lambda: jobs.get(job.id).over)
     done = jobs.get(job.id)
@@ -167,13 +167,13 @@ def test_a_job_runs_and_keeps_its_result(jobs):
     result, findings = unpack(jobs.result(job.id))
     assert result.converged and result.max_error < 1e-6
     assert result.mesh.number_of_vertices() == 49 and findings["quality"]["faces"] == 72
-    assert jobs.submit("json", body(), id="roof-0001") == (done, False)
+    assert jobs.submit(*body(), id="roof-0001") == (done, False)
     with pytest.raises(Conflict, match="another request"):
-        jobs.submit("json", body(7), id="roof-0001")
+        jobs.submit(*body(7), id="roof-0001")
 
 
 def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
-    job, _ = jobs.submit("json", endless())
+    job, _ = jobs.submit(*endless())
     states = []
     for state in jobs.follow(job.id):
         states.append(state)
@@ -186,26 +186,26 @@ def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
 
 
 def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
-    job, _ = jobs.submit("json", body(targets=100.0))
+    job, _ = jobs.submit(*body(targets=100.0))
     wait_for(lambda: jobs.get(job.id).over)
     assert jobs.get(job.id).state == "failed" and "more than this boundary can carry" in jobs.get(job.id).message
 
 
 def test_the_queue_is_bounded_for_one_and_for_all(jobs):
     for _ in range(4):
-        jobs.submit("json", endless(), client="a")
+        jobs.submit(*endless(), client="a")
     with pytest.raises(Busy, match="4 unfinished jobs"):
-        jobs.submit("json", endless(), client="a")
+        jobs.submit(*endless(), client="a")
     for _ in range(2):
-        jobs.submit("json", endless(), client="b")
+        jobs.submit(*endless(), client="b")
     with pytest.raises(Busy, match="queue is full"):
-        jobs.submit("json", endless(), client="c")
+        jobs.submit(*endless(), client="c")
 
 
 def test_old_results_make_room(jobs):
     ids = []
     for k in range(4):
-        ids.append(jobs.submit("json", body(targets=0.1 + 0.1 * k))[0].id)
+        ids.append(jobs.submit(*body(targets=0.1 + 0.1 * k))[0].id)
         wait_for(lambda: jobs.get(ids[-1]).over)
     with pytest.raises(Gone, match="submit the job again"):
         jobs.result(ids[0])
@@ -215,8 +215,8 @@ def test_old_results_make_room(jobs):
 def test_jobs_survive_the_server(tmp_path):
     first = WorkerPool(1)
     engine = Jobs(first, Store(tmp_path / "jobs.sqlite"))
-    running, _ = engine.submit("json", endless(8))
-    waiting, _ = engine.submit("json", body())
+    running, _ = engine.submit(*endless(8))
+    waiting, _ = engine.submit(*body())
     engine.close()
     # A second server takes up what the first one left; any executor will do.
     with ThreadPoolExecutor(1) as second:
@@ -232,10 +232,10 @@ def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
     store = Store(tmp_path / "jobs.sqlite")
     with ThreadPoolExecutor(1) as executor:
         engine = Jobs(executor, store)
-        job, _ = engine.submit("json", body())
+        job, _ = engine.submit(*body())
         wait_for(lambda: engine.get(job.id).over)
         # As if the server had been killed twice while it ran.
-        store.add(job._replace(id="deadly-one", state="running", attempts=2), "json", {}, body())
+        store.add(job._replace(id="deadly-one", state="running", attempts=2), body()[0], {}, body()[1])
         again = Jobs(executor, store)
     assert again.get("deadly-one").state == "failed" and "ended 2 times" in again.get("deadly-one").message
 

@@ -20,6 +20,8 @@ from urllib.parse import urlencode
 from .errors import Failed
 from .errors import Refused
 from .errors import ServerUnavailable
+from .packed import pack
+from .packed import unpack
 
 __all__ = ["Client"]
 
@@ -78,7 +80,7 @@ class Client:
         interval
             Seconds between two looks.
         asked
-            ``supports``, ``creases``, ``targets``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
+            ``supports``, ``creases``, ``targets``, ``constraints``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
         Returns
         -------
@@ -91,9 +93,9 @@ class Client:
             With a sentence to show.
         """
         id = self.submit(vertices, faces, **asked)
-        pause = min(0.02, interval)
         while True:
-            status = self.poll(id)
+            looked = time.monotonic()
+            status = self.poll(id, wait=interval)
             if on_progress is not None:
                 on_progress(status)
             if status["state"] == "succeeded":
@@ -103,15 +105,15 @@ class Client:
             if cancel is not None and cancel():
                 self.cancel(id)
                 cancel = None
-            time.sleep(pause)
-            pause = min(interval, 1.5 * pause)
+            # The server answers at once when too many wait for their jobs.
+            time.sleep(max(0.0, interval - (time.monotonic() - looked)))
 
     def submit(self, vertices: Sequence[Sequence[float]], faces: Sequence[Sequence[int]], id: Optional[str] = None, **asked: object) -> str:
         """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
         body = {
             "id": id or uuid.uuid4().hex,
-            "vertices": _rows(vertices),
-            "faces": _rows(faces),
+            "vertices": _packed(vertices, "f8"),
+            "faces": _packed(faces, "i4"),
             **{name: _rows(value) if hasattr(value, "tolist") else value for name, value in asked.items()},
         }
         return self._json("POST", "/api/v1/jobs", body)["id"]
@@ -121,14 +123,23 @@ class Client:
         query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **asked})})
         return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
 
-    def poll(self, id: str) -> dict:
-        """Return the status of a job: ``state``, ``progress``, ``iteration``, ``error``, ``elapsed``, ``message``."""
-        return self._json("GET", f"/api/v1/jobs/{quote(id)}")
+    def poll(self, id: str, wait: float = 0.0) -> dict:
+        """Return the status of a job: ``state``, ``progress``, ``iteration``, ``error``, ``elapsed``, ``message``.
+
+        Parameters
+        ----------
+        id
+            The job.
+        wait
+            Seconds that the server may wait for the end of the job with its answer.
+        """
+        return self._json("GET", f"/api/v1/jobs/{quote(id)}" + (f"?wait={min(wait, 0.5 * self.timeout):g}" if wait > 0 else ""))
 
     def result(self, id: str, format: str = "arrays") -> Union[dict, bytes]:
         """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``."""
-        content = self.request("GET", f"/api/v1/jobs/{quote(id)}/result?format={quote(format)}")
-        return json.loads(content) if format == "arrays" else content
+        sent = "packed" if format == "arrays" else format
+        content = self.request("GET", f"/api/v1/jobs/{quote(id)}/result?format={quote(sent)}")
+        return {name: unpack(value) for name, value in json.loads(content).items()} if format == "arrays" else content
 
     def cancel(self, id: str) -> dict:
         """Stop a job and return its status."""
@@ -202,6 +213,14 @@ class Client:
             return json.loads(self.request(method, path, body))
         except ValueError:
             raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
+
+
+def _packed(rows: object, kind: str) -> object:
+    """Return rows of three numbers in packed form; other rows go as lists, for the server to take or to refuse."""
+    try:
+        return pack(rows, kind, 3)
+    except (TypeError, ValueError, OverflowError):
+        return _rows(rows)
 
 
 def _rows(value: object) -> object:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..check import check as check_problem
+from ..check import dropped_faces
 from ..check import lost_creases
 from ..meshing import Problem
 from ..meshing.checks import listed
@@ -33,8 +34,7 @@ def problems_of_keys(mesh: CGCMesh) -> list[Problem]:
         problems.append(Problem(f"vertices {listed(broken)} have coordinates that are no finite numbers; correct them"))
     dropped = mesh.attributes.get("dropped_faces") or []
     if dropped:
-        named = listed([key for key, _ in dropped])
-        problems.append(Problem(f"faces {named} of the input have fewer than three different corners, they are degenerate; remove them"))
+        problems.append(dropped_faces([key for key, _ in dropped]))
     large = [face for face, corners in mesh.face.items() if len(corners) > 3]
     if large:
         problems.append(Problem(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate() does)"))

@@ -24,7 +24,7 @@ def triangles_of(
     vertices
         ``(n, 3)`` coordinates by position or key [L].
     faces
-        Polygons of any length.
+        Polygons of any length, or an array ``(m, 3)``.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def triangles_of(
         The triangles in the order of their polygons, and the position of each one's polygon; polygons with fewer than
         three different corners have none.
     """
-    if all(len(face) == 3 for face in faces):
+    if isinstance(faces, np.ndarray) or all(len(face) == 3 for face in faces):
         F = np.array(faces, dtype=np.int64).reshape(-1, 3)
         owner = np.flatnonzero((F != np.roll(F, 1, axis=1)).all(axis=1))
         return F[owner], owner

@@ -71,16 +71,6 @@ def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float,
 
 def constraints_of(mesh: CGCMesh) -> list[Constraint]:
     """Return the constraints that came with a mesh, to be given to :func:`compas_cgc.solve`."""
-    from ..projection.constraints import AtHeight
-    from ..projection.constraints import Held
-    from ..projection.constraints import OnCurve
+    from ..projection.plain import constraint_of
 
-    result: list[Constraint] = []
-    for item in mesh.attributes.get("constraints") or []:
-        if item["kind"] == "curve":
-            result.append(OnCurve(item["vertices"], item["points"], item["closed"]))
-        elif item["kind"] == "held":
-            result.append(Held(item["vertices"]))
-        else:
-            result.append(AtHeight(item["vertices"], item["height"]))
-    return result
+    return [constraint_of(item) for item in mesh.attributes.get("constraints") or []]

@@ -40,7 +40,7 @@ from ..server.jobs import Jobs
 from ..server.limits import Limits
 from ..server.pool import WorkerPool
 from ..server.problems import RequestProblem
-from ..server.request import check_request
+from ..server.request import accept
 from ..server.solving import warm_up
 from ..server.status import status
 from ..server.store import Store
@@ -85,8 +85,7 @@ class Service:
             instead of a mesh.
         """
         request = {**asked, **({} if mesh is None else {"mesh": mesh})}
-        check_request(request, self._jobs.limits)
-        job, _ = self._jobs.submit("json", json.dumps(request).encode())
+        job, _ = self._jobs.submit(*accept(request, self._jobs.limits))
         self._given[job.id] = None if mesh is None else mesh["dtype"]
         return job.id
 

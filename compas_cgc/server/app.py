@@ -7,6 +7,7 @@ import os
 import secrets
 from concurrent.futures import Executor
 from pathlib import Path
+from threading import BoundedSemaphore
 from typing import Optional
 from typing import Union
 
@@ -71,6 +72,7 @@ def create_app(
     app.json.ensure_ascii = False
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
     app.extensions["jobs"] = Jobs(pool, Store(store), limits)
+    app.extensions["seats"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
     app.after_request(_finish)
     app.register_error_handler(RequestProblem, _problem)

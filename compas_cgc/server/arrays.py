@@ -1,7 +1,12 @@
-"""JSON from outside: parsed with care, checked before anything is done with it."""
+"""JSON from outside: parsed with care, checked before anything is done with it.
+
+An array is a list, or packed: ``{"base64": ..., "type": "f8" or "i4", "shape": [...]}``, little-endian.
+"""
 
 from __future__ import annotations
 
+import base64
+import binascii
 import json
 import math
 from collections.abc import Sequence
@@ -14,10 +19,11 @@ from .problems import BadRequest
 from .problems import TooLarge
 from .problems import Unprocessable
 
-__all__ = ["LARGEST", "number", "polygons", "read_json", "vertex_array", "whole"]
+__all__ = ["LARGEST", "number", "packed", "polygons", "read_json", "vertex_array", "whole"]
 
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
+PACKED = {"f8": "<f8", "i4": "<i4"}
 
 
 def read_json(body: bytes, limits: Limits) -> object:
@@ -49,8 +55,12 @@ def _items(node: object) -> object:
 
 
 def vertex_array(value: object, limits: Limits) -> FloatArray:
-    """Return vertices (n, 3) [L] of a list of triples of numbers."""
-    if not isinstance(value, list) or not value:
+    """Return vertices (n, 3) [L] of a list of triples of numbers, or of a packed array."""
+    if isinstance(value, dict):
+        value = _unpacked(value, "'vertices'")
+    elif not isinstance(value, list):
+        value = []
+    if not len(value):
         raise Unprocessable("'vertices' must be a list of [x, y, z] with at least three of them")
     if len(value) > limits.vertices:
         raise TooLarge(f"the mesh has {len(value)} vertices, the server takes {limits.vertices}; use a coarser mesh")
@@ -70,20 +80,51 @@ def vertex_array(value: object, limits: Limits) -> FloatArray:
 
 
 def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int]]:
-    """Return faces as lists of indices of `count` vertices."""
-    if not isinstance(value, list) or not value:
+    """Return faces, a list of lists or a packed array, as indices of `count` vertices."""
+    if isinstance(value, dict):
+        value = _unpacked(value, "'faces'")
+    elif not isinstance(value, list):
+        value = []
+    if not len(value):
         raise Unprocessable("'faces' must be a list of lists of vertex numbers with at least one face")
     if len(value) > limits.faces:
         raise TooLarge(f"the mesh has {len(value)} faces, the server takes {limits.faces}; use a coarser mesh")
-    wrong = next((i for i, face in enumerate(value) if not isinstance(face, list) or not 3 <= len(face) <= 1000), None)
-    if wrong is not None:
-        raise Unprocessable(f"face {wrong} must be a list of three or more vertex numbers")
-    flat = np.array([v for face in value for v in face])
+    if isinstance(value, np.ndarray):
+        if value.ndim != 2 or value.shape[1] != 3:
+            raise Unprocessable("'faces' as a packed array must have the shape [m, 3]; send polygons as lists")
+        flat = value.ravel()
+    else:
+        wrong = next((i for i, face in enumerate(value) if not isinstance(face, list) or not 3 <= len(face) <= 1000), None)
+        if wrong is not None:
+            raise Unprocessable(f"face {wrong} must be a list of three or more vertex numbers")
+        flat = np.array([v for face in value for v in face])
     if flat.dtype.kind not in "iu":
         raise Unprocessable("'faces' must hold whole numbers only, the positions of vertices counted from 0")
     if flat.min() < 0 or flat.max() >= count:
         raise Unprocessable(f"a face names vertex {int(flat.max() if flat.max() >= count else flat.min())}; there are {count}, from 0 on")
     return value
+
+
+def packed(values: np.ndarray) -> dict:
+    """Return an array of numbers in packed form."""
+    kind = "i4" if values.dtype.kind in "iu" else "f8"
+    content = np.ascontiguousarray(values, dtype=PACKED[kind]).tobytes()
+    return {"base64": base64.b64encode(content).decode("ascii"), "type": kind, "shape": list(values.shape)}
+
+
+def _unpacked(value: dict, what: str) -> np.ndarray:
+    text, kind, shape = value.get("base64"), value.get("type"), value.get("shape")
+    good = isinstance(shape, list) and 0 < len(shape) < 3 and all(isinstance(k, int) and 0 <= k < 2**31 for k in shape)
+    if not isinstance(text, str) or kind not in PACKED or not good:
+        raise Unprocessable(f'{what} as a packed array must be {{"base64": ..., "type": "f8" or "i4", "shape": [...]}}')
+    try:
+        content = base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        raise Unprocessable(f"{what} is no valid base64") from None
+    array_kind = np.dtype(PACKED[kind])
+    if len(content) != array_kind.itemsize * math.prod(shape):
+        raise Unprocessable(f"{what} has {len(content)} bytes, not those of its shape {shape}")
+    return np.frombuffer(content, dtype=array_kind).reshape(shape)
 
 
 def number(value: object, what: str) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from ..problem import INTERNAL
 from ..problem import ROLES
 from ..result import History
+from .arrays import packed
 from .outcome import unpack
 from .outcome import unpack_arrays
 from .uploads import KINDS
@@ -16,7 +17,7 @@ from .uploads import file_bytes
 
 __all__ = ["FORMATS", "encoded"]
 
-FORMATS = {"arrays": "application/json", "compas": "application/json", "hops": "application/json", **KINDS}
+FORMATS = {**dict.fromkeys(("arrays", "packed", "compas", "hops"), "application/json"), **KINDS}
 
 
 def encoded(name: str, content: bytes) -> bytes:
@@ -25,12 +26,12 @@ def encoded(name: str, content: bytes) -> bytes:
     Parameters
     ----------
     name
-        ``arrays``, ``compas``, ``hops``, ``3dm`` or ``obj``.
+        ``arrays``, ``packed``, ``compas``, ``hops``, ``3dm`` or ``obj``.
     content
         See :func:`compas_cgc.server.outcome.pack`.
     """
-    if name == "arrays":
-        return _arrays(content)
+    if name in ("arrays", "packed"):
+        return _arrays(content, name == "packed")
     result, _ = unpack(content)
     if name == "compas":
         from compas.data import json_dumps
@@ -43,14 +44,15 @@ def encoded(name: str, content: bytes) -> bytes:
     return file_bytes(name, result)
 
 
-def _arrays(content: bytes) -> bytes:
-    """Return everything as plain JSON; what is no number is null.
+def _arrays(content: bytes, in_bytes: bool) -> bytes:
+    """Return everything as JSON, arrays of numbers as lists with null for what is no number, or as packed arrays.
 
     Straight from the arrays: with the COMPAS mesh in between it would take thrice the time.
     """
     from ..discrete import gaussian_curvature
     from ..meshing import crease_paths
 
+    column = packed if in_bytes else _column
     data, words = unpack_arrays(content)
     report = words.pop("report")
     words.pop("name")
@@ -59,12 +61,12 @@ def _arrays(content: bytes) -> bytes:
     names = np.array(ROLES, dtype=object)
     body = {
         **{name: _plain(value) for name, value in words.items()},
-        "vertices": vertices.tolist(),
-        "faces": faces.tolist(),
+        "vertices": packed(vertices) if in_bytes else vertices.tolist(),
+        "faces": packed(faces) if in_bytes else faces.tolist(),
         "roles": names[roles].tolist(),
-        "targets": _column(data["target"]),
-        "curvature": _column(K),
-        "creases": crease_paths(tuple(edge) for edge in data["creases"].tolist()),
+        "targets": column(data["target"]),
+        "curvature": column(K),
+        "creases": crease_paths(tuple(edge) for edge in data["keys"][data["creases"]].tolist()),
         "history": {name: _plain(data[f"history_{name}"].tolist()) for name in History._fields},
         "report": _plain(report),
     }

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-import logging
 import re
 import secrets
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import CancelledError
 from concurrent.futures import Executor
 from concurrent.futures import Future
-from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Callable
 from typing import Optional
 
+from .ending import CANCELLED
+from .ending import ending
 from .limits import Limits
-from .pool import TaskError
-from .pool import TaskStopped
 from .problems import Busy
 from .problems import Conflict
 from .problems import Gone
@@ -28,13 +25,13 @@ from .problems import Unprocessable
 from .solving import solve_job
 from .store import Job
 from .store import Store
+from .task import stop
+from .task import wait_for
 
 __all__ = ["Jobs"]
 
 ATTEMPTS = 2  # times that a job may be running while the server ends, until it is blamed for it
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
-
-log = logging.getLogger(__name__)
 
 
 class _Live:
@@ -168,7 +165,7 @@ class Jobs:
         with self._change:
             live = self._live.get(id)
         if live is not None:
-            _stop(live.task, "it was cancelled")
+            stop(live.task, CANCELLED)
         return self.get(id)
 
     def delete(self, id: str) -> None:
@@ -177,6 +174,13 @@ class Jobs:
         self.store.delete(id)
         with self._change:
             self._change.notify_all()
+
+    def wait(self, id: str, seconds: float) -> Job:
+        """Return a job as soon as it is over, or as it is after some seconds."""
+        self.get(id)
+        with self._change:
+            self._change.wait_for(lambda: self._closed or id not in self._live, seconds)
+        return self.get(id)
 
     def follow(self, id: str, patience: float = 15.0) -> Iterator[Optional[Job]]:
         """Yield a job after every change until it is over, and None when nothing happened for a while."""
@@ -228,18 +232,8 @@ class Jobs:
             self.admit(client)
             live = self._live[f"call:{key}"] = _Live(client)
             live.task = self._run(function, args, None)
-        end = time.monotonic() + self.limits.blocking
         try:
-            while True:
-                try:
-                    return live.task.result(timeout=min(0.1, max(0.001, end - time.monotonic())))
-                except FutureTimeout:
-                    if live.task.done():
-                        raise
-                    late = time.monotonic() >= end
-                    if late or gone():
-                        _stop(live.task, "the client is gone")
-                        raise TimeoutError("late" if late else "gone") from None
+            return wait_for(live.task, self.limits.blocking, gone)
         finally:
             with self._change:
                 self._live.pop(f"call:{key}", None)
@@ -305,36 +299,8 @@ class Jobs:
                 return
             live = self._live.pop(id)
             try:
-                state, message, result = self._outcome(task)
-                self.store.finish(id, state, message, live.progress, result)
+                state, message, content = ending(task)
+                self.store.finish(id, state, message, live.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered)
             finally:
                 self._change.notify_all()
-
-    def _outcome(self, task: Future) -> tuple[str, str, Optional[bytes]]:
-        """Return state, sentence and result of a task that is over."""
-        wish = getattr(task, "stop_reason", None)
-        try:
-            outcome = task.result()
-        except CancelledError:
-            return "cancelled", "cancelled before it began", None
-        except TaskStopped as error:
-            cancelled = str(error) == "it was cancelled"
-            return ("cancelled" if cancelled else "failed"), f"stopped: {error}", None
-        except TaskError as error:
-            log.error("a job failed: %s", error.trace)
-            return "failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more", None
-        except Exception as error:
-            return "failed", str(error), None
-        if wish == "it was cancelled":
-            return "cancelled", outcome.message, outcome.content
-        if wish is not None:
-            return "failed", f"stopped: {wish}", outcome.content
-        return ("succeeded" if outcome.content is not None else "failed"), outcome.message, outcome.content
-
-
-def _stop(task: Future, reason: str) -> None:
-    if hasattr(task, "stop"):
-        task.stop(reason)
-    else:
-        task.cancel()

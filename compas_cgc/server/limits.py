@@ -38,7 +38,7 @@ class Limits:
     remembered
         Most jobs that are remembered after their result is gone.
     streams
-        Most event streams at once; each holds a thread.
+        Most event streams and requests that wait for a job at once; each holds a thread.
     calls
         Most blocking solves at once; each holds a thread.
     """

@@ -10,14 +10,20 @@ from typing import Optional
 
 import numpy as np
 
+from ..problem import DUMMY
 from ..problem import ROLES
 from ..result import History
+from ..result import Solution
 from ..result import SolveResult
 
 if TYPE_CHECKING:
+    from ..check import Names
     from ..datastructures import CGCMesh
+    from ..problem import CGCProblem
 
 __all__ = ["Outcome", "pack", "unpack", "unpack_arrays"]
+
+WORDS = ("status", "message", "iterations", "seconds", "max_error", "method")
 
 
 class Outcome(NamedTuple):
@@ -27,39 +33,24 @@ class Outcome(NamedTuple):
     content: Optional[bytes]  # packed result, None if there is none
 
 
-def pack(result: SolveResult, report: dict) -> bytes:
-    """Return a result and the report on it as bytes."""
-    mesh = result.mesh
-    vertices, faces = mesh.arrays()
-    keys = list(mesh.vertices())
-
-    def column(name: str) -> np.ndarray:
-        return np.array([np.nan if mesh.vertex[key].get(name) is None else mesh.vertex[key][name] for key in keys], dtype=np.float64)
-
-    words = {
-        "status": result.status,
-        "message": result.message,
-        "iterations": result.iterations,
-        "seconds": result.seconds,
-        "max_error": result.max_error,
-        "method": result.method,
-        "name": mesh.name,
-        "report": report,
-    }
+def pack(problem: CGCProblem, names: Names, name: str, solution: Solution, report: dict) -> bytes:
+    """Return a solved problem without its dummies, how it was solved, and a report as bytes."""
+    real = problem.without_dummies()
+    words = {**{word: getattr(solution, word) for word in WORDS}, "name": name, "report": report}
     file = io.BytesIO()
     np.savez(
         file,
-        vertices=vertices,
-        faces=faces,
-        keys=np.array(keys, dtype=np.int64),
-        face_keys=np.array(list(mesh.faces()), dtype=np.int64),
-        roles=np.array([ROLES.index(role) for role in mesh.vertices_role()], dtype=np.int8),
-        target=column("target"),
-        s=column("s"),
-        e=column("e"),
-        creases=np.array(mesh.crease_edges(), dtype=np.int64).reshape(-1, 2),
+        vertices=solution.vertices[problem.roles != DUMMY],
+        faces=real.faces,
+        keys=names.vertices[problem.roles != DUMMY],
+        face_keys=names.faces[problem.real_faces],
+        roles=real.roles.astype(np.int8),
+        target=real.targets,
+        s=real.s,
+        e=real.e,
+        creases=real.creases,
         words=np.frombuffer(json.dumps(words).encode(), dtype=np.uint8),
-        **{f"history_{name}": values for name, values in result.history._asdict().items()},
+        **{f"history_{name}": values for name, values in solution.history._asdict().items()},
     )
     return file.getvalue()
 
@@ -75,10 +66,9 @@ def unpack(content: bytes) -> tuple[SolveResult, dict]:
     """Return the result and the report of :func:`pack`."""
     data, words = unpack_arrays(content)
     history = History(*(data[f"history_{name}"] for name in History._fields))
-    names = ("status", "message", "iterations", "seconds", "max_error")
     mesh = _mesh(data)
     mesh.name = words["name"]
-    return SolveResult(mesh, *(words[name] for name in names), history, words["method"]), words["report"]
+    return SolveResult(mesh, **{word: words[word] for word in WORDS}, history=history), words["report"]
 
 
 def _mesh(data: dict) -> CGCMesh:
@@ -87,7 +77,7 @@ def _mesh(data: dict) -> CGCMesh:
     keys = data["keys"].tolist()
     faces = data["keys"][data["faces"]].tolist()
     mesh = CGCMesh.from_vertices_and_faces(dict(zip(keys, data["vertices"].tolist())), dict(zip(data["face_keys"].tolist(), faces)))
-    for edge in data["creases"].tolist():
+    for edge in data["keys"][data["creases"]].tolist():
         mesh.edge_attribute(tuple(edge), "is_crease", True)
     columns = [data[name].tolist() for name in ("roles", "target", "s", "e")]
     for key, role, target, s, e in zip(keys, *columns):

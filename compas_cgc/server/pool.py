@@ -8,62 +8,23 @@ import threading
 import time
 from collections import deque
 from concurrent.futures import Executor
-from concurrent.futures import Future
 from multiprocessing import connection
 from typing import Callable
 from typing import Optional
 
+from .slot import Slot
+from .task import Task
+from .task import TaskError
+from .task import TaskStopped
+from .task import WorkerDied
 from .worker import run_tasks
 
-__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "WorkerPool"]
+__all__ = ["WorkerPool"]
 
 TICK = 0.02  # seconds between two looks at wishes and limits
 FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
 
 log = logging.getLogger(__name__)
-
-
-class WorkerDied(RuntimeError):
-    """The process of a task ended before the task did."""
-
-
-class TaskStopped(RuntimeError):
-    """A task was ended by force: it did not heed the wish to stop within the grace period."""
-
-
-class TaskError(RuntimeError):
-    """A task raised an exception; `kind` is the name of its class, `trace` the worker's traceback."""
-
-    def __init__(self, kind: str, text: str, trace: str):
-        super().__init__(text)
-        self.kind = kind
-        self.trace = trace
-
-
-class Task(Future):
-    """A future that can be stopped while it runs and tells how far it is.
-
-    Attributes
-    ----------
-    on_progress
-        Called with everything that the task reports.
-    stop_reason
-        Why it was asked to stop, None if it was not.
-    """
-
-    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
-        super().__init__()
-        self.call = call
-        self.on_progress = on_progress
-        self.time_limit = time_limit
-        self.stop_reason: Optional[str] = None
-        self.stop_time = 0.0
-
-    def stop(self, reason: str = "cancelled") -> None:
-        """Cancel the task if it waits, ask it to end if it runs."""
-        if not self.cancel() and self.stop_reason is None:
-            self.stop_time = time.monotonic()
-            self.stop_reason = reason
 
 
 class WorkerPool(Executor):
@@ -91,7 +52,7 @@ class WorkerPool(Executor):
         self._closed = False
         self._failed_starts = 0
         self.replaced = 0
-        self._slots = [_Slot() for _ in range(workers)]
+        self._slots = [Slot() for _ in range(workers)]
         self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
         for thread in self._threads:
             thread.start()
@@ -151,7 +112,7 @@ class WorkerPool(Executor):
     # One thread per worker
     # ------------------------------------------------------------------
 
-    def _keep(self, slot: _Slot) -> None:
+    def _keep(self, slot: Slot) -> None:
         """Keep a worker running and fed until the pool is closed."""
         while not self._closed:
             if self._start(slot):
@@ -162,7 +123,7 @@ class WorkerPool(Executor):
             slot.end()
         slot.state = "closed"
 
-    def _start(self, slot: _Slot) -> bool:
+    def _start(self, slot: Slot) -> bool:
         slot.state = "starting"
         slot.line, theirs = self._context.Pipe()
         slot.flag = self._context.RawValue("b", 0)
@@ -192,7 +153,7 @@ class WorkerPool(Executor):
                     task.set_exception(WorkerDied("the workers of the server do not start; its log says why"))
             time.sleep(1.0)
 
-    def _feed(self, slot: _Slot) -> None:
+    def _feed(self, slot: Slot) -> None:
         """Run tasks until the process is gone."""
         while True:
             with self._change:
@@ -210,7 +171,7 @@ class WorkerPool(Executor):
                 self.replaced += 1
                 return
 
-    def _run(self, slot: _Slot, task: Task) -> bool:
+    def _run(self, slot: Slot, task: Task) -> bool:
         """Run a task; tell whether the process is still there."""
         slot.flag.value = 0
         started = time.monotonic()
@@ -260,30 +221,3 @@ def _tell(task: Task, progress: object) -> None:
             task.on_progress(progress)
         except Exception:
             log.exception("a listener to a task failed")
-
-
-class _Slot:
-    """A place for a worker process."""
-
-    def __init__(self) -> None:
-        self.state = "starting"
-        self.process: Optional[multiprocessing.process.BaseProcess] = None
-        self.line: Optional[connection.Connection] = None
-        self.flag: Optional[object] = None
-
-    def end(self) -> None:
-        """End the process by force and let go of the line."""
-        if self.process is not None and self.process.is_alive():
-            self.process.terminate()
-            self.process.join(0.3)
-            if self.process.is_alive():
-                self.process.kill()
-                self.process.join()
-        if self.line is not None:
-            self.line.close()
-
-    def obituary(self) -> str:
-        """Say how the process ended."""
-        code = self.process.exitcode
-        how = f"killed by signal {-code}" if code is not None and code < 0 else f"exit code {code}"
-        return f"the worker process of this job ended unexpectedly ({how}), perhaps for lack of memory; submit the job again"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import threading
 import time
 from collections.abc import Iterator
+from threading import BoundedSemaphore
 from typing import Optional
 
 from flask import Blueprint
@@ -17,6 +17,8 @@ from flask import url_for
 
 from .._version import __version__
 from .arrays import read_json
+from .asked import OPTIONS
+from .asked import read_asked
 from .formats import FORMATS
 from .formats import encoded
 from .jobs import Jobs
@@ -25,17 +27,14 @@ from .problems import BadRequest
 from .problems import Busy
 from .problems import NotFound
 from .problems import Unprocessable
-from .request import OPTIONS
-from .request import check_request
-from .request import read_asked
+from .request import accept
 from .status import status
 from .uploads import KINDS
 
 __all__ = ["api", "jobs"]
 
 api = Blueprint("api", __name__)
-_open_streams = 0
-_streams_lock = threading.Lock()
+LONGEST_WAIT = 25.0  # seconds
 
 
 def jobs() -> Jobs:
@@ -75,20 +74,19 @@ def submit() -> Response:
     limits = current_app.config["LIMITS"]
     body = request.get_data(cache=False)
     kind = request.args.get("kind", "json")
-    options: dict = {}
     if kind == "json":
         value = read_json(body, limits)
-        check_request(value, limits)
-        options = {name: value[name] for name in ("name",) if isinstance(value.get(name), str)}
-        id = value.get("id")
+        kind, kept = accept(value, limits)
+        options, id = {"name": value.get("name", "")}, value.get("id")
     elif kind in KINDS:
+        kept = body
         options, id = _file_options(body)
     else:
         raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
     if id is not None and not isinstance(id, str):
         raise Unprocessable("'id' must be a text")
     g.spent = {"check": time.perf_counter() - started}
-    job, _ = jobs().submit(kind, body, options, id, request.remote_addr or "")
+    job, _ = jobs().submit(kind, kept, options, id, request.remote_addr or "")
     address = url_for("api.show", id=job.id)
     links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
     return respond(links, 202, {"Location": address})
@@ -115,7 +113,14 @@ def show_all() -> Response:
 
 @api.get("/api/v1/jobs/<id>")
 def show(id: str) -> Response:
-    """Tell how a job is doing."""
+    """Tell how a job is doing, with ``wait`` as soon as it is over or after so many seconds."""
+    seconds = min(request.args.get("wait", 0.0, type=float), LONGEST_WAIT)
+    # Who finds no seat is answered at once and asks again.
+    if seconds > 0 and _seats().acquire(blocking=False):
+        try:
+            return respond(status(jobs().wait(id, seconds)))
+        finally:
+            _seats().release()
     return respond(status(jobs().get(id)))
 
 
@@ -159,25 +164,25 @@ def delete(id: str) -> Response:
 @api.get("/api/v1/jobs/<id>/events")
 def events(id: str) -> Response:
     """Send the states of a job as they change."""
-    global _open_streams
-    engine = jobs()
+    engine, seats = jobs(), _seats()
     engine.get(id)
-    with _streams_lock:
-        if _open_streams >= current_app.config["LIMITS"].streams:
-            raise Busy("too many event streams are open; ask for the status of the job instead")
-        _open_streams += 1
+    if not seats.acquire(blocking=False):
+        raise Busy("too many event streams are open; ask for the status of the job instead")
 
     def stream() -> Iterator[str]:
-        global _open_streams
-        try:
-            for job in engine.follow(id):
-                if job is None:
-                    yield ": still here\n\n"
-                    continue
-                kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
-                yield f"event: {kind}\ndata: {json.dumps(status(job), ensure_ascii=False)}\n\n"
-        finally:
-            with _streams_lock:
-                _open_streams -= 1
+        for job in engine.follow(id):
+            if job is None:
+                yield ": still here\n\n"
+                continue
+            kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
+            yield f"event: {kind}\ndata: {json.dumps(status(job), ensure_ascii=False)}\n\n"
 
-    return Response(stream(), mimetype="text/event-stream")
+    answer = Response(stream(), mimetype="text/event-stream")
+    # Called in the end, even when the stream was never begun.
+    answer.call_on_close(seats.release)
+    return answer
+
+
+def _seats() -> BoundedSemaphore:
+    """Return the seats for requests that hold a thread while they wait for a job."""
+    return current_app.extensions["seats"]

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import CGCError
 from .arrays import read_json
+from .asked import Asked
+from .asked import read_asked
 from .limits import Limits
 from .outcome import Outcome
 from .outcome import pack
 from .problems import RequestProblem
-from .request import Asked
-from .request import read_asked
-from .request import read_request
+from .request import Given
+from .request import given_mesh
+from .request import read_accepted
 from .worker import report
 from .worker import stop_wanted
 
 if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
     from ..result import SolveState
 
 __all__ = ["Progress", "solve_job", "warm_up"]
@@ -61,47 +63,51 @@ def solve_job(kind: str, options: dict, body: bytes) -> Outcome:
     Parameters
     ----------
     kind
-        ``"json"``, ``"hops"``, ``"3dm"`` or ``"obj"``.
+        ``"arrays"``, ``"compas"``, ``"hops"``, ``"3dm"`` or ``"obj"``.
     options
         What a file cannot say.
     body
-        The request.
+        The request, accepted.
     """
-    from ..analysis import analyse
-    from ..solver import solve
+    from ..analysis import analyse_problem
+    from ..check import check
+    from ..solver import solve_problem
 
     report({"step": 0})
     try:
-        mesh, asked, notes = _read(kind, options, body)
-        asked.put_on(mesh)
-        result = solve(mesh, asked.method, asked.method_settings(), callback=Progress(asked.live))
+        given, asked = _read(kind, options, body)
+        problem = asked.put_on(given.problem, given.names)
+        constraints = (*given.constraints, *asked.constraints)
+        solution = solve_problem(problem, asked.method, asked.method_settings(), Progress(asked.live), constraints, given.names)
     except (CGCError, RequestProblem, ValueError) as error:
         return Outcome(str(error), None)
-    if not np.isfinite(result.mesh.arrays()[0]).all():
+    if not np.isfinite(solution.vertices).all():
         return Outcome("the solve ended with coordinates that are no numbers; check the scale of the mesh and its targets", None)
-    if result.status == "cancelled":
-        # Who cancels does not want to wait for an analysis.
-        return Outcome(result.message, pack(result, {"notes": notes}))
-    remarks = [] if result.converged else [str(problem) for problem in mesh.check()]
-    findings = {"notes": [*notes, *remarks], **analyse(result.mesh, mesh).to_dict()}
-    return Outcome(result.message, pack(result, findings))
+    findings: dict = {"notes": list(given.notes)}
+    # Who cancels does not want to wait for an analysis.
+    if solution.status != "cancelled":
+        if solution.status != "converged":
+            findings["notes"] += [str(said) for said in check(problem, given.names)]
+        findings.update(analyse_problem(replace(problem, vertices=solution.vertices), problem.without_dummies().vertices).to_dict())
+    return Outcome(solution.message, pack(problem, given.names, given.name, solution, findings))
 
 
-def _read(kind: str, options: dict, body: bytes) -> tuple[CGCMesh, Asked, list[str]]:
+def _read(kind: str, options: dict, body: bytes) -> tuple[Given, Asked]:
     limits = Limits()
-    if kind == "json":
-        return (*read_request(read_json(body, limits), limits), [])
+    if kind in ("arrays", "compas"):
+        return read_accepted(kind, body, limits)
     if kind == "hops":
         from .hops.catalogue import ENDPOINTS
         from .hops.problem import solve_problem
         from .hops.values import read_values
 
         request = read_json(body, limits)
-        return solve_problem(read_values(ENDPOINTS["cgc/solve"], request["values"]), request["context"])
+        mesh, asked, notes = solve_problem(read_values(ENDPOINTS["cgc/solve"], request["values"]), request["context"])
+        return given_mesh(mesh, notes), asked
     from .uploads import read_upload
 
     mesh, notes = read_upload(kind, body)
-    return mesh, read_asked(options, mesh.number_of_vertices(), limits), notes
+    return given_mesh(mesh, notes), read_asked(options, mesh.number_of_vertices(), limits)
 
 
 def warm_up() -> None:

@@ -9,7 +9,10 @@ from typing import Optional
 
 import numpy as np
 
+from ..asked import Asked
 from ..problems import RequestProblem
+from ..request import Given
+from ..request import given_mesh
 from ..solving import Progress
 from .catalogue import ENDPOINTS
 from .geometry import mesh_text
@@ -20,11 +23,11 @@ from .values import finite_items
 from .values import read_values
 
 if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
     from ...problem import CGCProblem
 
 __all__ = ["Reply", "run_function", "surface_values"]
 
+MOST_TOLD = 20  # regions
 GOOD_ENOUGH = ("converged", "step_limit", "stalled")
 
 
@@ -51,24 +54,30 @@ def run_function(uri: str, values: object, context: dict) -> Reply:
 
 
 def _dome(inputs: dict, context: dict, started: float) -> Reply:
-    from ...solver import solve
-
     mesh, notes = clean_mesh(inputs, context)
-    mesh.set_supports("boundary")
-    mesh.set_target(inputs["K"])
-    read = time.perf_counter()
-    result = solve(mesh, callback=Progress())
-    return _reply(result, mesh, notes, started, read)
+    return _solved(given_mesh(mesh, notes), Asked(supports="boundary", targets=inputs["K"]), started)
 
 
 def _solve(inputs: dict, context: dict, started: float) -> Reply:
-    from ...solver import solve
-
     mesh, asked, notes = solve_problem(inputs, context)
-    asked.put_on(mesh)
+    return _solved(given_mesh(mesh, notes), asked, started)
+
+
+def _solved(given: Given, asked: Asked, started: float) -> Reply:
+    from ... import solver
+    from ...check import check
+
+    problem = asked.put_on(given.problem, given.names)
     read = time.perf_counter()
-    result = solve(mesh, asked.method, asked.method_settings(), callback=Progress())
-    return _reply(result, mesh, notes, started, read)
+    solution = solver.solve_problem(problem, asked.method, asked.method_settings(), Progress(), (), given.names)
+    solved = time.perf_counter()
+    notes = list(given.notes)
+    if solution.status not in GOOD_ENOUGH:
+        return Reply(422, [], [solution.message], notes, _spent(started, read, solved))
+    remarks = [] if solution.status == "converged" else [str(said) for said in check(problem, given.names)]
+    warnings = [] if solution.status == "converged" else [solution.message, *remarks]
+    info = "\n".join([f"{solution.message} ({solution.seconds:.2f} s)", *notes, *remarks])
+    return Reply(200, surface_values(problem, solution.vertices, info, solution.max_error), [], warnings, _spent(started, read, solved))
 
 
 def _flow(inputs: dict, context: dict, started: float) -> Reply:
@@ -126,31 +135,35 @@ def _analyse(inputs: dict, context: dict, started: float) -> Reply:
 FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse}
 
 
-def _reply(result: object, mesh: CGCMesh, notes: list[str], started: float, read: float) -> Reply:
-    from ...problem import CGCProblem
-
-    solved = time.perf_counter()
-    if result.status not in GOOD_ENOUGH:
-        return Reply(422, [], [result.message], notes, _spent(started, read, solved))
-    remarks = [] if result.converged else [str(problem) for problem in mesh.check()]
-    warnings = [*([] if result.converged else [result.message]), *remarks]
-    info = "\n".join([f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
-    problem = CGCProblem.from_mesh(result.mesh)
-    values = surface_values(problem, problem.vertices, info, result.max_error)
-    return Reply(200, values, [], warnings, _spent(started, read, solved))
-
-
 def surface_values(problem: CGCProblem, vertices: np.ndarray, info: str, error: float) -> list[dict]:
-    """Return the outputs Mesh, Info and Error."""
+    """Return the outputs Mesh, Info and Error; the regions are told of at the end of the info."""
     from ...discrete import gaussian_curvature
 
     K = gaussian_curvature(vertices, problem.faces)
     missed = np.where(problem.asked, K - problem.targets, np.nan)
     return [
         entry("Mesh", "Mesh", [_coloured(vertices, problem.faces, missed, problem.target_scale)]),
-        entry("Info", "Text", [info]),
+        entry("Info", "Text", ["\n".join([info, *_regions(problem, missed)])]),
         entry("Error", "Number", [error] if np.isfinite(error) else []),
     ]
+
+
+def _regions(problem: CGCProblem, missed: np.ndarray) -> list[str]:
+    """Return a line on each region: what is asked for there, and by how much it is missed."""
+    label = problem.regions()
+    region = np.full(len(problem.vertices), -1)
+    region[problem.faces.ravel()] = np.repeat(label, 3)
+    count = int(label.max(initial=-1)) + 1
+    lines = []
+    for number in range(min(count, MOST_TOLD)):
+        own = problem.asked & (region == number)
+        if not own.any():
+            lines.append(f"region {number}: {(label == number).sum()} triangles, no internal vertex")
+            continue
+        low, high = problem.targets[own].min(), problem.targets[own].max()
+        asked = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
+        lines.append(f"region {number}: {(label == number).sum()} triangles, K̄ {asked}, largest |K - K̄| {np.abs(missed[own]).max():.3g}")
+    return [*lines, *([f"and {count - MOST_TOLD} more regions"] if count > MOST_TOLD else [])]
 
 
 def _coloured(vertices: np.ndarray, faces: np.ndarray, missed: np.ndarray, scale: Optional[float]) -> str:

@@ -9,10 +9,10 @@ import numpy as np
 from ...errors import CGCError
 from ...rhino.assemble import assemble
 from ...rhino.drawn import Drawn
+from ..asked import Asked
+from ..asked import read_asked
 from ..limits import Limits
 from ..problems import Unprocessable
-from ..request import Asked
-from ..request import read_asked
 from .catalogue import SOLVE_INPUTS
 from .geometry import read_curve
 from .geometry import read_mesh

@@ -17,9 +17,9 @@ from flask import request
 from ..arrays import read_json
 from ..jobs import Jobs
 from ..outcome import unpack
-from ..pool import TaskError
-from ..pool import TaskStopped
-from ..pool import WorkerDied
+from ..task import TaskError
+from ..task import TaskStopped
+from ..task import WorkerDied
 from ..problems import BadRequest
 from ..problems import NotFound
 from ..problems import RequestProblem

@@ -1,0 +1,85 @@
+"""A call on its way through a worker."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeout
+from typing import Callable
+from typing import Optional
+
+__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "stop", "wait_for"]
+
+PATIENCE = 0.1  # seconds between two looks at whether somebody still waits
+
+
+class WorkerDied(RuntimeError):
+    """The process of a task ended before the task did."""
+
+
+class TaskStopped(RuntimeError):
+    """A task was ended by force: it did not heed the wish to stop within the grace period."""
+
+
+class TaskError(RuntimeError):
+    """A task raised an exception; `kind` is the name of its class, `trace` the worker's traceback."""
+
+    def __init__(self, kind: str, text: str, trace: str):
+        super().__init__(text)
+        self.kind = kind
+        self.trace = trace
+
+
+class Task(Future):
+    """A future that can be stopped while it runs and tells how far it is.
+
+    Attributes
+    ----------
+    on_progress
+        Called with everything that the task reports.
+    stop_reason
+        Why it was asked to stop, None if it was not.
+    """
+
+    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
+        super().__init__()
+        self.call = call
+        self.on_progress = on_progress
+        self.time_limit = time_limit
+        self.stop_reason: Optional[str] = None
+        self.stop_time = 0.0
+
+    def stop(self, reason: str = "cancelled") -> None:
+        """Cancel the task if it waits, ask it to end if it runs."""
+        if not self.cancel() and self.stop_reason is None:
+            self.stop_time = time.monotonic()
+            self.stop_reason = reason
+
+
+def stop(task: Future, reason: str) -> None:
+    """Stop a task, or cancel a future of another executor."""
+    if isinstance(task, Task):
+        task.stop(reason)
+    else:
+        task.cancel()
+
+
+def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
+    """Return the result of a task, or stop it when it takes too long or nobody waits for it any more.
+
+    Raises
+    ------
+    TimeoutError
+        If it was stopped.
+    """
+    end = time.monotonic() + seconds
+    while True:
+        try:
+            return task.result(timeout=min(PATIENCE, max(0.001, end - time.monotonic())))
+        except FutureTimeout:
+            if task.done():
+                raise
+            late = time.monotonic() >= end
+            if late or gone():
+                stop(task, "the client is gone")
+                raise TimeoutError("late" if late else "gone") from None
