@@ -76,13 +76,14 @@ def test_creases_strategies_and_dummies_arrive_there(running):
         assert out["cgc_mesh"].arrays()[0].tolist() == here(question).mesh.arrays()[0].tolist()
 
 
-def test_settings_go_along_and_constraints_stay_here(running):
+def test_settings_and_constraints_go_along(running):
     placed = place("Solve")
     inputs = dict(cgc_mesh=dome(), run=True, server=running.url)
     assert until_done(placed, settings=FlowSettings(steps=5, finish=False), **inputs)[-1]["status"] == "step_limit"
     before = len(states(running))
-    assert until_done(placed, constraints=[AtHeight([44], 1.0)], **inputs)[-1]["status"] == "converged"
-    assert len(states(running)) == before
+    out = until_done(placed, constraints=[AtHeight([44], 1.0)], **inputs)[-1]
+    assert out["status"] == "converged" and len(states(running)) == before + 1
+    assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_refusal_of_the_server_is_a_red_balloon(running):

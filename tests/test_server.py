@@ -105,6 +105,71 @@ def test_a_compas_mesh_and_files_are_taken(server, tmp_path):
     assert np.allclose(np.ptp(first["vertices"], axis=0), np.ptp(second["vertices"], axis=0))
 
 
+def test_packed_arrays_are_lists_in_fewer_bytes(server):
+    vertices, faces = grid(6)
+    server.client.submit(vertices, faces, supports="boundary", targets=0.5, id="packed-0001")
+    plain = server.client.result(finished(server, "packed-0001")["id"])
+    _, _, answer = post(server, request(id="packed-0002"))
+    id = finished(server, json.loads(answer)["id"])["id"]
+    _, _, content = ask(server, "GET", f"/api/v1/jobs/{id}/result?format=arrays")
+    _, _, packed = ask(server, "GET", f"/api/v1/jobs/{id}/result?format=packed")
+    lists = json.loads(content)
+    for name in ("vertices", "faces", "curvature", "targets", "roles", "creases"):
+        assert plain[name] == lists[name], name
+    assert len(packed) < len(content)
+
+
+@pytest.mark.parametrize(
+    "more, part",
+    [
+        ({"base64": "!", "type": "f8", "shape": [1, 3]}, "no valid base64"),
+        ({"base64": "", "type": "f4", "shape": [0, 3]}, "as a packed array must be"),
+        ({"base64": "AAAA", "type": "f8", "shape": [1, 3]}, "not those of its shape"),
+        ({"base64": "", "type": "f8", "shape": [-1, 3]}, "as a packed array must be"),
+        ({"base64": "", "type": "f8", "shape": [0, 3]}, "at least three"),
+        ({"base64": base64.b64encode(np.full(9, np.nan).tobytes()).decode(), "type": "f8", "shape": [3, 3]}, "no finite number"),
+        ({"base64": base64.b64encode(np.zeros(6)).decode(), "type": "f8", "shape": [3, 2]}, "three numbers each"),
+    ],
+)
+def test_packed_arrays_are_read_with_suspicion(server, more, part):
+    status, _, answer = post(server, {**request(), "vertices": more})
+    assert status == 422 and part in json.loads(answer)["message"]
+
+
+def test_constraints_arrive(server, tmp_path):
+    vertices, faces = grid(8, 8.0)
+    middle = 40
+    raised = [{"kind": "height", "vertices": [middle], "height": 1.5}]
+    result = server.client.solve(vertices, faces, supports="corners", targets=0.01, constraints=raised)
+    assert result["status"] == "converged" and result["vertices"][middle][2] == pytest.approx(1.5, abs=1e-9)
+    for constraints, part in (
+        ([{"kind": "height", "vertices": [99], "height": 1.0}], "vertex 99"),
+        ([{"kind": "magnet"}], "plane, height"),
+        ({"kind": "held"}, "list of objects"),
+    ):
+        with pytest.raises(Refused, match=part):
+            server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=constraints)
+    with pytest.raises(Refused, match="only the method projection"):
+        server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=raised, method="newton")
+
+
+def test_degenerate_faces_are_named_before_anything_is_queued(server):
+    value = request()
+    value["faces"] += [[0, 1, 1]]
+    status, _, answer = post(server, value)
+    assert status == 422 and "faces 72 of the input have fewer than three" in json.loads(answer)["message"]
+
+
+def test_a_status_can_wait_for_the_end_of_the_job(server):
+    id = server.client.submit(*grid(12), supports="boundary", targets=0.5)
+    assert server.client.poll(id, wait=20)["state"] == "succeeded"
+    id = json.loads(post(server, endless())[2])["id"]
+    started = time.monotonic()
+    assert server.client.poll(id, wait=0.5)["state"] in ("queued", "running") and time.monotonic() - started >= 0.5
+    assert ask(server, "GET", f"/api/v1/jobs/{id}?wait=nan")[0] == ask(server, "GET", f"/api/v1/jobs/{id}?wait=-1")[0] == 200
+    server.client.delete(id)
+
+
 def test_damaged_files_fail_with_a_sentence_and_without_a_path(server):
     for kind in ("3dm", "obj"):
         status = finished(server, server.client.submit_file(b"not a file at all", kind))

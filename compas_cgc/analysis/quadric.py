@@ -28,6 +28,44 @@ class QuadricCurvatures(NamedTuple):
 
 
 @njit(cache=True)
+def across(n0, n1, n2):
+    """Return the cross product of a vector with the axis that it leans to least."""
+    a0, a1, a2 = abs(n0), abs(n1), abs(n2)
+    if a0 <= a1 and a0 <= a2:
+        return 0.0, n2, -n1
+    if a1 <= a2:
+        return -n2, 0.0, n0
+    return n1, -n0, 0.0
+
+
+@njit(cache=True)
+def solve_in_place(M, r):
+    """Turn r into the solution of M x = r, of which the lower half of M counts and is used up."""
+    n = len(r)
+    trace = 0.0
+    for k in range(n):
+        trace += M[k, k]
+    for k in range(n):
+        # Rings on a conic do not determine a quadric; this picks the flattest.
+        pivot = M[k, k] + 1e-14 * trace
+        for m in range(k):
+            pivot -= M[k, m] * M[k, m]
+        M[k, k] = math.sqrt(max(pivot, 1e-14 * trace))
+        for j in range(k + 1, n):
+            for m in range(k):
+                M[j, k] -= M[j, m] * M[k, m]
+            M[j, k] /= M[k, k]
+    for k in range(n):
+        for m in range(k):
+            r[k] -= M[k, m] * r[m]
+        r[k] /= M[k, k]
+    for k in range(n - 1, -1, -1):
+        for m in range(k + 1, n):
+            r[k] -= M[m, k] * r[m]
+        r[k] /= M[k, k]
+
+
+@njit(cache=True)
 def fit(V, N, start, near, through, wanted):
     """Return K and H (n, 2) of the quadric through each wanted vertex that is nearest to its two rings.
 
@@ -36,6 +74,7 @@ def fit(V, N, start, near, through, wanted):
     """
     out = np.full((V.shape[0], 2), np.nan)
     ring = np.empty(512, np.int64)
+    M, r, row = np.empty((5, 5)), np.empty(5), np.empty(5)
     for i in range(V.shape[0]):
         if not wanted[i]:
             continue
@@ -57,38 +96,33 @@ def fit(V, N, start, near, through, wanted):
         if count < 5:
             continue
         # A frame with the normal as its third axis.
-        n = N[i]
-        axis = np.zeros(3)
-        axis[np.argmin(np.abs(n))] = 1.0
-        x = np.cross(n, axis)
-        length = math.sqrt(x @ x)
+        n0, n1, n2 = N[i]
+        x0, x1, x2 = across(n0, n1, n2)
+        length = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
         if length == 0.0:
             continue
-        x /= length
-        y = np.cross(n, x)
+        x0, x1, x2 = x0 / length, x1 / length, x2 / length
+        y0, y1, y2 = n1 * x2 - n2 * x1, n2 * x0 - n0 * x2, n0 * x1 - n1 * x0
         scale = 0.0
         for c in range(first):
-            d = V[ring[c]] - V[i]
-            scale = max(scale, math.sqrt(d @ d))
-        M = np.zeros((5, 5))
-        r = np.zeros(5)
-        row = np.empty(5)
+            j = ring[c]
+            d0, d1, d2 = V[j, 0] - V[i, 0], V[j, 1] - V[i, 1], V[j, 2] - V[i, 2]
+            scale = max(scale, d0 * d0 + d1 * d1 + d2 * d2)
+        scale = math.sqrt(scale)
+        M[:] = 0.0
+        r[:] = 0.0
         for c in range(count):
-            d = (V[ring[c]] - V[i]) / scale
-            u, v, w = d @ x, d @ y, d @ n
+            j = ring[c]
+            d0, d1, d2 = (V[j, 0] - V[i, 0]) / scale, (V[j, 1] - V[i, 1]) / scale, (V[j, 2] - V[i, 2]) / scale
+            u, v, w = d0 * x0 + d1 * x1 + d2 * x2, d0 * y0 + d1 * y1 + d2 * y2, d0 * n0 + d1 * n1 + d2 * n2
             row[0], row[1], row[2], row[3], row[4] = u, v, 0.5 * u * u, u * v, 0.5 * v * v
             weight = 1.0 / (u * u + v * v + 1e-3)
             for k in range(5):
                 r[k] += weight * row[k] * w
-                for m in range(5):
+                for m in range(k + 1):
                     M[k, m] += weight * row[k] * row[m]
-        trace = 0.0
-        for k in range(5):
-            trace += M[k, k]
-        for k in range(5):
-            # Rings on a conic do not determine a quadric; this picks the flattest.
-            M[k, k] += 1e-14 * trace
-        p, q, uu, uv, vv = np.linalg.solve(M, r)
+        solve_in_place(M, r)
+        p, q, uu, uv, vv = r
         g = 1.0 + p * p + q * q
         out[i, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
         out[i, 1] = -((1 + q * q) * uu - 2 * p * q * uv + (1 + p * p) * vv) / (2 * g * math.sqrt(g)) / scale

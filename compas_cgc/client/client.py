@@ -78,7 +78,7 @@ class Client:
         cancel
             Asked at every look; True stops the solve.
         interval
-            Seconds between two looks.
+            Seconds between two looks; less where `cancel` is asked.
         asked
             ``supports``, ``creases``, ``targets``, ``constraints``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
@@ -93,9 +93,10 @@ class Client:
             With a sentence to show.
         """
         id = self.submit(vertices, faces, **asked)
+        pause = interval if cancel is None else min(interval, 0.05)
         while True:
             looked = time.monotonic()
-            status = self.poll(id, wait=interval)
+            status = self.poll(id, wait=pause)
             if on_progress is not None:
                 on_progress(status)
             if status["state"] == "succeeded":
@@ -106,7 +107,7 @@ class Client:
                 self.cancel(id)
                 cancel = None
             # The server answers at once when too many wait for their jobs.
-            time.sleep(max(0.0, interval - (time.monotonic() - looked)))
+            time.sleep(max(0.0, pause - (time.monotonic() - looked)))
 
     def submit(self, vertices: Sequence[Sequence[float]], faces: Sequence[Sequence[int]], id: Optional[str] = None, **asked: object) -> str:
         """Hand in a solve and return its id; a connection lost on the way does not start it twice."""

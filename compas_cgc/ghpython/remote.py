@@ -13,10 +13,12 @@ import numpy as np
 from ..client import Client
 from ..client import Refused
 from ..client import ServerUnavailable
+from ..client.packed import pack
 from ..datastructures import CGCMesh
 from ..errors import CGCError
 from ..methods import SETTINGS
 from ..problem import CGCProblem
+from ..projection.plain import constraint_data
 from .jobs import GOAL
 from .jobs import Question
 from .jobs import Solved
@@ -77,6 +79,8 @@ def request_body(question: Question) -> dict:
     """Return the ``bytes`` of a request and the ``id`` of its job, which stays the same when it is sent again."""
     mesh, id = question.mesh, uuid.uuid4().hex
     asked: dict[str, Any] = {"id": id, **_settings(question.settings)}
+    if question.constraints:
+        asked["constraints"] = [constraint_data(constraint) for constraint in question.constraints]
     if "dummy" in _column(mesh, "role") or any(value is not None for name in "se" for value in _column(mesh, name)):
         # Only COMPAS JSON holds these; it takes longer to write and to read.
         asked["mesh"] = {"dtype": "compas_cgc.datastructures/CGCMesh", "data": _plain(mesh)}
@@ -84,8 +88,8 @@ def request_body(question: Question) -> dict:
         index = {key: i for i, key in enumerate(mesh.vertices())}
         vertices, faces = mesh.arrays()
         asked.update(
-            vertices=vertices.tolist(),
-            faces=faces.tolist(),
+            vertices=pack(vertices, "f8", 3),
+            faces=pack(faces, "i4", 3),
             supports=[index[key] for key in mesh.supports()],
             creases=[[index[u], index[v]] for u, v in mesh.crease_edges()],
             targets=_column(mesh, "target"),

@@ -73,4 +73,5 @@ def constraints_of(mesh: CGCMesh) -> list[Constraint]:
     """Return the constraints that came with a mesh, to be given to :func:`compas_cgc.solve`."""
     from ..projection.plain import constraint_of
 
-    return [constraint_of(item) for item in mesh.attributes.get("constraints") or []]
+    items = mesh.attributes.get("constraints") or []
+    return [constraint_of(item) for item in (items if isinstance(items, list) else [items])]

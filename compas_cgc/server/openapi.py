@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .._version import __version__
 from .formats import FORMATS
+from .uploads import KINDS
 
 __all__ = ["description"]
 
@@ -27,6 +28,15 @@ _JOB = {
         "has_result": {"type": "boolean"},
     },
 }
+_PACKED = {
+    "type": "object",
+    "required": ["base64", "type", "shape"],
+    "properties": {
+        "base64": {"type": "string", "contentEncoding": "base64", "description": "little-endian"},
+        "type": {"enum": ["f8", "i4"]},
+        "shape": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1, "maxItems": 2},
+    },
+}
 _INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
 _REQUEST = {
     "type": "object",
@@ -34,8 +44,10 @@ _REQUEST = {
     "properties": {
         "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{8,64}$", "description": "the same id again returns the first job"},
         "name": {"type": "string"},
-        "vertices": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
-        "faces": {"type": "array", "items": {**_INDICES, "minItems": 3}},
+        "vertices": {
+            "oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, _PACKED]
+        },
+        "faces": {"oneOf": [{"type": "array", "items": {**_INDICES, "minItems": 3}}, _PACKED]},
         "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
         "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
         "supports": {"oneOf": [{"enum": ["boundary", "corners"]}, _INDICES]},
@@ -47,6 +59,14 @@ _REQUEST = {
                 {"type": "object", "additionalProperties": {"type": "number"}},
             ],
             "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
+        },
+        "constraints": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["kind"],
+                "properties": {"kind": {"enum": ["plane", "height", "line", "curve", "held", "near", "mirror"]}, "vertices": _INDICES},
+            },
         },
         "method": {"enum": ["auto", "flow", "newton", "projection"]},
         "settings": {"type": "object"},
@@ -64,12 +84,44 @@ _PROBLEM = {
         "warnings": {"type": "array", "items": {"type": "string"}},
     },
 }
+_MODEL = {
+    "type": "object",
+    "required": ["vertices", "faces", "roles", "supports", "creases", "regions", "targets", "notes", "problems"],
+    "properties": {
+        "name": {"type": "string"},
+        "unit": {"type": "string", "description": "of length, empty where it is not known"},
+        "vertices": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
+        "faces": {"type": "array", "items": {**_INDICES, "minItems": 3, "maxItems": 3}},
+        "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
+        "supports": {
+            "type": "object",
+            "description": "those of the file, and what could be held instead",
+            "properties": {"file": _INDICES, "boundary": _INDICES, "corners": _INDICES},
+        },
+        "support_choice": {"enum": ["file", "boundary"], "description": "which of them the roles and problems are of"},
+        "creases": {"type": "array", "items": _INDICES, "description": "paths along edges"},
+        "regions": {**_INDICES, "description": "region of every face"},
+        "targets": {
+            "type": "array",
+            "items": {"type": ["number", "null"]},
+            "description": "by region, null where it is not one number; suggested where the file has none [1/L^2]",
+        },
+        "vertex_targets": {"type": ["array", "null"], "description": "per vertex, where a region has more than one [1/L^2]"},
+        "s": {"type": "number", "description": "the paper's, of an example"},
+        "e": {"type": "integer", "description": "the paper's, of an example"},
+        "notes": {"type": "array", "items": {"type": "string"}},
+        "problems": {
+            "type": "array",
+            "items": {"type": "object", "properties": {"text": {"type": "string"}, "fatal": {"type": "boolean"}}},
+        },
+    },
+}
 _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
 
 
 def description() -> dict:
     """Return the description of the job API."""
-    job = "#/components/schemas/Job"
+    job, model = "#/components/schemas/Job", "#/components/schemas/Model"
     return {
         "openapi": "3.1.0",
         "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
@@ -102,7 +154,17 @@ def description() -> dict:
             },
             "/api/v1/jobs/{id}": {
                 "parameters": [_ID],
-                "get": _operation("Tell how a job is doing", {"200": _json({"$ref": job})}, "401", "404"),
+                "get": {
+                    **_operation("Tell how a job is doing", {"200": _json({"$ref": job})}, "401", "404"),
+                    "parameters": [
+                        {
+                            "name": "wait",
+                            "in": "query",
+                            "schema": {"type": "number", "minimum": 0, "maximum": 25},
+                            "description": "seconds to wait for the end of the job",
+                        }
+                    ],
+                },
                 "delete": _operation("Stop a job and forget it", {"204": {"description": "forgotten"}}, "401", "404"),
             },
             "/api/v1/jobs/{id}/cancel": {
@@ -140,9 +202,29 @@ def description() -> dict:
                     "429",
                 ),
             },
+            "/api/v1/models": {
+                "parameters": [
+                    {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(KINDS)}},
+                    {"name": "name", "in": "query", "schema": {"type": "string"}, "description": "what to call the mesh"},
+                ],
+                "post": {
+                    **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
+                    "requestBody": {
+                        "required": True,
+                        "content": {"application/octet-stream": {"schema": {"type": "string", "contentEncoding": "binary"}}},
+                    },
+                },
+            },
+            "/api/v1/examples": {
+                "get": _operation("List the examples", {"200": _json({"type": "object", "required": ["examples"]})}, "401"),
+            },
+            "/api/v1/examples/{name}": {
+                "parameters": [{"name": "name", "in": "path", "required": True, "schema": {"type": "string"}}],
+                "get": _operation("Tell what is in an example", {"200": _json({"$ref": model})}, "401", "404", "429"),
+            },
         },
         "components": {
-            "schemas": {"Job": _JOB, "Request": _REQUEST, "Problem": _PROBLEM},
+            "schemas": {"Job": _JOB, "Request": _REQUEST, "Model": _MODEL, "Problem": _PROBLEM},
             "securitySchemes": {
                 "bearer": {"type": "http", "scheme": "bearer"},
                 "compute": {"type": "apiKey", "in": "header", "name": "RhinoComputeKey"},

@@ -22,6 +22,7 @@ from .worker import run_tasks
 __all__ = ["WorkerPool"]
 
 TICK = 0.02  # seconds between two looks at wishes and limits
+PATIENCE = 0.2  # seconds after which nobody waits any more for a task that was asked to stop
 FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
 
 log = logging.getLogger(__name__)
@@ -182,16 +183,18 @@ class WorkerPool(Executor):
             return slot.process.is_alive()
         while True:
             if self._closed:
-                task.set_exception(TaskStopped("the server was stopped"))
+                _fail(task, TaskStopped("the server was stopped"))
                 return False
             now = time.monotonic()
             if task.time_limit is not None and now - started > task.time_limit:
                 task.stop(f"it took longer than the {task.time_limit:g} seconds allowed")
             if task.stop_reason is not None:
                 slot.flag.value = 1
+                if not task.done() and now - task.stop_time > min(PATIENCE, self._grace):
+                    # Whoever waits is told; the worker has some more time, as a new one would have to warm up.
+                    task.set_exception(TaskStopped(task.stop_reason))
                 if now - task.stop_time > self._grace:
                     slot.end()
-                    task.set_exception(TaskStopped(task.stop_reason))
                     return False
             if slot.line not in connection.wait([slot.line, slot.process.sentinel], TICK) and slot.process.is_alive():
                 continue
@@ -203,20 +206,25 @@ class WorkerPool(Executor):
             if kind == "gone":
                 slot.process.join(1.0)
                 log.error("worker %s: %s", slot.process.pid, slot.obituary())
-                task.set_exception(WorkerDied(slot.obituary()))
+                _fail(task, WorkerDied(slot.obituary()))
                 return False
             if kind == "progress":
                 _tell(task, content)
-            elif kind == "error":
-                task.set_exception(TaskError(*content))
-                return True
-            else:
+                continue
+            if kind == "error":
+                _fail(task, TaskError(*content))
+            elif not task.done():
                 task.set_result(content)
-                return True
+            return True
+
+
+def _fail(task: Task, error: Exception) -> None:
+    if not task.done():
+        task.set_exception(error)
 
 
 def _tell(task: Task, progress: object) -> None:
-    if task.on_progress is not None:
+    if task.on_progress is not None and not task.done():
         try:
             task.on_progress(progress)
         except Exception:

@@ -118,8 +118,7 @@ def _address(server: Any) -> Optional[Address]:
 
 
 def _job(question: Question) -> Callable:
-    # A server knows no constraints besides K.
-    return local_job(question) if question.server is None or question.constraints else remote_job(question)
+    return local_job(question) if question.server is None else remote_job(question)
 
 
 def _wait(component: Any, memory: Memory, forget: Callable[[], None]) -> SolveOutputs:
