@@ -37,6 +37,13 @@ def test_a_roof_is_solved_again():
     assert row["status"] == "converged" and row["max_error"] < 1e-10
 
 
+def test_a_server_solves_the_same_mesh_by_every_door():
+    (row,) = benchmarks.server_overhead((64,))
+    assert row["vertices"] == 64
+    assert row["job_overhead"] == pytest.approx(row["job_seconds"] / row["solve_seconds"] - 1.0)
+    assert row["hops_seconds"] > 0 and row["cancel_seconds"] > 0
+
+
 def test_kernel_and_growth_have_a_row_for_every_size():
     assert [row["vertices"] for row in benchmarks.kernel_ratio((10, 20))] == [100, 400]
     assert [row["vertices"] for row in benchmarks.growth((5, 9))] == [64, 144]

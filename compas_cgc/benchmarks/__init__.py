@@ -5,9 +5,19 @@ from __future__ import annotations
 from .flow import example_times
 from .flow import growth
 from .kernels import kernel_ratio
+from .server import server_overhead
 from .solves import against_optimisers
 from .solves import fitted_exponent
 from .solves import interactive
 from .solves import newton_growth
 
-__all__ = ["against_optimisers", "example_times", "fitted_exponent", "growth", "interactive", "kernel_ratio", "newton_growth"]
+__all__ = [
+    "against_optimisers",
+    "example_times",
+    "fitted_exponent",
+    "growth",
+    "interactive",
+    "kernel_ratio",
+    "newton_growth",
+    "server_overhead",
+]

@@ -53,6 +53,10 @@ def run(arguments: argparse.Namespace) -> int:
     figures["interactive"] = [benchmarks.interactive()]
     _print(figures["interactive"], "vertices seconds status max_error")
 
+    print("\nA dome by a server of this machine, against the solve itself", flush=True)
+    figures["server"] = benchmarks.server_overhead()
+    _print(figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds")
+
     print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:
         figures["kernel"] = benchmarks.kernel_ratio()

@@ -48,4 +48,4 @@ def unpack(value: object) -> object:
         values.byteswap()
     if len(value["shape"]) == 1:
         return [x if math.isfinite(x) else None for x in values]
-    return [list(row) for row in zip(*[iter(values)] * value["shape"][1])]
+    return list(map(list, zip(*[iter(values)] * value["shape"][1])))

@@ -7,6 +7,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.normals import unit_vectors
+from ..discrete.topology import boundary_mask
 
 __all__ = ["boundary_loops", "loop_corners"]
 
@@ -24,9 +25,12 @@ def boundary_loops(faces: IntArray) -> list[IntArray]:
     list of (b,) int64
         The longest first; each starts at its smallest vertex.
     """
-    F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
-    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    F = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
     n = int(F.max(initial=0)) + 1
+    rim = boundary_mask(n, F)
+    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    near = rim[u] & rim[v]
+    u, v = u[near], v[near]
     open_ = ~np.isin(u * n + v, v * n + u)
     # Where loops touch in a vertex the first edge out of it counts.
     after = dict(zip(u[open_][::-1].tolist(), v[open_][::-1].tolist()))

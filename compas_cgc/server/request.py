@@ -72,9 +72,10 @@ def accept(value: object, limits: Limits) -> tuple[str, bytes]:
     vertices = vertex_array(value.get("vertices"), limits)
     corners = polygons(value.get("faces"), len(vertices), limits)
     faces, owner = triangles_of(vertices, corners)
-    dropped = np.setdiff1d(np.arange(len(corners)), owner)
-    if len(dropped):
-        raise Unprocessable(dropped_faces(dropped))
+    split = np.zeros(len(corners), bool)
+    split[owner] = True
+    if not split.all():
+        raise Unprocessable(dropped_faces(np.flatnonzero(~split)))
     read_asked(value, len(vertices), limits)
     words = {name: entry for name, entry in value.items() if name not in ("vertices", "faces")}
     content = io.BytesIO()
