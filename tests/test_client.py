@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 
 import compas_cgc
+from compas_cgc import CGCMesh
 from compas_cgc.client import Client
 from compas_cgc.client import Failed
 from compas_cgc.client import Refused
@@ -57,6 +59,16 @@ def test_a_solve_with_progress(server):
     result = server.client.solve(*grid(30, 9.0), on_progress=seen.append, supports="boundary", targets=0.01, interval=0.05, **slow)
     steps = [status["iteration"] for status in seen[1:] if status["state"] == "running"]
     assert result["status"] == "step_limit" and len(set(steps)) > 1 and steps == sorted(steps)
+
+
+def test_the_script_of_the_readme_runs(server, tmp_path, monkeypatch, capsys):
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```py\n(.*?)```", text, re.DOTALL)
+    assert len([line for line in script.splitlines() if line.strip()]) <= 10
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script.replace("http://127.0.0.1:7331", server.url), "README.md", "exec"), {})
+    assert "converged" in capsys.readouterr().out
+    assert CGCMesh.from_3dm("roof.3dm").number_of_faces() == 800
 
 
 def test_a_solve_can_be_cancelled(server):

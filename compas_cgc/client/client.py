@@ -85,7 +85,7 @@ class Client:
         Returns
         -------
         dict
-            With ``vertices``, ``faces``, ``status``, ``message``, ``max_error``, ``curvature``, ``history``, ``report``.
+            With ``id``, ``vertices``, ``faces``, ``status``, ``message``, ``max_error``, ``curvature``, ``history``, ``report``.
 
         Raises
         ------
@@ -100,7 +100,7 @@ class Client:
             if on_progress is not None:
                 on_progress(status)
             if status["state"] == "succeeded":
-                return self.result(id)
+                return {"id": id, **self.result(id)}
             if status["state"] in ("failed", "cancelled"):
                 raise Failed(status["message"] or status["state"], status["state"])
             if cancel is not None and cancel():
