@@ -1,4 +1,19 @@
-"""What is asked of a problem of arrays; every function returns a new problem, as CGCMesh's methods of these names change a mesh."""
+"""What is asked of a problem of arrays: the methods of CGCMesh as functions, each of which returns a new problem.
+
+Examples
+--------
+>>> import numpy as np
+>>> from compas_cgc import CGCProblem, solve_problem
+>>> from compas_cgc.posing import set_supports, set_target
+>>> i, j = np.divmod(np.arange(100), 10)
+>>> vertices = np.column_stack([i, j, 0 * i])
+>>> a = np.array([k for k in range(90) if k % 10 < 9])
+>>> faces = np.vstack([np.column_stack([a, a + 10, a + 11]), np.column_stack([a, a + 11, a + 1])])
+>>> problem = CGCProblem(vertices, faces)
+>>> problem = set_target(set_supports(problem, "boundary"), 0.01)
+>>> solve_problem(problem).status
+'converged'
+"""
 
 from __future__ import annotations
 

@@ -56,9 +56,9 @@ class CGCProblem:
     faces
         ``(m, 3)`` int64 vertex indices, anticlockwise seen from where the normals point.
     roles
-        ``(n,)`` int64 role of every vertex, an index into :data:`ROLES`.
+        ``(n,)`` int64 role of every vertex, an index into :data:`ROLES`. Default: free on open edges, internal elsewhere.
     targets
-        ``(n,)`` float64 target Gaussian curvature K̄ [1/L^2]; read at internal vertices.
+        ``(n,)`` float64 target Gaussian curvature K̄ [1/L^2]; read at internal vertices. Default: none is set (NaN).
     s
         ``(n,)`` float64 factor of strategy S1, NaN where the settings' value holds.
     e
@@ -69,8 +69,8 @@ class CGCProblem:
 
     vertices: FloatArray
     faces: IntArray
-    roles: IntArray
-    targets: FloatArray
+    roles: Optional[IntArray] = None
+    targets: Optional[FloatArray] = None
     s: Optional[FloatArray] = None
     e: Optional[FloatArray] = None
     creases: Optional[IntArray] = None
@@ -81,7 +81,8 @@ class CGCProblem:
         put = object.__setattr__
         put(self, "vertices", V)
         put(self, "faces", F)
-        put(self, "roles", np.ascontiguousarray(self.roles, dtype=np.int64))
+        roles = np.where(boundary_vertices(V, F), FREE, INTERNAL) if self.roles is None else self.roles
+        put(self, "roles", np.ascontiguousarray(roles, dtype=np.int64))
         creases = () if self.creases is None else self.creases
         put(self, "creases", np.ascontiguousarray(creases, dtype=np.int64).reshape(-1, 2))
         for name in ("targets", "s", "e"):

@@ -180,6 +180,8 @@ class Jobs:
         self.get(id)
         with self._change:
             self._change.wait_for(lambda: self._closed or id not in self._live, seconds)
+            if self._closed:
+                raise Busy("the server is stopping; ask again when it is back")
         return self.get(id)
 
     def follow(self, id: str, patience: float = 15.0) -> Iterator[Optional[Job]]:

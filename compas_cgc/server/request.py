@@ -95,13 +95,11 @@ def read_accepted(kind: str, content: bytes, limits: Limits) -> tuple[Given, Ask
         value = read_json(content, limits)
         return given_mesh(read_compas_mesh(value["mesh"])), read_asked(value, None, limits)
     from ..check import Names
-    from ..posing import set_supports
-    from ..problem import INTERNAL
     from ..problem import CGCProblem
 
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
         vertices, faces, words = file["vertices"], file["faces"], json.loads(file["words"].tobytes())
-    problem = set_supports(CGCProblem(vertices, faces, np.full(len(vertices), INTERNAL), np.nan), [])
+    problem = CGCProblem(vertices, faces)
     names = Names(np.arange(len(vertices)), np.arange(len(faces)))
     return Given(problem, names, words.get("name") or "Mesh"), read_asked(words, len(vertices), limits)
 
