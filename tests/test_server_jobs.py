@@ -244,3 +244,13 @@ def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     with pytest.raises(TimeoutError, match="gone"):
         jobs.call(sleep_until_told, gone=lambda: True)
     assert jobs.call(add, 2, 2) == 4
+
+
+def test_nobody_waits_long_for_a_task_that_was_cancelled(pool):
+    task = begun(pool, sleep_for_ever)
+    busy = set(pool.processes())
+    task.stop("it was cancelled")
+    with pytest.raises(TaskStopped, match="it was cancelled"):
+        task.result(timeout=0.6)
+    assert set(pool.processes()) == busy, "the worker has a second to end by itself"
+    wait_for(lambda: pool.health()["replaced"] and pool.health()["busy"] == 0)

@@ -22,7 +22,6 @@ from .worker import run_tasks
 __all__ = ["WorkerPool"]
 
 TICK = 0.02  # seconds between two looks at wishes and limits
-PATIENCE = 0.2  # seconds after which nobody waits any more for a task that was asked to stop
 FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
 
 log = logging.getLogger(__name__)
@@ -187,10 +186,10 @@ class WorkerPool(Executor):
                 return False
             now = time.monotonic()
             if task.time_limit is not None and now - started > task.time_limit:
-                task.stop(f"it took longer than the {task.time_limit:g} seconds allowed")
+                task.stop(f"it took longer than the {task.time_limit:g} seconds allowed", self._grace)
             if task.stop_reason is not None:
                 slot.flag.value = 1
-                if not task.done() and now - task.stop_time > min(PATIENCE, self._grace):
+                if not task.done() and now - task.stop_time > min(task.patience, self._grace):
                     # Whoever waits is told; the worker has some more time, as a new one would have to warm up.
                     task.set_exception(TaskStopped(task.stop_reason))
                 if now - task.stop_time > self._grace:

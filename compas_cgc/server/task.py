@@ -10,7 +10,8 @@ from typing import Optional
 
 __all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "stop", "wait_for"]
 
-PATIENCE = 0.1  # seconds between two looks at whether somebody still waits
+LOOK = 0.1  # seconds between two looks at whether somebody still waits
+PATIENCE = 0.2  # seconds that somebody waits for a task that was asked to stop
 
 
 class WorkerDied(RuntimeError):
@@ -39,6 +40,8 @@ class Task(Future):
         Called with everything that the task reports.
     stop_reason
         Why it was asked to stop, None if it was not.
+    patience
+        Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
 
     def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
@@ -48,11 +51,13 @@ class Task(Future):
         self.time_limit = time_limit
         self.stop_reason: Optional[str] = None
         self.stop_time = 0.0
+        self.patience = PATIENCE
 
-    def stop(self, reason: str = "cancelled") -> None:
+    def stop(self, reason: str = "cancelled", patience: float = PATIENCE) -> None:
         """Cancel the task if it waits, ask it to end if it runs."""
         if not self.cancel() and self.stop_reason is None:
             self.stop_time = time.monotonic()
+            self.patience = patience
             self.stop_reason = reason
 
 
@@ -75,7 +80,7 @@ def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
     end = time.monotonic() + seconds
     while True:
         try:
-            return task.result(timeout=min(PATIENCE, max(0.001, end - time.monotonic())))
+            return task.result(timeout=min(LOOK, max(0.001, end - time.monotonic())))
         except FutureTimeout:
             if task.done():
                 raise
