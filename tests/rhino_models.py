@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import rhino3dm
+
+from compas_cgc.rhino.meshes import mesh_to_arrays
 
 from .shapes import grid
 
@@ -102,3 +106,17 @@ def corners_of(n):
 def row(n, i):
     """Return the vertices of a grid's line i."""
     return list(range(i * (n + 1), (i + 1) * (n + 1)))
+
+
+def result_of(path):
+    """Return vertices and faces of the solved mesh in a file, and the record of its solve."""
+    file = rhino3dm.File3dm.Read(str(path))
+    (layer,) = [layer.Index for layer in file.Layers if layer.FullPath == "CGC Result::Mesh"]
+    (mesh,) = [item.Geometry for item in file.Objects if item.Attributes.LayerIndex == layer]
+    vertices, faces = mesh_to_arrays(mesh)
+    return vertices, faces[:, :3], json.loads(file.Strings["compas_cgc.result"])
+
+
+def dots_of(path):
+    """Return the texts of the dots in a file."""
+    return [item.Geometry.Text for item in rhino3dm.File3dm.Read(str(path)).Objects if isinstance(item.Geometry, rhino3dm.TextDot)]

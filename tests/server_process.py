@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import http.client
+import json
 import re
 import subprocess
 import sys
 import threading
+import time
 from contextlib import contextmanager
 
 from compas_cgc.client import Client
+
+WITH_LIMITS = """
+import json, sys
+from compas_cgc.server import Limits, serve
+asked = json.loads(sys.argv[1])
+serve(limits=Limits(**asked.pop("limits")), **asked)
+"""
 
 
 class Running:
@@ -16,14 +26,32 @@ class Running:
 
     def __init__(self, process, url, key):
         self.process, self.url, self.key = process, url, key
+        self.address = url.split("//")[1]
         self.client = Client(url, key, retries=2)
+        self.said = []
+
+    def ask(self, method, path, body=None, timeout=60, **headers):
+        """Return status, headers and body of one raw request; the key is sent unless it is given otherwise."""
+        connection = http.client.HTTPConnection(self.address, timeout=timeout)
+        headers = {"RhinoComputeKey": self.key, **headers}
+        try:
+            connection.request(method, path, body, {name: value for name, value in headers.items() if value is not None})
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
+        finally:
+            connection.close()
 
 
 @contextmanager
-def running_server(store, key=None, workers=2, port=0):
-    command = [sys.executable, "-m", "compas_cgc", "serve", "--port", str(port), "--workers", str(workers), "--store", str(store)]
-    command += ["--key", key] if key else []
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+def running_server(store, key=None, workers=2, port=0, limits=None):
+    """Run ``compas-cgc serve``, or with limits of its own the function behind that."""
+    if limits is None:
+        command = ["-m", "compas_cgc", "serve", "--port", str(port), "--workers", str(workers), "--store", str(store)]
+        command += ["--key", key] if key else []
+    else:
+        asked = {"port": port, "key": key, "workers": workers, "store": str(store), "limits": limits}
+        command = ["-c", WITH_LIMITS, json.dumps(asked)]
+    process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     said, url = [], None
     try:
         for line in process.stdout:
@@ -33,12 +61,22 @@ def running_server(store, key=None, workers=2, port=0):
             if line.startswith("ready"):
                 break
         assert url, "".join(said)
-        # Nobody reads on, and a full pipe would stop the server.
-        threading.Thread(target=process.stdout.read, daemon=True).start()
-        yield Running(process, url, key)
+        running = Running(process, url, key)
+        # A full pipe would stop the server.
+        threading.Thread(target=running.said.extend, args=(process.stdout,), daemon=True).start()
+        yield running
     finally:
         process.terminate()
         try:
             process.wait(10)
         finally:
             process.kill()
+
+
+def wait_for(condition, seconds=20.0, what="waited too long"):
+    """Wait until something is so, and return it."""
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end, what
+        time.sleep(0.01)
+    return found

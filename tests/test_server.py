@@ -14,6 +14,7 @@ import time
 import compas
 import numpy as np
 import pytest
+import rhino3dm
 
 from compas_cgc import CGCMesh
 from compas_cgc.client import Client
@@ -21,6 +22,8 @@ from compas_cgc.client import Refused
 from compas_cgc.server import Limits
 from compas_cgc.server.openapi import description
 
+from .rhino_models import dots_of
+from .rhino_models import result_of
 from .server_process import running_server
 from .shapes import grid
 
@@ -168,6 +171,28 @@ def test_a_status_can_wait_for_the_end_of_the_job(server):
     assert server.client.poll(id, wait=0.5)["state"] in ("queued", "running") and time.monotonic() - started >= 0.5
     assert ask(server, "GET", f"/api/v1/jobs/{id}?wait=nan")[0] == ask(server, "GET", f"/api/v1/jobs/{id}?wait=-1")[0] == 200
     server.client.delete(id)
+
+
+def test_a_result_goes_into_the_file_of_the_architect(server, tmp_path):
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.02)
+    mesh.to_3dm(tmp_path / "roof.3dm")
+    drawn = rhino3dm.File3dm.Read(str(tmp_path / "roof.3dm"))
+    drawn.Objects.AddTextDot("column by the neighbour", rhino3dm.Point3d(1, 2, 3))
+    drawn.Write(str(tmp_path / "roof.3dm"), 7)
+    content = (tmp_path / "roof.3dm").read_bytes()
+    id = finished(server, server.client.submit_file(content, "3dm"))["id"]
+    (tmp_path / "solved.3dm").write_bytes(server.client.result(id, "3dm", beside=content))
+    vertices, _, record = result_of(tmp_path / "solved.3dm")
+    assert np.array_equal(vertices, server.client.result(id)["vertices"]) and record["status"] == "converged"
+    assert "column by the neighbour" in dots_of(tmp_path / "solved.3dm")
+    for bad, status, part in ((b"not a file", 422, "3dm"), (b"", 400, "empty")):
+        with pytest.raises(Refused, match=part) as refusal:
+            server.client.result(id, "3dm", beside=bad)
+        assert refusal.value.status == status and str(tmp_path) not in str(refusal.value) and "tmp" not in str(refusal.value)
+    with pytest.raises(Refused, match="must be 3dm"):
+        server.client.result(id, "obj", beside=content)
 
 
 def test_damaged_files_fail_with_a_sentence_and_without_a_path(server):

@@ -100,7 +100,7 @@ class Client:
             if on_progress is not None:
                 on_progress(status)
             if status["state"] == "succeeded":
-                return {"id": id, **self.result(id)}
+                return self.result(id)
             if status["state"] in ("failed", "cancelled"):
                 raise Failed(status["message"] or status["state"], status["state"])
             if cancel is not None and cancel():
@@ -136,11 +136,23 @@ class Client:
         """
         return self._json("GET", f"/api/v1/jobs/{quote(id)}" + (f"?wait={min(wait, 0.5 * self.timeout):g}" if wait > 0 else ""))
 
-    def result(self, id: str, format: str = "arrays") -> Union[dict, bytes]:
-        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``."""
+    def result(self, id: str, format: str = "arrays", beside: Optional[bytes] = None) -> Union[dict, bytes]:
+        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``.
+
+        Parameters
+        ----------
+        id
+            The job.
+        format
+            One of these.
+        beside
+            Bytes of a ``3dm`` file: the result is put into it, and all that is there stays.
+        """
         sent = "packed" if format == "arrays" else format
-        content = self.request("GET", f"/api/v1/jobs/{quote(id)}/result?format={quote(sent)}")
-        return {name: unpack(value) for name, value in json.loads(content).items()} if format == "arrays" else content
+        content = self.request("GET" if beside is None else "POST", f"/api/v1/jobs/{quote(id)}/result?format={quote(sent)}", beside)
+        if format != "arrays":
+            return content
+        return {"id": id, **{name: unpack(value) for name, value in json.loads(content).items()}}
 
     def cancel(self, id: str) -> dict:
         """Stop a job and return its status."""

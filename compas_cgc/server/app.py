@@ -21,6 +21,7 @@ from werkzeug.exceptions import HTTPException
 from .hops.routes import hops
 from .jobs import Jobs
 from .limits import Limits
+from .page import page
 from .pool import WorkerPool
 from .problems import RequestProblem
 from .problems import error_body
@@ -80,6 +81,7 @@ def create_app(
     app.register_error_handler(Exception, _bug)
     app.register_blueprint(api)
     app.register_blueprint(hops)
+    app.register_blueprint(page)
     return app
 
 

@@ -15,7 +15,7 @@ from .outcome import unpack_arrays
 from .uploads import KINDS
 from .uploads import file_bytes
 
-__all__ = ["FORMATS", "encoded"]
+__all__ = ["FORMATS", "beside", "encoded"]
 
 FORMATS = {**dict.fromkeys(("arrays", "packed", "compas", "hops"), "application/json"), **KINDS}
 
@@ -42,6 +42,11 @@ def encoded(name: str, content: bytes) -> bytes:
 
         return mesh_text(*result.mesh.arrays()).encode()
     return file_bytes(name, result)
+
+
+def beside(content: bytes, source: bytes) -> bytes:
+    """Return a packed result as a .3dm file beside what is in the bytes of another."""
+    return file_bytes("3dm", unpack(content)[0], source)
 
 
 def _arrays(content: bytes, in_bytes: bool) -> bytes:

@@ -19,13 +19,14 @@ from .._version import __version__
 from .arrays import read_json
 from .asked import OPTIONS
 from .asked import read_asked
+from .calls import in_worker
 from .formats import FORMATS
+from .formats import beside
 from .formats import encoded
 from .jobs import Jobs
 from .openapi import description
 from .problems import BadRequest
 from .problems import Busy
-from .problems import NotFound
 from .problems import Unprocessable
 from .request import accept
 from .status import status
@@ -139,12 +140,25 @@ def result(id: str) -> Response:
     return answer
 
 
+@api.post("/api/v1/jobs/<id>/result")
+def result_beside(id: str) -> Response:
+    """Return the result of a job in the .3dm file that is sent."""
+    if request.args.get("format", "3dm") != "3dm":
+        raise Unprocessable("'format' must be 3dm, as only a .3dm holds more than the mesh")
+    source = request.get_data(cache=False)
+    if not source:
+        raise BadRequest("the request is empty; send the bytes of the .3dm file")
+    content = in_worker(beside, jobs().result(id), source, mend="get the result alone")
+    return Response(content, mimetype=KINDS["3dm"], headers={"Content-Disposition": 'attachment; filename="result.3dm"'})
+
+
 @api.get("/api/v1/jobs/<id>/surface")
 def surface(id: str) -> Response:
     """Return the present vertices of a running live job as little-endian float32."""
     content = jobs().surface(id)
     if content is None:
-        raise NotFound("there is no moving surface; submit the job with 'live', and ask while it runs")
+        # Not yet, not any more, or not asked for: nothing that a client that looks on could avoid.
+        return Response(status=204)
     return Response(content, mimetype="application/octet-stream")
 
 

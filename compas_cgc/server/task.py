@@ -23,12 +23,23 @@ class TaskStopped(RuntimeError):
 
 
 class TaskError(RuntimeError):
-    """A task raised an exception; `kind` is the name of its class, `trace` the worker's traceback."""
+    """A task raised an exception.
 
-    def __init__(self, kind: str, text: str, trace: str):
+    Attributes
+    ----------
+    kind
+        Name of its class.
+    trace
+        The worker's traceback.
+    status
+        HTTP status that tells of it, None where it is a fault of the program.
+    """
+
+    def __init__(self, kind: str, text: str, trace: str, status: Optional[int] = None):
         super().__init__(text)
         self.kind = kind
         self.trace = trace
+        self.status = status
 
 
 class Task(Future):

@@ -38,11 +38,22 @@ def read_upload(kind: str, body: bytes) -> tuple[CGCMesh, list[str]]:
             raise Unprocessable(str(error).replace(str(path), "the file")) from None
 
 
-def file_bytes(kind: str, result: SolveResult, settings: Optional[dict] = None) -> bytes:
-    """Return a result as the bytes of a .3dm or .obj file."""
+def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -> bytes:
+    """Return a result as the bytes of a .3dm or .obj file, a .3dm beside what is in the bytes of another.
+
+    Raises
+    ------
+    Unprocessable
+        If the source is no such file.
+    """
     from ..files import write_mesh
 
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"result.{kind}"
-        write_mesh(path, result.mesh, result=result, settings=settings)
+        path, beside = Path(folder) / f"result.{kind}", Path(folder) / f"source.{kind}"
+        if source is not None:
+            beside.write_bytes(source)
+        try:
+            write_mesh(path, result.mesh, result=result, source=beside if source is not None else None)
+        except FileError as error:
+            raise Unprocessable(str(error).replace(str(beside), "the file")) from None
         return path.read_bytes()

@@ -39,7 +39,7 @@ def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Calla
     ----------
     line
         Brings ``(function, args, kwargs)``; takes ``("ready", None)``, ``("progress", x)``,
-        ``("result", x)`` and ``("error", (class name, sentence, traceback))``.
+        ``("result", x)`` and ``("error", (class name, sentence, traceback, HTTP status or None))``.
     flag
         Shared byte that is not zero when the running task should end.
     warm_up
@@ -61,7 +61,7 @@ def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Calla
         try:
             message = ("result", function(*args, **kwargs))
         except Exception as error:
-            message = ("error", (type(error).__name__, str(error), traceback.format_exc()))
+            message = ("error", (type(error).__name__, str(error), traceback.format_exc(), getattr(error, "status", None)))
         line.send(message)
 
 

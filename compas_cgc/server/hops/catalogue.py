@@ -16,6 +16,7 @@ def _icon(path: str, colour: str = "#b5482f") -> str:
     )
 
 
+MOST = 5000  # curves or points that are sought on the mesh one by one
 MESH = Input("Mesh", "M", "Mesh", "Start mesh; its normals point to where a surface of positive K rises.")
 K = Input("K", "K", "Number", "Gaussian curvature asked for, in 1 / (model unit)Â².", low=-1e9, high=1e9)
 SURFACE = Output("Mesh", "M", "Mesh", "Surface, coloured by the error of K: blue too small, red too large.")
@@ -25,9 +26,9 @@ ERROR = Output("Error", "E", "Number", "Largest error of K, in 1 / (model unit)Â
 SOLVE_INPUTS = (
     MESH,
     Input("Supports", "P", "Point", "Points at the vertices that stay. Nothing: the whole edge stays.", many=True, optional=True),
-    Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, optional=True),
-    Input("K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, low=-1e9, high=1e9),
-    Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, optional=True),
+    Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, most=MOST, optional=True),
+    Input("K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, most=MOST, low=-1e9, high=1e9),
+    Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, most=MOST, optional=True),
     Input("Method", "Me", "Text", "auto, flow, newton or projection. Defaults to auto.", default="auto"),
     Input("S", "S", "Number", "Creases of the flow follow by this factor. Defaults to 0.8.", default=0.8, low=0.0, high=1.0),
     Input("Delay", "D", "Integer", "First steps in which the creases of the flow wait. Defaults to 0.", default=0, low=0, high=100000),

@@ -55,6 +55,8 @@ class Input(Output):
         Value when nothing is connected, a number, a truth or a text.
     many
         Takes a list.
+    most
+        Longest list.
     optional
         May stay empty; only newer Hops know that.
     low, high
@@ -63,6 +65,7 @@ class Input(Output):
 
     default: Union[float, int, bool, str, None] = None
     many: bool = False
+    most: int = 200_000
     optional: bool = False
     low: Optional[float] = None
     high: Optional[float] = None

@@ -12,12 +12,11 @@ import numpy as np
 from ..asked import Asked
 from ..problems import RequestProblem
 from ..request import Given
-from ..request import given_mesh
 from ..solving import Progress
 from .catalogue import ENDPOINTS
 from .geometry import mesh_text
-from .problem import clean_mesh
-from .problem import solve_problem
+from .problem import given_surface
+from .problem import given_with_targets
 from .values import entry
 from .values import finite_items
 from .values import read_values
@@ -54,13 +53,11 @@ def run_function(uri: str, values: object, context: dict) -> Reply:
 
 
 def _dome(inputs: dict, context: dict, started: float) -> Reply:
-    mesh, notes = clean_mesh(inputs, context)
-    return _solved(given_mesh(mesh, notes), Asked(supports="boundary", targets=inputs["K"]), started)
+    return _solved(given_surface(inputs, context), Asked(supports="boundary", targets=inputs["K"]), started)
 
 
 def _solve(inputs: dict, context: dict, started: float) -> Reply:
-    mesh, asked, notes = solve_problem(inputs, context)
-    return _solved(given_mesh(mesh, notes), asked, started)
+    return _solved(*given_with_targets(inputs, context), started)
 
 
 def _solved(given: Given, asked: Asked, started: float) -> Reply:
@@ -81,41 +78,34 @@ def _solved(given: Given, asked: Asked, started: float) -> Reply:
 
 
 def _flow(inputs: dict, context: dict, started: float) -> Reply:
-    from ...errors import ProblemError
+    from ...check import check
+    from ...check import refuse
     from ...flow import FlowSettings
     from ...flow import flow
-    from ...problem import CGCProblem
 
-    mesh, notes = clean_mesh(inputs, context)
-    mesh.set_supports("boundary")
-    mesh.set_target(inputs["K"])
-    fatal = [problem for problem in mesh.check() if problem.fatal]
-    if fatal:
-        raise ProblemError(fatal)
+    given = given_surface(inputs, context)
+    problem = Asked(supports="boundary", targets=inputs["K"]).put_on(given.problem, given.names)
+    refuse(check(problem, given.names))
     read = time.perf_counter()
-    problem = CGCProblem.from_mesh(mesh)
     solution = flow(problem, FlowSettings(steps=inputs["Steps"]), Progress())
     solved = time.perf_counter()
     # Steps that were asked for and taken are no failure.
     warnings = [] if solution.status in ("converged", "step_limit") else [solution.message]
-    values = surface_values(problem, solution.vertices, "\n".join([solution.message, *notes]), solution.max_error)
+    values = surface_values(problem, solution.vertices, "\n".join([solution.message, *given.notes]), solution.max_error)
     return Reply(200, values, [], warnings, _spent(started, read, solved))
 
 
 def _analyse(inputs: dict, context: dict, started: float) -> Reply:
-    from ...analysis import analyse
+    from ...analysis import analyse_problem
     from ...discrete import gaussian_curvature
     from ...discrete import mean_curvature
 
-    mesh, notes = clean_mesh(inputs, context)
-    mesh.set_supports("boundary")
-    target = inputs["Target"]
-    mesh.set_target(target)
+    given, target = given_surface(inputs, context), inputs["Target"]
+    problem = Asked(supports="boundary", targets=target).put_on(given.problem, given.names)
     read = time.perf_counter()
-    vertices, faces = mesh.arrays()
-    asked = np.array([role == "internal" for role in mesh.vertices_role()])
+    vertices, faces, asked = problem.vertices, problem.faces, problem.asked
     K, H = (np.where(asked, values, 0.0) for values in (gaussian_curvature(vertices, faces), mean_curvature(vertices, faces)))
-    report = str(analyse(mesh))
+    report = str(analyse_problem(problem))
     measured = time.perf_counter()
     warnings = []
     columns = []
@@ -127,7 +117,7 @@ def _analyse(inputs: dict, context: dict, started: float) -> Reply:
         entry("Mesh", "Mesh", [_coloured(vertices, faces, np.where(asked, K - target, np.nan), target)]),
         entry("K", "Number", columns[0]),
         entry("H", "Number", columns[1]),
-        entry("Info", "Text", ["\n".join([report, *notes])]),
+        entry("Info", "Text", ["\n".join([report, *given.notes])]),
     ]
     return Reply(200, values, [], warnings, _spent(started, read, measured))
 

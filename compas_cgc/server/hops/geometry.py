@@ -19,6 +19,8 @@ from ..arrays import LARGEST
 from ..limits import Limits
 from ..problems import TooLarge
 from ..problems import Unprocessable
+from .classes import CURVES
+from .classes import read_head
 
 __all__ = ["mesh_text", "read_curve", "read_mesh"]
 
@@ -31,13 +33,14 @@ def read_mesh(data: dict, name: str, limits: Limits) -> Part:
     Unprocessable, TooLarge
         With a sentence that names the input.
     """
-    import rhino3dm
-
-    geometry = _decode(data, name, "mesh")
-    if not isinstance(geometry, rhino3dm.Mesh):
-        raise Unprocessable(f"input '{name}' is a {type(geometry).__name__}, not a mesh; convert it with Mesh or QuadRemesh")
-    if len(geometry.Vertices) > limits.vertices or len(geometry.Faces) > limits.faces:
-        raise TooLarge(f"input '{name}' has {len(geometry.Vertices)} vertices, the server takes {limits.vertices}; use a coarser mesh")
+    head = read_head(data.get("data"))
+    # Before it is decoded: a few damaged bytes can ask for billions of faces, which takes long.
+    if head is not None and not (0 <= head.vertices <= limits.vertices and 0 <= head.faces <= limits.faces):
+        raise TooLarge(
+            f"input '{name}' has {head.vertices} vertices and {head.faces} faces, "
+            f"the server takes {limits.vertices} and {limits.faces}; use a coarser mesh"
+        )
+    geometry = _decode(data, name, "mesh", ("Mesh",), "convert it with Mesh or QuadRemesh")
     if not len(geometry.Vertices) or not len(geometry.Faces):
         raise Unprocessable(f"input '{name}' is a mesh without vertices or faces, or its data is damaged; mesh it again")
     vertices, faces = mesh_to_arrays(geometry)
@@ -52,15 +55,11 @@ def read_mesh(data: dict, name: str, limits: Limits) -> Part:
 
 def read_curve(data: dict, name: str, tolerance: float) -> FloatArray:
     """Return points (k, 3) along a curve, kept to within the tolerance [L]."""
-    import rhino3dm
-
     own = {str(key).lower(): value for key, value in data.items()}
     if "from" in own and "to" in own:
         points = _ends(own, name)
     else:
-        geometry = _decode(data, name, "curve")
-        if not isinstance(geometry, rhino3dm.Curve):
-            raise Unprocessable(f"input '{name}' holds a {type(geometry).__name__}, not a curve")
+        geometry = _decode(data, name, "curve", CURVES, "connect curves to it")
         points = curve_points(geometry, tolerance)
     if not len(points) or not (np.abs(points) <= LARGEST).all():
         raise Unprocessable(f"input '{name}' holds a curve without finite points; draw it again")
@@ -85,14 +84,22 @@ def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray
     return json.dumps(mesh.Encode())
 
 
-def _decode(data: dict, name: str, kind: str) -> object:
+def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], mend: str) -> object:
+    """Return geometry of one of some classes; others are not even decoded, damaged ones can take minutes."""
     import rhino3dm
 
-    try:
-        geometry = rhino3dm.CommonObject.Decode({key: data[key] for key in ("version", "archive3dm", "opennurbs", "data")})
-    except Exception:
-        geometry = None
-    if geometry is None:
+    head = read_head(data.get("data"))
+    if head is not None and head.name not in classes:
+        raise Unprocessable(f"input '{name}' is {'an' if head.name[0] in 'AEo' else 'a'} {head.name}, not a {kind}; {mend}")
+    geometry = None
+    if head is not None:
+        try:
+            # Some clients write the numbers as texts.
+            numbers = {key: int(data[key]) for key in ("version", "archive3dm", "opennurbs")}
+            geometry = rhino3dm.CommonObject.Decode({**numbers, "data": data["data"]})
+        except Exception:
+            geometry = None
+    if type(geometry).__name__ not in classes:
         raise Unprocessable(f"input '{name}' cannot be decoded; connect a {kind} to it")
     return geometry
 

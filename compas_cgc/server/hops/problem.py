@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,25 +14,27 @@ from ..asked import Asked
 from ..asked import read_asked
 from ..limits import Limits
 from ..problems import Unprocessable
+from ..request import Given
 from .catalogue import SOLVE_INPUTS
 from .geometry import read_curve
 from .geometry import read_mesh
 
 if TYPE_CHECKING:
     from ...datastructures import CGCMesh
+    from ...rhino.model import Model3dm
 
-__all__ = ["clean_mesh", "solve_problem"]
+__all__ = ["given_surface", "given_with_targets", "solve_problem"]
 
 DEFAULTS = {own.name: own.default for own in SOLVE_INPUTS}
 
 
-def clean_mesh(inputs: dict, context: dict) -> tuple[CGCMesh, list[str]]:
-    """Return the mesh of the input Mesh, welded and triangulated, with notes."""
-    return _assembled({"Mesh": inputs["Mesh"]}, context)
+def given_surface(inputs: dict, context: dict) -> Given:
+    """Return the mesh of the input Mesh, welded and triangulated."""
+    return _given(_assembled({"Mesh": inputs["Mesh"]}, context))
 
 
-def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str]]:
-    """Return the mesh, what is asked of it, and notes.
+def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
+    """Return the mesh with what is drawn on it, and what is asked of it.
 
     Parameters
     ----------
@@ -45,17 +48,31 @@ def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str
     Unprocessable, CGCError
         With a sentence that names the input.
     """
+    model = _model_with_targets(inputs, context)
+    return _given(model), _asked(inputs, len(model.vertices))
+
+
+def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str]]:
+    """Return :func:`given_with_targets` as a mesh, what is asked of it, and notes."""
+    model = _model_with_targets(inputs, context)
+    return model.to_cgcmesh(), _asked(inputs, len(model.vertices)), list(_given(model).notes)
+
+
+def _model_with_targets(inputs: dict, context: dict) -> Model3dm:
     K, At = inputs["K"], inputs["At"]
     if At and len(At) != len(K):
         raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
-    mesh, notes = _assembled(inputs, context)
+    return _assembled(inputs, context)
+
+
+def _asked(inputs: dict, count: int) -> Asked:
     asked: dict = {"method": inputs["Method"], "settings": {}}
     if not inputs["Supports"]:
         asked["supports"] = "boundary"
-    if not At:
-        asked["targets"] = K[0]
+    if not inputs["At"]:
+        asked["targets"] = inputs["K"][0]
     if inputs["Tolerance"] > 0:
         asked["settings"]["tolerance"] = inputs["Tolerance"]
     if (inputs["S"], inputs["Delay"]) != (DEFAULTS["S"], DEFAULTS["Delay"]):
@@ -63,10 +80,24 @@ def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str
         asked["method"] = "flow" if asked["method"] == "auto" else asked["method"]
     elif asked["method"] == "auto" and asked["settings"]:
         raise Unprocessable("input 'Tolerance' belongs to a method; set Method to flow, newton or projection too")
-    return mesh, read_asked(asked, mesh.number_of_vertices(), Limits()), notes
+    return read_asked(asked, count, Limits())
 
 
-def _assembled(inputs: dict, context: dict) -> tuple[CGCMesh, list[str]]:
+def _given(model: Model3dm) -> Given:
+    """Return a model as arrays: a mesh of COMPAS in between would take half of the time."""
+    from ... import posing
+    from ...check import Names
+    from ...problem import CGCProblem
+
+    problem = posing.set_creases(CGCProblem(model.vertices, model.faces), model.creases)
+    problem = posing.set_supports(problem, model.supports.tolist())
+    names = Names(np.arange(len(model.vertices)), np.arange(len(model.faces)))
+    # What the model lacks is said by the check of the solve, in the words of the inputs.
+    notes = [note for note in model.notes if "no support" not in note]
+    return Given(replace(problem, targets=model.targets), names, model.name, notes)
+
+
+def _assembled(inputs: dict, context: dict) -> Model3dm:
     part = read_mesh(inputs["Mesh"], "Mesh", Limits())
     supports = np.array(inputs.get("Supports") or [], dtype=np.float64).reshape(-1, 3)
     curves = inputs.get("Creases") or []
@@ -95,5 +126,4 @@ def _assembled(inputs: dict, context: dict) -> tuple[CGCMesh, list[str]]:
     )
     if model.problems:
         raise CGCError("; ".join(model.problems))
-    # What the model lacks is said by the check of the solve, in the words of the inputs.
-    return model.to_cgcmesh(), [note for note in model.notes if "no support" not in note]
+    return model

@@ -2,30 +2,33 @@
 
 from __future__ import annotations
 
-import base64
-import binascii
 import json
 from typing import Optional
-from urllib.parse import urlsplit
 
 from flask import Blueprint
 from flask import Response
 from flask import current_app
 from flask import g
 from flask import request
+from flask.blueprints import BlueprintSetupState
 
-from ..arrays import read_json
 from ..jobs import Jobs
 from ..outcome import unpack
-from ..task import TaskError
-from ..task import TaskStopped
-from ..task import WorkerDied
-from ..problems import BadRequest
-from ..problems import NotFound
+from ..page import index
+from ..page import wants_page
 from ..problems import RequestProblem
 from ..problems import Unprocessable
 from ..problems import error_body
+from ..task import TaskError
+from ..task import TaskStopped
+from ..task import WorkerDied
+from .answers import Answers
+from .answers import request_digest
 from .catalogue import ENDPOINTS
+from .envelope import context_of
+from .envelope import known
+from .envelope import read_body
+from .envelope import uri_of
 from .functions import Reply
 from .functions import run_function
 from .functions import surface_values
@@ -34,7 +37,15 @@ from .values import read_values
 
 __all__ = ["hops"]
 
+KEPT = 64 * 2**20  # bytes of answers that are kept to be given again
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse")  # the same question has the same answer
+
 hops = Blueprint("hops", __name__)
+
+
+@hops.record
+def _set_up(state: BlueprintSetupState) -> None:
+    state.app.extensions["hops_answers"] = Answers(KEPT)
 
 
 class TooSlow(RequestProblem):
@@ -51,23 +62,25 @@ class Broken(RequestProblem):
 
 @hops.get("/")
 def functions() -> Response:
-    """List the functions."""
-    return _respond([endpoint.describe() for endpoint in ENDPOINTS.values()])
+    """List the functions; a browser gets the page."""
+    answer = index() if wants_page() else _respond([endpoint.describe() for endpoint in ENDPOINTS.values()])
+    answer.headers["Vary"] = "Accept"
+    return answer
 
 
 @hops.get("/cgc/<name>", strict_slashes=False)
 @hops.get("/cgc/<name>/", strict_slashes=False)
 def describe(name: str) -> Response:
     """Describe a function."""
-    return _respond(ENDPOINTS[_known(f"cgc/{name}")].describe())
+    return _respond(ENDPOINTS[known(f"cgc/{name}")].describe())
 
 
 @hops.route("/io", methods=["GET", "POST"])
 def io() -> Response:
     """Describe a function named in the request."""
     if request.method == "GET":
-        return _respond(ENDPOINTS[_uri({"pointer": request.args.get("pointer")})].describe())
-    return _respond(ENDPOINTS[_uri(_body())].describe())
+        return _respond(ENDPOINTS[uri_of({"pointer": request.args.get("pointer")})].describe())
+    return _respond(ENDPOINTS[uri_of(_body())].describe())
 
 
 @hops.post("/solve")
@@ -76,9 +89,14 @@ def io() -> Response:
 def solve(prefix: str = "") -> Response:
     """Run a function."""
     body = _body()
-    uri = _uri(body)
+    uri = uri_of(body)
     values = body.get("values")
-    context = {"modelunits": _units(body.get("modelunits")), "absolutetolerance": _tolerance(body.get("absolutetolerance"))}
+    context = context_of(body)
+    answers: Answers = current_app.extensions["hops_answers"]
+    digest = request_digest(uri, values, context) if body.get("cachesolve") is True and uri in REPEATABLE else None
+    kept = answers.get(digest) if digest else None
+    if kept is not None:
+        return Response(kept, 200, {"Server-Timing": "cache;desc=hit"}, mimetype="application/json")
     try:
         if uri == "cgc/submit":
             reply = _submit(values, context)
@@ -89,9 +107,12 @@ def solve(prefix: str = "") -> Response:
     except RequestProblem as problem:
         reply = Reply(problem.status, [], [str(problem)], [], {})
     g.spent = reply.spent
-    message = {"message": reply.errors[0]} if reply.errors else {}
-    answer = {**message, "pointer": uri, "values": reply.values, "errors": reply.errors, "warnings": reply.warnings}
-    return _respond(answer, reply.status)
+    message = reply.errors[0] if reply.errors else ""
+    answer = {"message": message, "pointer": uri, "values": reply.values, "errors": reply.errors, "warnings": reply.warnings}
+    response = _respond(answer, reply.status)
+    if digest and reply.status == 200:
+        answers.put(digest, response.get_data())
+    return response
 
 
 def _run(uri: str, values: object, context: dict) -> Reply:
@@ -120,7 +141,8 @@ def _fetch(values: object) -> Reply:
     job = _jobs().get(inputs["Job"])
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     if not job.over:
-        told = f"{job.state}, step {step}, largest error {job.progress['max_error']:.3g}" if steps else job.state
+        error = job.progress.get("max_error")
+        told = job.state + (f", step {step}" if steps else "") + (f", largest error {error:.3g}" if error is not None else "")
         return _state(202, [], False, step / steps if steps else 0.0, told)
     if job.state != "succeeded":
         raise Unprocessable(f"the job was {job.state}: {job.message}" if job.state == "cancelled" else str(job.message))
@@ -149,49 +171,7 @@ def _jobs() -> Jobs:
 
 
 def _body() -> dict:
-    """Return the request, whatever its Content-Type; one enclosing list is allowed."""
-    value = read_json(request.get_data(cache=False), current_app.config["LIMITS"])
-    if isinstance(value, list) and len(value) == 1:
-        value = value[0]
-    if not isinstance(value, dict):
-        raise BadRequest("the request must be a JSON object with 'pointer' and 'values'")
-    return value
-
-
-def _uri(body: dict) -> str:
-    """Return the function that a request names; an address in it is taken apart, never followed."""
-    pointer, algo = body.get("pointer"), body.get("algo")
-    if pointer is None and isinstance(algo, str):
-        try:
-            pointer = base64.b64decode(algo[:400], validate=True).decode()
-        except (binascii.Error, ValueError):
-            pointer = None
-    if not isinstance(pointer, str) or not pointer:
-        raise NotFound(f"the request names no function; there are {', '.join(ENDPOINTS)}")
-    return _known(_path(pointer))
-
-
-def _path(pointer: str) -> str:
-    try:
-        return urlsplit(pointer).path if "://" in pointer else pointer.split("?")[0]
-    except ValueError:
-        return pointer
-
-
-def _known(path: str) -> str:
-    uri = path.strip("/").lower()
-    if uri not in ENDPOINTS:
-        raise NotFound(f"there is no function {uri[:60]!r}; there are {', '.join(ENDPOINTS)}")
-    return uri
-
-
-def _units(name: object) -> str:
-    return name[:40] if isinstance(name, str) else ""
-
-
-def _tolerance(value: object) -> float:
-    good = isinstance(value, (int, float)) and not isinstance(value, bool) and 0 < value < 1e12
-    return float(value) if good else 0.0
+    return read_body(request.get_data(cache=False), current_app.config["LIMITS"])
 
 
 def _respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:

@@ -13,12 +13,15 @@ import numpy as np
 from ..arrays import LARGEST
 from ..arrays import number
 from ..arrays import whole
+from ..problems import TooLarge
 from ..problems import Unprocessable
 from .description import RESULT_TYPES
 from .description import Endpoint
 from .description import Input
 
 __all__ = ["double_text", "entry", "finite_items", "read_values", "text_text"]
+
+DIGITS = 300  # of a whole number; a float of as many digits is still finite
 
 
 def read_values(endpoint: Endpoint, values: object) -> dict:
@@ -43,8 +46,11 @@ def _input(own: Input, tree: object) -> object:
         if own.default is None:
             raise Unprocessable(f"input '{own.name}' is empty; connect a {own.kind.lower()} to it")
         return own.default
-    found = [_read(own, item) for item in (items if own.many else items[:1])]
-    return found if own.many else found[0]
+    if not own.many:
+        return _read(own, items[0])
+    if len(items) > own.most:
+        raise TooLarge(f"input '{own.name}' has {len(items)} items, the server takes {own.most}; connect fewer")
+    return [_read(own, item) for item in items]
 
 
 def _items(name: str, tree: object) -> list[dict]:
@@ -56,12 +62,16 @@ def _items(name: str, tree: object) -> list[dict]:
     items = [item for path in sorted(tree, key=lambda path: _path(name, path)) for item in tree[path]]
     if not all(isinstance(item, dict) for item in items):
         raise Unprocessable(f"input '{name}' must hold items with 'data'")
-    return [item for item in items if item.get("data") is not None]
+    full = [item for item in items if item.get("data") is not None]
+    if full and len(full) < len(items):
+        # Without it the others would belong to other points than they were drawn for.
+        raise Unprocessable(f"input '{name}' has {len(items) - len(full)} empty items (null); remove them with Clean Tree")
+    return full
 
 
 def _path(name: str, text: str) -> tuple[int, ...]:
     try:
-        return tuple(int(part) for part in text.strip("{} ").split(";") if part.strip()[:12])
+        return tuple(int(part[:20]) for part in text.strip("{} ").split(";") if part.strip())
     except ValueError:
         raise Unprocessable(f"input '{name}' has a branch {text!r:.40} that is no path") from None
 
@@ -70,10 +80,10 @@ def _read(own: Input, item: dict) -> object:
     data = item["data"]
     what = f"input '{own.name}'"
     if own.kind == "Text":
-        return _text(data)
+        return _text(data, what)
     if isinstance(data, str):
         try:
-            data = json.loads(data.lower() if own.kind == "Boolean" else data, parse_constant=lambda name: math.nan)
+            data = json.loads(data.lower() if own.kind == "Boolean" else data, parse_constant=lambda name: math.nan, parse_int=_whole)
         except (ValueError, RecursionError):
             raise Unprocessable(f"{what} cannot be read as a {own.kind.lower()}; connect a {own.kind.lower()} to it") from None
     if own.kind == "Number":
@@ -95,14 +105,25 @@ def _read(own: Input, item: dict) -> object:
     return value
 
 
-def _text(data: object) -> str:
+def _whole(digits: str) -> int:
+    if len(digits) > DIGITS:
+        raise ValueError("a number has too many digits")
+    return int(digits)
+
+
+def _text(data: object, what: str) -> str:
     if not isinstance(data, str):
         return json.dumps(data)
     try:
-        inner = json.loads(data)
+        inner = json.loads(data, parse_int=_whole)
     except (ValueError, RecursionError):
-        return data
-    return inner if isinstance(inner, str) else data
+        inner = data
+    text = inner if isinstance(inner, str) else data
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise Unprocessable(f"{what} holds half a character, which is no text; write it anew") from None
+    return text
 
 
 def _point(data: object, what: str) -> tuple[float, float, float]:

@@ -1,0 +1,59 @@
+"""Functions that a request waits for, run in a worker."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+from flask import current_app
+from flask import request
+
+from .problems import RequestProblem
+from .task import TaskError
+from .task import TaskStopped
+from .task import WorkerDied
+
+__all__ = ["Broken", "Late", "in_worker"]
+
+
+class Late(RequestProblem):
+    """The client would give up soon."""
+
+    status = 504
+
+
+class Broken(RequestProblem):
+    """A worker ended, or has a fault."""
+
+    status = 500
+
+
+def in_worker(function: Callable, *args: object, mend: str) -> object:
+    """Run a function in a worker as long as the client waits for it, and return what it returns.
+
+    Parameters
+    ----------
+    function, args
+        What to run; a :class:`RequestProblem` that it raises is raised here.
+    mend
+        What to do when it takes too long.
+
+    Raises
+    ------
+    RequestProblem
+        Of the function, or because of the worker.
+    """
+    gone = request.environ.get("waitress.client_disconnected", lambda: False)
+    try:
+        return current_app.extensions["jobs"].call(function, *args, client=request.remote_addr or "", gone=gone)
+    except TimeoutError:
+        seconds = current_app.config["LIMITS"].blocking
+        raise Late(f"the work was stopped after {seconds:g} seconds; {mend}") from None
+    except (WorkerDied, TaskStopped) as error:
+        raise Broken(str(error)) from None
+    except TaskError as error:
+        if error.status is not None:
+            problem = RequestProblem(str(error))
+            problem.status = error.status
+            raise problem from None
+        current_app.logger.error("%s failed: %s", function.__name__, error.trace)
+        raise Broken(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None

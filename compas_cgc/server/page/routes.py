@@ -1,0 +1,96 @@
+"""The page, its files, and what is in models and examples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from flask import Blueprint
+from flask import Response
+from flask import current_app
+from flask import json
+from flask import request
+
+from ..calls import in_worker
+from ..problems import BadRequest
+from ..problems import NotFound
+from ..problems import Unprocessable
+from ..uploads import KINDS
+from .contents import read_example
+from .contents import read_model
+from .gallery import GALLERY
+
+__all__ = ["index", "page", "wants_page"]
+
+page = Blueprint("page", __name__)
+
+STATIC = Path(__file__).parent / "static"
+TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".png": "image/png"}
+# Only these are ever opened, whatever is asked for.
+FILES = {path.relative_to(STATIC).as_posix(): path for path in STATIC.rglob("*") if path.suffix in TYPES}
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+_examples: dict[str, bytes] = {}
+
+
+def wants_page() -> bool:
+    """Tell whether a client would rather have HTML than JSON; one that takes anything would not."""
+    accepted = request.accept_mimetypes
+    return accepted["text/html"] > accepted["application/json"]
+
+
+def index() -> Response:
+    """Return the page."""
+    answer = _file("index.html")
+    answer.headers["Content-Security-Policy"] = POLICY
+    answer.headers["Referrer-Policy"] = "no-referrer"
+    return answer
+
+
+@page.get("/page/<path:name>")
+def file(name: str) -> Response:
+    """Return a file of the page."""
+    if name not in FILES or name == "index.html":
+        raise NotFound("the page has no such file")
+    return _file(name)
+
+
+def _file(name: str) -> Response:
+    path = FILES[name]
+    answer = Response(path.read_bytes(), mimetype=TYPES[path.suffix])
+    answer.headers["Cache-Control"] = "no-cache"
+    answer.add_etag()
+    return answer.make_conditional(request)
+
+
+@page.post("/api/v1/models")
+def model() -> Response:
+    """Tell what is in a file."""
+    kind, name = request.args.get("kind", ""), request.args.get("name", "")[:100]
+    if kind not in KINDS:
+        raise Unprocessable(f"'kind' must be {' or '.join(KINDS)}; save the mesh in one of these formats")
+    body = request.get_data(cache=False)
+    if not body:
+        raise BadRequest("the request is empty; send the bytes of the file")
+    limits = current_app.config["LIMITS"]
+    found = in_worker(read_model, kind, body, name, (limits.vertices, limits.faces), mend="use a coarser mesh")
+    return Response(found, mimetype="application/json")
+
+
+@page.get("/api/v1/examples")
+def examples() -> Response:
+    """List the examples."""
+    found = [{"name": entry.name, "number": entry.number, "title": entry.title, "text": entry.text} for entry in GALLERY.values()]
+    return Response(json.dumps({"examples": found}), mimetype="application/json")
+
+
+@page.get("/api/v1/examples/<name>")
+def example(name: str) -> Response:
+    """Tell what is in an example."""
+    if name not in GALLERY:
+        raise NotFound(f"there is no example {name[:60]!r}; there are {', '.join(GALLERY)}")
+    if name not in _examples:
+        entry = GALLERY[name]
+        _examples[name] = in_worker(read_example, name, entry.title, entry.text, mend="ask again")
+    return Response(_examples[name], mimetype="application/json")

@@ -1,0 +1,172 @@
+/** What the page asks of the server; nothing else is ever asked of anybody. */
+
+import { capital } from './words.js';
+
+const KEY = 'compas_cgc.key';
+
+/** What the server says when it refuses. */
+export class Refusal extends Error {
+  /**
+   * @param {number} status of HTTP; 0 where there was no answer
+   * @param {string} message a sentence
+   */
+  constructor(status, message) {
+    super(message);
+    this.status = status;
+  }
+}
+
+/** The server's addresses as functions. */
+export class Api {
+  /** @param {(again: boolean) => Promise<string>} askForKey called when the server wants a key */
+  constructor(askForKey) {
+    this.askForKey = askForKey;
+    this.asking = null;
+  }
+
+  /** @returns {Promise<{name: string, title: string, text: string}[]>} */
+  async examples() {
+    return (await this.json('/api/v1/examples')).examples;
+  }
+
+  /** @param {string} name */
+  example(name) {
+    return this.json(`/api/v1/examples/${encodeURIComponent(name)}`);
+  }
+
+  /**
+   * @param {File} file
+   * @param {string} kind of file
+   */
+  model(file, kind) {
+    const name = file.name.replace(/\.[^.]*$/, '');
+    return this.json(`/api/v1/models?kind=${kind}&name=${encodeURIComponent(name)}`, { method: 'POST', body: file });
+  }
+
+  /**
+   * @param {object} job
+   * @param {AbortSignal} signal
+   */
+  submit(job, signal) {
+    return this.json('/api/v1/jobs', { method: 'POST', body: JSON.stringify(job), signal });
+  }
+
+  /**
+   * @param {string} id
+   * @param {AbortSignal} [signal]
+   */
+  status(id, signal) {
+    return this.json(`/api/v1/jobs/${id}`, { signal });
+  }
+
+  /** @param {string} id */
+  cancel(id) {
+    return this.json(`/api/v1/jobs/${id}/cancel`, { method: 'POST' });
+  }
+
+  /**
+   * Stop and forget a job; also while the page is being left.
+   * @param {string} id
+   */
+  async forget(id) {
+    await this.request(`/api/v1/jobs/${id}`, { method: 'DELETE', keepalive: true });
+  }
+
+  /**
+   * @param {string} id
+   * @param {AbortSignal} [signal]
+   */
+  result(id, signal) {
+    return this.json(`/api/v1/jobs/${id}/result?format=arrays`, { signal });
+  }
+
+  /**
+   * @param {string} id
+   * @param {string} format
+   * @param {?File} beside the .3dm to put the result into
+   * @returns {Promise<Blob>}
+   */
+  async download(id, format, beside) {
+    const options = beside ? { method: 'POST', body: beside } : {};
+    return (await this.request(`/api/v1/jobs/${id}/result?format=${format}`, options)).blob();
+  }
+
+  /**
+   * @param {string} id
+   * @param {AbortSignal} signal
+   * @returns {Promise<?Float32Array>} null where nothing moves
+   */
+  async surface(id, signal) {
+    const answer = await this.request(`/api/v1/jobs/${id}/surface`, { signal });
+    return answer.status === 204 ? null : new Float32Array(await answer.arrayBuffer());
+  }
+
+  /**
+   * Give the states of a job as they change. EventSource would do, but cannot send a key.
+   * @param {string} id
+   * @param {AbortSignal} signal
+   * @returns {AsyncGenerator<object>}
+   */
+  async *events(id, signal) {
+    const answer = await this.request(`/api/v1/jobs/${id}/events`, { signal });
+    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+    let text = '';
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) return;
+      text += value;
+      const blocks = text.split('\n\n');
+      text = blocks.pop();
+      for (const block of blocks) {
+        const line = block.split('\n').find((each) => each.startsWith('data: '));
+        if (line) yield JSON.parse(line.slice(6));
+      }
+    }
+  }
+
+  /**
+   * @param {string} path
+   * @param {RequestInit} [options]
+   */
+  async json(path, options) {
+    return (await this.request(path, options)).json();
+  }
+
+  /**
+   * Send a request, with the key where there is one, and ask for it where it is missing or wrong.
+   * @param {string} path
+   * @param {RequestInit} [options]
+   * @returns {Promise<Response>}
+   */
+  async request(path, options = {}) {
+    for (;;) {
+      const key = sessionStorage.getItem(KEY);
+      const headers = key ? { Authorization: `Bearer ${key}` } : {};
+      let answer;
+      try {
+        answer = await fetch(path, { ...options, headers });
+      } catch (error) {
+        if (error.name === 'AbortError') throw error;
+        throw new Refusal(0, 'The server does not answer. Start it again with “compas-cgc serve”, then try once more.');
+      }
+      if (answer.ok) return answer;
+      if (answer.status !== 401) throw new Refusal(answer.status, await sentence(answer));
+      if (sessionStorage.getItem(KEY) === key) await this.newKey(key !== null);
+    }
+  }
+
+  async newKey(again) {
+    this.asking ??= this.askForKey(again).finally(() => {
+      this.asking = null;
+    });
+    sessionStorage.setItem(KEY, await this.asking);
+  }
+}
+
+async function sentence(answer) {
+  try {
+    return capital((await answer.json()).message);
+  } catch {
+    return `The server answered ${answer.status} without a reason.`;
+  }
+}

@@ -1,0 +1,33 @@
+/** What the colours mean. */
+
+import { SIGNED } from './colours.js';
+import { readable } from './numbers.js';
+
+/** The bar of signed values, with numbers at its ends. */
+export class Legend {
+  /** @param {HTMLElement} room */
+  constructor(room) {
+    this.room = room;
+    room.querySelector('.bar').style.background = `linear-gradient(90deg, ${SIGNED.join(', ')})`;
+  }
+
+  /**
+   * Show the bar.
+   * @param {string} what
+   * @param {number} limit value of the darkest colours
+   * @param {boolean} gaps whether some of the surface has no value
+   */
+  show(what, limit, gaps) {
+    const ends = this.room.querySelectorAll('.ends span');
+    this.room.querySelector('.what').textContent = what;
+    ends[0].textContent = readable(-limit);
+    ends[2].textContent = readable(limit);
+    this.room.querySelector('.none').hidden = !gaps;
+    this.room.hidden = false;
+  }
+
+  /** Show nothing. */
+  hide() {
+    this.room.hidden = true;
+  }
+}

@@ -1,0 +1,109 @@
+/** A model as the page works with it. */
+
+/** A mesh with what is asked of it. */
+export class Model {
+  /** @param {object} data answer of /api/v1/models or /api/v1/examples/NAME */
+  constructor(data) {
+    Object.assign(this, {
+      name: data.name,
+      file: data.file ?? null,
+      unit: data.unit,
+      notes: data.notes,
+      problems: data.problems,
+      supports: data.supports,
+      choice: data.support_choice,
+      creases: data.creases,
+      constraints: data.constraints,
+      targets: data.targets,
+      vertexTargets: data.vertex_targets,
+      s: data.s ?? 0.8,
+      e: data.e ?? 0,
+      vertices: data.vertices,
+      triangles: data.faces,
+    });
+    this.count = data.vertices.length;
+    this.xyz = Float64Array.from(data.vertices.flat());
+    this.faces = Uint32Array.from(data.faces.flat());
+    this.regions = Uint32Array.from(data.regions);
+    this.regionOf = new Int32Array(this.count).fill(-1);
+    this.regions.forEach((region, face) => {
+      for (let k = 0; k < 3; k++) this.regionOf[this.faces[3 * face + k]] = region;
+    });
+    this.onCrease = new Uint8Array(this.count);
+    for (const path of this.creases) for (const vertex of path) this.onCrease[vertex] = 1;
+    this.areas = regionAreas(this.xyz, this.faces, this.regions, this.targets.length);
+    Object.assign(this, frameOf(this.xyz));
+  }
+
+  /**
+   * Return the unit of curvature.
+   * @returns {string}
+   */
+  get curvatureUnit() {
+    return `1/${this.unit || 'unit'}²`;
+  }
+
+  /**
+   * Return coordinates about the centre of the model at unit size, as the scene has them.
+   * @param {ArrayLike<number>} xyz
+   * @returns {Float32Array}
+   */
+  toScene(xyz) {
+    return Float32Array.from(xyz, (value, i) => (value - this.centre[i % 3]) / this.size);
+  }
+
+  /**
+   * Return the largest |K| that the slider of a region offers: half that of a hemisphere over its area, or more where the
+   * file asks for more.
+   * @param {number} region
+   * @returns {number}
+   */
+  reach(region) {
+    return Math.max((0.5 * Math.PI) / this.areas[region], 2 * Math.abs(this.targets[region] ?? 0));
+  }
+
+  /**
+   * Return the target of every vertex, null where none is set.
+   * @param {(?number)[]} targets per region, null for those of the file
+   * @returns {(?number)[]}
+   */
+  targetsOfVertices(targets) {
+    return Array.from(this.regionOf, (region, vertex) => {
+      if (this.onCrease[vertex] || region < 0) return null;
+      return targets[region] ?? this.vertexTargets?.[vertex] ?? null;
+    });
+  }
+
+  /**
+   * Return which vertices have K measured under other supports: what is neither held, nor on a crease, nor on a free edge.
+   * @param {number[]} supports
+   * @returns {Uint8Array}
+   */
+  askedWith(supports) {
+    const asked = Uint8Array.from(this.onCrease, (on) => 1 - on);
+    for (const vertex of this.supports.boundary) asked[vertex] = 0;
+    for (const vertex of supports) asked[vertex] = 0;
+    return asked;
+  }
+}
+
+function frameOf(xyz) {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  xyz.forEach((value, i) => {
+    low[i % 3] = Math.min(low[i % 3], value);
+    high[i % 3] = Math.max(high[i % 3], value);
+  });
+  const size = 0.5 * Math.hypot(...high.map((value, axis) => value - low[axis]));
+  return { centre: low.map((value, axis) => 0.5 * (value + high[axis])), size: size || 1 };
+}
+
+function regionAreas(xyz, faces, regions, count) {
+  const areas = new Float64Array(count);
+  regions.forEach((region, face) => {
+    const [a, b, c] = [0, 1, 2].map((k) => 3 * faces[3 * face + k]);
+    const [u, v] = [b, c].map((at) => [0, 1, 2].map((axis) => xyz[at + axis] - xyz[a + axis]));
+    areas[region] += 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+  });
+  return areas;
+}

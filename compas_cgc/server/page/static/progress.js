@@ -1,0 +1,20 @@
+/** How far a solve is. */
+
+import { duration, readable } from './numbers.js';
+
+/**
+ * Show step, error, energy and time.
+ * @param {HTMLElement} room
+ * @param {object} status of the job
+ */
+export function showProgress(room, status) {
+  const parts = [status.state === 'queued' ? 'Waiting for its turn' : `Step ${status.iteration}`];
+  if (status.error !== null) parts.push(`error ${readable(status.error, 2)}`, `energy ${readable(status.energy, 4)}`);
+  if (status.elapsed !== null) parts.push(duration(status.elapsed));
+  const shown = parts.map((text, i) => {
+    const part = document.createElement(i ? 'span' : 'strong');
+    part.textContent = text;
+    return part;
+  });
+  room.replaceChildren(...shown);
+}

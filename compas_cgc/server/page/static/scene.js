@@ -1,0 +1,199 @@
+/** The 3D view: camera, light, and drawing when something has changed. */
+
+import * as THREE from './vendor/three/three.module.min.js';
+import { OrbitControls } from './vendor/three/controls/OrbitControls.js';
+import { Surface } from './surface.js';
+
+const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
+const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
+
+/** A view of one model. */
+export class Scene {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @throws {Error} where the browser has no WebGL
+   */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
+    this.camera.up.set(0, 0, 1);
+    this.world = new THREE.Scene();
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.rotateSpeed = 0.8;
+    this.controls.zoomToCursor = true;
+    this.controls.minDistance = 0.3;
+    this.controls.maxDistance = 30;
+    this.controls.addEventListener('change', () => this.draw());
+    this.still = window.matchMedia('(prefers-reduced-motion: reduce)');
+    this.surface = null;
+    this.goal = null;
+    this.frame = 0;
+    this.light();
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    canvas.addEventListener('dblclick', () => this.fit());
+    canvas.addEventListener('keydown', (event) => this.key(event));
+  }
+
+  light() {
+    this.world.add(new THREE.HemisphereLight(0xffffff, 0xcfc8be, 2.1));
+    const lamp = new THREE.DirectionalLight(0xffffff, 1.5);
+    lamp.position.set(-2.2, -1.2, 3.4);
+    this.world.add(lamp);
+    // What throws the shadow stands nearly overhead, so that the shadow says where the surface is.
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.25);
+    this.sun.position.set(0.4, -0.3, 4);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    this.sun.shadow.radius = 6;
+    this.sun.shadow.camera.near = 0.5;
+    this.sun.shadow.camera.far = 9;
+    for (const [side, at] of Object.entries({ left: -1.6, right: 1.6, top: 1.6, bottom: -1.6 })) this.sun.shadow.camera[side] = at;
+    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(8, 8), new THREE.ShadowMaterial({ opacity: 0.13 }));
+    this.ground.receiveShadow = true;
+    this.world.add(this.sun, this.ground);
+  }
+
+  /**
+   * Show a model in the place of the one before.
+   * @param {import('./model.js').Model} model
+   */
+  show(model) {
+    if (this.surface) {
+      this.world.remove(this.surface.group);
+      this.surface.dispose();
+    }
+    this.goal = null;
+    this.surface = new Surface(model);
+    this.world.add(this.surface.group);
+    this.start = this.surface.xyz;
+    this.dress();
+    this.fit(false);
+  }
+
+  /**
+   * Let the surface move to where it shall be.
+   * @param {Float32Array} xyz in the scene's frame
+   * @param {boolean} [glide] or jump
+   */
+  moveTo(xyz, glide = true) {
+    if (!glide || this.still.matches) {
+      this.goal = null;
+      this.surface.place(xyz.slice());
+    } else {
+      this.goal = xyz;
+      this.last = performance.now();
+    }
+    this.draw();
+  }
+
+  /**
+   * Look at all of the surface.
+   * @param {boolean} [keep] the direction of view
+   */
+  fit(keep = true) {
+    if (!this.surface) return;
+    const box = new THREE.Box3();
+    for (const xyz of [this.goal ?? this.surface.xyz, this.start]) box.union(new THREE.Box3().setFromArray(xyz));
+    const ball = box.getBoundingSphere(new THREE.Sphere());
+    const direction = keep ? this.camera.position.clone().sub(this.controls.target).normalize() : FROM;
+    const half = 0.5 * THREE.MathUtils.degToRad(this.camera.fov);
+    const angle = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    this.controls.target.copy(ball.center);
+    this.camera.position.copy(ball.center).addScaledVector(direction, (1.06 * ball.radius) / Math.sin(angle));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Take the colours from the style sheet, which knows light and dark. */
+  dress() {
+    const style = getComputedStyle(document.documentElement);
+    const theme = { line: style.getPropertyValue('--line3d').trim(), crease: style.getPropertyValue('--crease3d').trim() };
+    this.surface?.dress(theme);
+    this.ground.material.opacity = Number(style.getPropertyValue('--shadow3d'));
+    this.draw();
+  }
+
+  /**
+   * Return the vertex and region under a place on the screen, null where there is none.
+   * @param {number} x
+   * @param {number} y
+   * @returns {?{vertex: number, region: number}}
+   */
+  pick(x, y) {
+    if (!this.surface) return null;
+    const frame = this.canvas.getBoundingClientRect();
+    const place = new THREE.Vector2((2 * (x - frame.left)) / frame.width - 1, 1 - (2 * (y - frame.top)) / frame.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(place, this.camera);
+    const [hit] = ray.intersectObject(this.surface.mesh);
+    if (!hit) return null;
+    const { position } = this.surface.geometry.attributes;
+    const far = (wedge) => new THREE.Vector3().fromBufferAttribute(position, wedge).distanceToSquared(hit.point);
+    const corners = [hit.face.a, hit.face.b, hit.face.c].sort((a, b) => far(a) - far(b));
+    return { vertex: this.surface.wedges.vertexOf[corners[0]], region: this.surface.wedges.regionOf[corners[0]] };
+  }
+
+  key(event) {
+    const turn = { ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12] }[event.key];
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (turn) {
+      this.controls.rotateLeft(turn[0]);
+      this.controls.rotateUp(turn[1]);
+    } else if (event.key === '+' || event.key === '=') this.controls.dollyIn(1 / 1.15);
+    else if (event.key === '-') this.controls.dollyOut(1 / 1.15);
+    else if (event.key === 'f') this.fit();
+    else return;
+    event.preventDefault();
+    this.controls.update();
+    this.draw();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.render();
+  }
+
+  /** Draw soon. */
+  draw() {
+    if (!this.frame) this.frame = requestAnimationFrame((now) => this.tick(now));
+  }
+
+  tick(now) {
+    this.frame = 0;
+    if (this.goal) this.glide(now);
+    this.render();
+  }
+
+  render() {
+    if (this.surface) {
+      const { array } = this.surface.geometry.getAttribute('position');
+      let low = Infinity;
+      for (let k = 2; k < array.length; k += 3) low = Math.min(low, array[k]);
+      this.ground.position.z = low - 0.02;
+    }
+    this.renderer.render(this.world, this.camera);
+  }
+
+  glide(now) {
+    const share = 1 - Math.exp(-Math.max(0, now - this.last) / SETTLE);
+    this.last = now;
+    const xyz = this.surface.xyz.slice();
+    let left = 0;
+    for (let k = 0; k < xyz.length; k++) {
+      xyz[k] += share * (this.goal[k] - xyz[k]);
+      left = Math.max(left, Math.abs(this.goal[k] - xyz[k]));
+    }
+    const arrived = left < 2e-4;
+    this.surface.place(arrived ? this.goal.slice() : xyz);
+    if (arrived) this.goal = null;
+    else this.draw();
+  }
+}

@@ -1,0 +1,137 @@
+/** One solve at a time: a new one takes the place of the one before. */
+
+import { Refusal } from './api.js';
+
+const LIVE_AFTER = 250; // milliseconds; what is over sooner is not worth watching
+const POLL = 200; // milliseconds
+
+/**
+ * @typedef {object} Listener what is told about a solve
+ * @property {(status: object) => void} progress
+ * @property {(xyz: Float32Array) => void} surface
+ * @property {(result: ?object, status: object) => void} done
+ * @property {(message: string) => void} failed
+ */
+
+/** Runs solves on the server and tells how they are doing. */
+export class Solver {
+  /**
+   * @param {import('./api.js').Api} api
+   * @param {Listener} listener
+   */
+  constructor(api, listener) {
+    this.api = api;
+    this.listener = listener;
+    this.run = null;
+    this.finished = null;
+  }
+
+  /** Whether a solve is running. */
+  get busy() {
+    return this.run !== null;
+  }
+
+  /** Milliseconds since the running solve began. */
+  get age() {
+    return this.run ? performance.now() - this.run.begin : 0;
+  }
+
+  /**
+   * Solve; the job of the last solve is forgotten when this one is done.
+   * @param {object} request
+   */
+  async solve(request) {
+    this.stop();
+    const run = { id: newId(), abort: new AbortController(), begin: performance.now(), fetching: false };
+    this.run = run;
+    try {
+      await this.api.submit({ ...request, id: run.id, live: true }, run.abort.signal);
+      const status = await this.follow(run);
+      const result = status.has_result ? await this.api.result(run.id, run.abort.signal) : null;
+      if (this.run !== run) return;
+      this.run = null;
+      if (this.finished) this.forget(this.finished);
+      this.finished = result ? run.id : null;
+      this.listener.done(result, status);
+    } catch (error) {
+      if (this.run !== run) return;
+      this.run = null;
+      this.listener.failed(error.message);
+    }
+  }
+
+  /** Ask the running solve to end with what it has. */
+  async cancel() {
+    if (!this.run) return;
+    try {
+      await this.api.cancel(this.run.id);
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+    }
+  }
+
+  /** Drop the running solve. */
+  stop() {
+    if (!this.run) return;
+    const { id, abort } = this.run;
+    this.run = null;
+    abort.abort();
+    this.forget(id);
+  }
+
+  /** Drop everything. */
+  reset() {
+    this.stop();
+    if (this.finished) this.forget(this.finished);
+    this.finished = null;
+  }
+
+  forget(id) {
+    // It may never have arrived, or be gone: both are as wanted.
+    this.api.forget(id).catch(() => {});
+  }
+
+  async follow(run) {
+    let status = null;
+    try {
+      for await (status of this.api.events(run.id, run.abort.signal)) this.tell(run, status);
+    } catch (error) {
+      if (!(error instanceof Refusal && error.status === 429)) throw error;
+    }
+    // No stream was free, or it was cut.
+    while (!isOver(status)) {
+      if (status) await new Promise((resolve) => setTimeout(resolve, POLL));
+      status = await this.api.status(run.id, run.abort.signal);
+      this.tell(run, status);
+    }
+    return status;
+  }
+
+  tell(run, status) {
+    if (this.run !== run || isOver(status)) return;
+    this.listener.progress(status);
+    if (status.iteration > 0 && performance.now() - run.begin > LIVE_AFTER) this.watch(run);
+  }
+
+  async watch(run) {
+    if (run.fetching) return;
+    run.fetching = true;
+    try {
+      const xyz = await this.api.surface(run.id, run.abort.signal);
+      if (xyz && this.run === run) this.listener.surface(xyz);
+    } catch (error) {
+      // The job can be gone by now.
+      if (!(error instanceof Refusal) && error.name !== 'AbortError') throw error;
+    } finally {
+      run.fetching = false;
+    }
+  }
+}
+
+function isOver(status) {
+  return status !== null && ['succeeded', 'failed', 'cancelled'].includes(status.state);
+}
+
+function newId() {
+  return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+}

@@ -1,0 +1,176 @@
+/** The drawn model: surface, edges, creases and supports. */
+
+import * as THREE from './vendor/three/three.module.min.js';
+import { LineMaterial } from './vendor/three/lines/LineMaterial.js';
+import { LineSegments2 } from './vendor/three/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from './vendor/three/lines/LineSegmentsGeometry.js';
+import { SUPPORT, linear, regionChannels, signedColour } from './colours.js';
+import { Wedges } from './wedges.js';
+
+/** Everything of one model in the scene. */
+export class Surface {
+  /** @param {import('./model.js').Model} model */
+  constructor(model) {
+    this.model = model;
+    this.wedges = new Wedges(model);
+    this.xyz = model.toScene(model.xyz);
+    this.lit = -1;
+    this.colour = (wedge) => regionChannels(this.wedges.regionOf[wedge]);
+
+    this.geometry = new THREE.BufferGeometry();
+    for (const name of ['position', 'normal', 'color']) {
+      const attribute = new THREE.BufferAttribute(new Float32Array(3 * this.wedges.count), 3);
+      this.geometry.setAttribute(name, attribute.setUsage(THREE.DynamicDrawUsage));
+    }
+    this.geometry.setIndex(new THREE.BufferAttribute(this.wedges.index, 1));
+    const material = new THREE.MeshStandardMaterial({
+      vertexColors: true,
+      side: THREE.DoubleSide,
+      roughness: 0.82,
+      metalness: 0,
+      polygonOffset: true,
+      polygonOffsetFactor: 2,
+      polygonOffsetUnits: 2,
+    });
+    this.mesh = new THREE.Mesh(this.geometry, material);
+    this.mesh.castShadow = true;
+
+    const lines = new THREE.BufferGeometry();
+    lines.setAttribute('position', this.geometry.getAttribute('position'));
+    lines.setIndex(new THREE.BufferAttribute(this.wedges.edges, 1));
+    this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ transparent: true }));
+    // Of a fine mesh they would hide the surface.
+    this.edges.material.opacity = 0.2 * Math.min(1, Math.sqrt(6000 / model.regions.length));
+
+    this.creaseEnds = model.creases.flatMap((path) => path.slice(1).flatMap((vertex, i) => [path[i], vertex]));
+    this.creases = new LineSegments2(new LineSegmentsGeometry(), new LineMaterial({ linewidth: 3.2 }));
+    this.creases.geometry.setPositions(new Float32Array(Math.max(6, 3 * this.creaseEnds.length)));
+    this.creases.visible = this.creaseEnds.length > 0;
+
+    const dots = new THREE.PointsMaterial({
+      map: dot(),
+      sizeAttenuation: false,
+      alphaTest: 0.4,
+      transparent: true,
+    });
+    this.supports = new THREE.Points(new THREE.BufferGeometry(), dots);
+
+    this.group = new THREE.Group();
+    this.group.add(this.mesh, this.edges, this.creases, this.supports);
+    for (const part of this.group.children) part.frustumCulled = false;
+    this.setSupports(model.supports[model.choice]);
+    this.place(this.xyz);
+    this.paint();
+  }
+
+  /**
+   * Move the vertices.
+   * @param {Float32Array} xyz three per vertex, in the scene's frame
+   */
+  place(xyz) {
+    this.xyz = xyz;
+    const at = this.geometry.getAttribute('position');
+    const normal = this.geometry.getAttribute('normal');
+    this.wedges.place(xyz, at.array);
+    this.wedges.normals(at.array, normal.array);
+    at.needsUpdate = true;
+    normal.needsUpdate = true;
+    this.geometry.boundingSphere = null;
+    if (this.creaseEnds.length) {
+      const ends = this.creases.geometry.getAttribute('instanceStart').data;
+      this.creaseEnds.forEach((vertex, i) => ends.array.set(xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
+      ends.needsUpdate = true;
+    }
+    const held = this.supports.geometry.getAttribute('position');
+    this.held.forEach((vertex, i) => held.array.set(xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
+    held.needsUpdate = true;
+  }
+
+  /** @param {number[]} held vertices */
+  setSupports(held) {
+    this.held = held;
+    // Many of them stand close.
+    this.supports.material.size = Math.max(7, 13 * Math.min(1, Math.sqrt(40 / held.length))) * Math.min(2, window.devicePixelRatio);
+    this.supports.geometry.dispose();
+    this.supports.geometry = new THREE.BufferGeometry();
+    const at = new Float32Array(3 * held.length);
+    held.forEach((vertex, i) => at.set(this.xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
+    this.supports.geometry.setAttribute('position', new THREE.BufferAttribute(at, 3));
+  }
+
+  /** Colour the regions. */
+  colourRegions() {
+    this.colour = (wedge) => regionChannels(this.wedges.regionOf[wedge]);
+    this.paint();
+  }
+
+  /**
+   * Colour by signed values.
+   * @param {ArrayLike<number>} values per vertex
+   * @param {number} limit value of the darkest colours
+   * @returns {boolean} whether some of the surface has none
+   */
+  colourValues(values, limit) {
+    const spread = this.wedges.spread(values);
+    this.colour = (wedge) => signedColour(spread[wedge], limit);
+    this.paint();
+    return spread.some((value) => !Number.isFinite(value));
+  }
+
+  /**
+   * Show a region in a stronger light, -1 for none.
+   * @param {number} region
+   */
+  highlight(region) {
+    if (this.lit === region) return;
+    this.lit = region;
+    this.paint();
+  }
+
+  /**
+   * Take the colours of lines from the theme.
+   * @param {{line: string, crease: string}} theme
+   */
+  dress({ line, crease }) {
+    this.edges.material.color.set(line);
+    this.creases.material.color.set(crease);
+  }
+
+  paint() {
+    const colour = this.geometry.getAttribute('color');
+    for (let wedge = 0; wedge < this.wedges.count; wedge++) {
+      const faded = this.lit >= 0 && this.wedges.regionOf[wedge] !== this.lit ? 0.5 : 0;
+      this.colour(wedge).forEach((channel, k) => {
+        colour.array[3 * wedge + k] = linear(channel + faded * (0.86 - channel));
+      });
+    }
+    colour.needsUpdate = true;
+  }
+
+  /** Give back what the graphics card holds. */
+  dispose() {
+    for (const part of this.group.children) {
+      part.geometry.dispose();
+      part.material.map?.dispose();
+      part.material.dispose();
+    }
+  }
+}
+
+function dot() {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 64;
+  const pen = canvas.getContext('2d');
+  for (const [radius, colour] of [
+    [29, '#ffffff'],
+    [21, SUPPORT],
+  ]) {
+    pen.fillStyle = colour;
+    pen.beginPath();
+    pen.arc(32, 32, radius, 0, 2 * Math.PI);
+    pen.fill();
+  }
+  const texture = new THREE.CanvasTexture(canvas);
+  texture.colorSpace = THREE.SRGBColorSpace;
+  return texture;
+}

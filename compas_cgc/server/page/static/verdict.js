@@ -1,0 +1,125 @@
+/** What came out, in words. */
+
+import { duration, readable } from './numbers.js';
+import { capital } from './words.js';
+
+const HEADS = {
+  converged: ['good', 'As asked'],
+  step_limit: ['warn', 'Not there yet'],
+  stalled: ['warn', 'Not reached'],
+  diverged: ['bad', 'It ran away'],
+  infeasible: ['bad', 'No such surface'],
+  cancelled: ['warn', 'Stopped'],
+};
+const QUADRICS =
+  'A second measure: the median K of quadrics fitted to the mesh, in the region where it differs most from its target';
+const METHODS = { flow: 'flow', newton: 'Newton', projection: 'projection' };
+
+/** The words on a result. */
+export class Verdict {
+  /** @param {HTMLElement} room */
+  constructor(room) {
+    this.room = room;
+  }
+
+  /**
+   * Tell of a result.
+   * @param {object} result
+   * @param {import('./model.js').Model} model
+   */
+  show(result, model) {
+    const [mood, head] = HEADS[result.status] ?? ['warn', result.status];
+    const list = document.createElement('dl');
+    for (const [name, value, why] of figures(result, model)) {
+      const [term, detail] = [element('dt', name), element('dd', value)];
+      if (why) term.title = why;
+      list.append(term, detail);
+    }
+    const parts = [element('h2', head), element('p', lead(result)), list, details(result)];
+    this.fill(mood, parts);
+  }
+
+  /**
+   * Tell that there is no result.
+   * @param {string} message
+   * @param {boolean} [shown] whether the one before is still to be seen
+   */
+  fail(message, shown = false) {
+    const parts = [element('h2', 'Not solved'), element('p', capital(message))];
+    if (shown) parts.push(old('The surface shown is the one before.'));
+    this.fill('bad', parts);
+  }
+
+  /** Say nothing. */
+  clear() {
+    this.room.className = 'verdict';
+    this.room.hidden = true;
+  }
+
+  /** Say that the result belongs to other settings than those that are shown. */
+  outdate() {
+    if (this.room.classList.contains('good') && !this.room.querySelector('.old')) {
+      this.room.querySelector('h2').after(old('Settings have changed since. Solve again to see what they give.'));
+    }
+  }
+
+  fill(mood, parts) {
+    this.room.hidden = false;
+    this.room.className = `verdict ${mood}`;
+    this.room.replaceChildren(...parts);
+  }
+}
+
+function lead(result) {
+  if (result.status === 'converged') {
+    const size = largestTarget(result);
+    const close = size > 0 ? `to ${part(result.max_error / size)} of the target` : 'to rounding';
+    return `Every vertex has the curvature of its region, ${close}.`;
+  }
+  return capital(result.message);
+}
+
+function figures(result, model) {
+  const size = largestTarget(result);
+  const unit = model.unit ? ` ${model.unit}` : '';
+  const { regions, moved_max: moved } = result.report;
+  const most = `${readable(result.max_error, 2)} ${model.curvatureUnit.slice(1)}`;
+  const rows = [['Largest error', most, 'Largest |K − target| of all vertices, by angle defects']];
+  if (size > 0) rows.push(['Relative to the target', part(result.max_error / size)]);
+  const fits = (regions ?? []).filter((region) => region.target && region.quadric_median !== null);
+  if (fits.length) {
+    const off = fits.map((region) => region.quadric_median / region.target - 1).reduce((a, b) => (Math.abs(b) > Math.abs(a) ? b : a));
+    const sign = off < 0 ? '−' : '+';
+    rows.push(['By fitted quadrics', `${sign}${readable(100 * Math.abs(off), 2)} %`, QUADRICS]);
+  }
+  if (moved !== null && moved !== undefined) rows.push(['Moved by at most', `${readable(moved)}${unit}`]);
+  rows.push(['Steps', String(result.iterations)], ['Time', duration(result.seconds)], ['Method', METHODS[result.method] ?? result.method]);
+  return rows;
+}
+
+function details(result) {
+  const box = document.createElement('details');
+  box.append(element('summary', 'What the solver says'), element('p', capital(result.message)));
+  for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
+  return box;
+}
+
+function largestTarget(result) {
+  return result.targets.reduce((most, K) => Math.max(most, Math.abs(K ?? 0)), 0);
+}
+
+function part(share) {
+  return share >= 1e-4 ? `${readable(100 * share, 2)} %` : readable(share, 2);
+}
+
+function old(text) {
+  const note = element('p', text);
+  note.className = 'old';
+  return note;
+}
+
+function element(tag, text) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  return made;
+}

@@ -1,0 +1,116 @@
+"""What goes over the wire, as JSON Schema."""
+
+from __future__ import annotations
+
+__all__ = ["BYTES", "JOB", "MODEL", "PROBLEM", "REQUEST"]
+
+BYTES = {"type": "string", "contentEncoding": "binary"}
+JOB = {
+    "type": "object",
+    "required": ["id", "state", "progress", "message"],
+    "properties": {
+        "id": {"type": "string"},
+        "name": {"type": "string"},
+        "state": {"enum": ["queued", "running", "succeeded", "failed", "cancelled"]},
+        "progress": {"type": "number", "minimum": 0, "maximum": 1},
+        "stage": {"type": "string"},
+        "iteration": {"type": "integer"},
+        "iterations": {"type": ["integer", "null"]},
+        "error": {"type": ["number", "null"], "description": "largest |K - target| [1/L^2]"},
+        "residual": {"type": ["number", "null"]},
+        "energy": {"type": ["number", "null"]},
+        "elapsed": {"type": ["number", "null"], "description": "seconds"},
+        "created": {"type": "number", "description": "seconds since 1970"},
+        "message": {"type": ["string", "null"], "description": "one sentence, when the job is over"},
+        "has_result": {"type": "boolean"},
+    },
+}
+PACKED = {
+    "type": "object",
+    "required": ["base64", "type", "shape"],
+    "properties": {
+        "base64": {"type": "string", "contentEncoding": "base64", "description": "little-endian"},
+        "type": {"enum": ["f8", "i4"]},
+        "shape": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1, "maxItems": 2},
+    },
+}
+INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
+REQUEST = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{8,64}$", "description": "the same id again returns the first job"},
+        "name": {"type": "string"},
+        "vertices": {
+            "oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, PACKED]
+        },
+        "faces": {"oneOf": [{"type": "array", "items": {**INDICES, "minItems": 3}}, PACKED]},
+        "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
+        "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
+        "supports": {"oneOf": [{"enum": ["boundary", "corners"]}, INDICES]},
+        "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
+        "targets": {
+            "oneOf": [
+                {"type": "number"},
+                {"type": "array", "items": {"type": ["number", "null"]}},
+                {"type": "object", "additionalProperties": {"type": "number"}},
+            ],
+            "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
+        },
+        "constraints": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["kind"],
+                "properties": {"kind": {"enum": ["plane", "height", "line", "curve", "held", "near", "mirror"]}, "vertices": INDICES},
+            },
+        },
+        "method": {"enum": ["auto", "flow", "newton", "projection"]},
+        "settings": {"type": "object"},
+        "flip": {"type": "boolean"},
+        "live": {"type": "boolean", "description": "report the moving surface"},
+    },
+}
+PROBLEM = {
+    "type": "object",
+    "required": ["message", "values", "errors", "warnings"],
+    "properties": {
+        "message": {"type": "string"},
+        "values": {"type": "array"},
+        "errors": {"type": "array", "items": {"type": "string"}},
+        "warnings": {"type": "array", "items": {"type": "string"}},
+    },
+}
+MODEL = {
+    "type": "object",
+    "required": ["vertices", "faces", "roles", "supports", "creases", "regions", "targets", "notes", "problems"],
+    "properties": {
+        "name": {"type": "string"},
+        "unit": {"type": "string", "description": "of length, empty where it is not known"},
+        "vertices": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
+        "faces": {"type": "array", "items": {**INDICES, "minItems": 3, "maxItems": 3}},
+        "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
+        "supports": {
+            "type": "object",
+            "description": "those of the file, and what could be held instead",
+            "properties": {"file": INDICES, "boundary": INDICES, "corners": INDICES},
+        },
+        "support_choice": {"enum": ["file", "boundary"], "description": "which of them the roles and problems are of"},
+        "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
+        "constraints": {"type": "array", "items": {"type": "object"}, "description": "as a request takes them"},
+        "regions": {**INDICES, "description": "region of every face"},
+        "targets": {
+            "type": "array",
+            "items": {"type": ["number", "null"]},
+            "description": "by region, null where it is not one number; suggested where the file has none [1/L^2]",
+        },
+        "vertex_targets": {"type": ["array", "null"], "description": "per vertex, where a region has more than one [1/L^2]"},
+        "s": {"type": "number", "description": "the paper's, of an example"},
+        "e": {"type": "integer", "description": "the paper's, of an example"},
+        "notes": {"type": "array", "items": {"type": "string"}},
+        "problems": {
+            "type": "array",
+            "items": {"type": "object", "properties": {"text": {"type": "string"}, "fatal": {"type": "boolean"}}},
+        },
+    },
+}
