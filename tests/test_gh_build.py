@@ -109,13 +109,15 @@ def test_components_that_are_no_more_are_taken_away_and_those_of_others_are_not(
     assert uninstall(tmp_path) == [tmp_path / "CGC_Solve.ghuser"] and (tmp_path / "CGC_Mine.ghuser").exists()
 
 
-def test_an_installed_package_finds_the_clone_that_it_is_called_in(tmp_path, monkeypatch):
-    monkeypatch.setattr(bundle, "__file__", str(tmp_path / "site-packages" / "compas_cgc" / "ghpython" / "bundle.py"))
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(FileError, match="run this in a clone of the repository"):
+def test_the_components_are_in_the_package_or_beside_it(tmp_path, monkeypatch):
+    assert sources_folder() == ROOT / "ghuser" / "components", "of the clone that these tests are in"
+    package = tmp_path.resolve() / "site-packages" / "compas_cgc"
+    monkeypatch.setattr(bundle, "__file__", str(package / "ghpython" / "bundle.py"))
+    with pytest.raises(FileError, match="install compas_cgc again, or name their folder with --source"):
         sources_folder()
-    monkeypatch.chdir(ROOT)
-    assert sources_folder() == ROOT / "ghuser" / "components"
+    for parent in (package.parent, package):
+        (parent / "ghuser" / "components").mkdir(parents=True)
+        assert sources_folder() == parent / "ghuser" / "components", "its own come first"
 
 
 def test_wrong_sources_end_in_one_sentence(tmp_path, capsys):

@@ -33,7 +33,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
         action.add_argument("--to", metavar="DIR", help="another folder than Grasshopper's")
         action.add_argument("--dry-run", action="store_true", help="say what would be done, and do nothing")
     for action in (building, installing):
-        action.add_argument("--source", metavar="DIR", help="folder of the components (default: that of this clone)")
+        action.add_argument("--source", metavar="DIR", help="folder of other components (default: those of this package)")
     building.set_defaults(run=build)
     installing.set_defaults(run=install)
     removing.set_defaults(run=uninstall)

@@ -46,7 +46,7 @@ def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
     users = user_object_files(source)
     files = {f"components/{name}": data for name, data in users.items()}
     files.update(_definitions(source))
-    icon = ((source or sources_folder()).parent / "icon.png").read_bytes()
+    icon = _icon((source or sources_folder()).parent / "icon.png")
     examples = {f"examples/{Path(name).name}": data for name, data in files.items() if name.endswith(".gh")}
     files[yak_name()] = yak_bytes({**users, **examples, "icon.png": icon})
     return files
@@ -82,3 +82,10 @@ def _definitions(source: Optional[Path]) -> dict[str, bytes]:
         files[f"definitions/{definition.name}.ghx"] = text
         files[f"definitions/{definition.name}.svg"] = definition_svg(root).encode("utf-8")
     return files
+
+
+def _icon(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{path}, the icon of the package, cannot be read ({error.strerror}); put a PNG there") from None

@@ -63,17 +63,18 @@ class Bundle:
 
 
 def sources_folder() -> Path:
-    """Return the folder with the component bundles: of the clone that this code is in, or else of the one it is called in.
+    """Return the folder with the component bundles: inside of the package when it is installed, beside it in a clone.
 
     Raises
     ------
     FileError
-        If it is neither in nor called in a clone.
+        If it is in neither.
     """
-    for root in (Path(__file__).resolve().parents[2], Path.cwd()):
-        if (root / "ghuser" / "components").is_dir():
-            return root / "ghuser" / "components"
-    raise FileError("the components are not here; run this in a clone of the repository, or name their folder with --source")
+    package = Path(__file__).resolve().parents[1]
+    for parent in (package, package.parent):
+        if (parent / "ghuser" / "components").is_dir():
+            return parent / "ghuser" / "components"
+    raise FileError(f"the components are neither in {package} nor beside it; install compas_cgc again, or name their folder with --source")
 
 
 def read_bundles(folder: Optional[Path] = None) -> list[Bundle]:
