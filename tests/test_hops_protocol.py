@@ -330,7 +330,7 @@ def test_a_pointer_is_taken_apart_and_never_followed(server):
                 )
                 status, _, content = server.ask("POST", "/solve", json.dumps({**named, "values": values}).encode())
                 assert status == expected, (named, content[:200])
-        with pytest.raises(TimeoutError):
+        with pytest.raises(socket.timeout):
             trap.accept()
     for algo in ("not base64", "Y2djL3NvbHZ", base64.b64encode(b"\xff\xfe").decode(), base64.b64encode(5000 * b"A").decode(), None, 5):
         assert server.ask("POST", "/solve", json.dumps({"pointer": None, "algo": algo, "values": values}).encode())[0] == 404
