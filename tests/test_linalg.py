@@ -110,26 +110,73 @@ def test_pivots_leave_the_diagonal_where_they_must():
 
 
 @pytest.mark.parametrize("backend", DIRECT)
+def test_without_refinement_a_good_matrix_is_solved_as_well(meshed, backend):
+    A, _ = stiffness(meshed)
+    solver = factorise(A, symmetric=True, refine=False, backend=backend)
+    for b in (right_side(A.shape[0]), np.column_stack([right_side(A.shape[0]), np.ones(A.shape[0])])):
+        assert np.abs(A @ solver.solve(b) - b).max() < 1e-9
+
+
+def test_refinement_is_what_a_poor_pivot_needs():
+    A = sparse.csr_matrix([[1e-12, 1.0], [1.0, 1e-12]])
+    b = np.array([1.0, 2.0])
+    refined, plain = (np.abs(A @ factorise(A, refine=refine, backend="superlu").solve(b) - b).max() for refine in (True, False))
+    assert refined < 1e-9 < 1e-6 < plain
+
+
+@pytest.mark.parametrize("backend", DIRECT)
 def test_no_inverse_is_an_error_in_words(backend):
     A = sparse.csr_matrix([[1.0, 1.0], [1.0, 1.0]])
     with pytest.raises(SingularMatrixError):
         factorise(A, backend=backend).solve(np.array([1.0, 0.0]))
 
 
-def test_nested_dissection_orders_everything_once_and_keeps_the_factors_sparse(meshed):
+def entries(matrix, order="NATURAL"):
+    return splu(matrix.tocsc(), permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True}).nnz
+
+
+@pytest.mark.parametrize("placed", [True, False])
+def test_nested_dissection_orders_everything_once_and_keeps_the_factors_sparse(meshed, placed):
     A, points = stiffness(meshed)
-    order = nested_dissection(A, points)
+    order = nested_dissection(A, points if placed else None)
     assert sorted(order.tolist()) == list(range(A.shape[0]))
-
-    def entries(matrix):
-        return splu(matrix.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).nnz
-
     assert entries(A[order][:, order]) < 0.7 * entries(A)
+
+
+@pytest.mark.parametrize("placed", [True, False])
+def test_nested_dissection_keeps_its_way_where_minimum_degree_loses_it(placed):
+    """A closed mesh, nearly all of whose vertices have six neighbours."""
+    vertices, faces = shapes.icosphere(4)
+    A = neighbours(len(vertices), faces)
+    order = nested_dissection(A, vertices if placed else None)
+    assert entries(A[order][:, order]) < 0.5 * entries(A, "MMD_AT_PLUS_A")
+
+
+def neighbours(n, faces):
+    """Return the Laplacian of the graph of a mesh, and one."""
+    u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    graph = sparse.csr_matrix((np.ones(len(u)), (u, v)), shape=(n, n)).maximum(sparse.csr_matrix((np.ones(len(u)), (v, u)), shape=(n, n)))
+    return (sparse.diags(1.0 + np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsr()
+
+
+def test_nested_dissection_takes_parts_that_are_not_joined_apart(meshed):
+    A, _ = stiffness(meshed)
+    order = nested_dissection(A)
+    one = entries(A[order][:, order])
+    mixed = np.random.default_rng(1).permutation(3 * A.shape[0])
+    three = sparse.block_diag([A] * 3).tocsr()[mixed][:, mixed]
+    order = nested_dissection(three)
+    assert entries(three[order][:, order]) < 1.1 * 3 * one
 
 
 def test_nested_dissection_copes_with_points_on_one_spot():
     A = sparse.csr_matrix(np.ones((40, 40)))
-    assert sorted(nested_dissection(A, np.zeros((40, 3)), leaf=4).tolist()) == list(range(40))
+    for points in (np.zeros((40, 3)), None):
+        assert sorted(nested_dissection(A, points, leaf=4).tolist()) == list(range(40))
+
+
+def test_nothing_is_ordered_too():
+    assert nested_dissection(sparse.csr_matrix((0, 0))).shape == (0,)
 
 
 def test_a_small_system_goes_to_scipy():

@@ -425,3 +425,11 @@ def test_a_pointer_is_never_followed(server):
         assert ask(server, "POST", "/solve", body)[0] == 404
     algo = base64.b64encode(b"import os").decode()
     assert ask(server, "POST", "/grasshopper", json.dumps({"pointer": None, "algo": algo, "values": []}).encode())[0] == 404
+
+
+def test_half_characters_are_no_text(server):
+    for value in (request(name="\ud800"), {"values": "\ud800"}):
+        status, _, content = post(server, json.dumps(value).encode())
+        assert status == 400 and "half a character" in json.loads(content)["message"]
+    status, _, content = post(server, json.dumps(request(name="\u00e9 \U0001f600")).encode())
+    assert status == 202 and finished(server, json.loads(content)["id"])["name"] == "\u00e9 \U0001f600"

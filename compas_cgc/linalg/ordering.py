@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Optional
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -11,21 +13,27 @@ from ..discrete.arrays import FloatArray
 
 __all__ = ["nested_dissection"]
 
+LANDMARKS = 3
+SHORT = 0.3  # extent, against the largest, of a direction in which no cut is tried
+LEFT, RIGHT = 1, 2
 
-def nested_dissection(matrix: sparse.csr_matrix, points: FloatArray, leaf: int = 8) -> NDArray[np.int64]:
+
+def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None, leaf: int = 8) -> NDArray[np.int64]:
     """Return an elimination order that halves the unknowns by place, over and over.
 
-    Each cut goes through the median of the longer side; the unknowns next to the cut are
-    eliminated after both halves. On surface meshes the factors then have O(n log n)
-    entries, about a tenth fewer than with minimum degree, and the order is found in a
-    tenth of the time of the factorisation.
+    A part is cut at the median of one coordinate, the one that leaves the fewest unknowns next to
+    the cut; these are eliminated after both halves. On surface meshes the factors then have
+    O(n log n) entries, whatever the layout of the mesh, and the order is found in a fraction of the
+    time of the factorisation.
 
     Parameters
     ----------
     matrix
         ``(n, n)`` with a symmetric sparsity.
     points
-        ``(n, d)`` place of every unknown; any that keeps coupled unknowns close.
+        ``(n, d)`` place of every unknown; any that keeps coupled unknowns close. Default: the
+        distances in the graph of the matrix from a few unknowns far apart, which on wide
+        stencils and creased or closed surfaces are as good as places.
     leaf
         Parts of this size are not cut any more.
 
@@ -38,71 +46,133 @@ def nested_dissection(matrix: sparse.csr_matrix, points: FloatArray, leaf: int =
     ----------
     George, doi:10.1137/0710032.
     """
-    return _dissect(matrix.indptr, matrix.indices, np.ascontiguousarray(points, dtype=np.float64), leaf)
+    places = _distances(matrix.indptr, matrix.indices) if points is None else np.ascontiguousarray(np.transpose(points), dtype=np.float64)
+    return _dissect(matrix.indptr, matrix.indices, places, leaf)
 
 
 @njit(cache=True)
-def _dissect(indptr, indices, points, leaf):
-    left, right, between = 1, 2, 3
+def _distances(indptr, indices):
+    """Return the distances (3, n) from landmarks; parts that are not joined lie behind one another."""
     n = len(indptr) - 1
+    places = np.zeros((LANDMARKS, n))
+    nearest = np.full(n, n)
+    level = np.full(n, -1)
+    queue = np.empty(n, np.int64)
+    behind = 0
+    for first in range(n):
+        if level[first] >= 0:
+            continue
+        # The last of the queue is as far as can be from its first.
+        reached = _spread(indptr, indices, first, level, queue)
+        landmark = queue[reached - 1]
+        farthest = 0
+        for k in range(LANDMARKS):
+            for i in queue[:reached]:
+                level[i] = -1
+            _spread(indptr, indices, landmark, level, queue)
+            for i in queue[:reached]:
+                places[k, i] = behind + level[i]
+                nearest[i] = min(nearest[i], level[i])
+                farthest = max(farthest, level[i])
+                if nearest[i] > nearest[landmark]:
+                    landmark = i
+        behind += farthest + 1
+    return places
+
+
+@njit(cache=True)
+def _spread(indptr, indices, first, level, queue):
+    """Set the distance from a first unknown where it is -1, in the order of the queue; return how many are reached."""
+    level[first], queue[0] = 0, first
+    done, reached = 0, 1
+    while done < reached:
+        i = queue[done]
+        done += 1
+        for at in range(indptr[i], indptr[i + 1]):
+            j = indices[at]
+            if level[j] < 0:
+                level[j] = level[i] + 1
+                queue[reached] = j
+                reached += 1
+    return reached
+
+
+@njit(cache=True)
+def _dissect(indptr, indices, places, leaf):
+    n, d = len(indptr) - 1, len(places)
     order = np.arange(n)
-    part = np.zeros(n, np.int8)
-    sorted_ = np.empty(n, np.int64)
+    half = np.zeros(n, np.int8)
+    extent = np.empty(d)
     todo = [(0, n)]
     while len(todo) > 0:
         low, high = todo.pop()
-        m = high - low
-        if m <= leaf:
+        if high - low <= leaf:
             continue
-        axis, longest = 0, -1.0
-        for x in range(points.shape[1]):
-            smallest, largest = np.inf, -np.inf
-            for k in range(low, high):
-                smallest = min(smallest, points[order[k], x])
-                largest = max(largest, points[order[k], x])
-            if largest - smallest > longest:
-                axis, longest = x, largest - smallest
-        key = np.empty(m)
-        for k in range(m):
-            key[k] = points[order[low + k], axis]
-        median = np.partition(key, m // 2)[m // 2]
-        lefts = 0
-        for k in range(m):
-            if key[k] < median:
-                part[order[low + k]] = left
+        part = order[low:high].copy()
+        for k in range(d):
+            extent[k] = np.ptp(places[k][part])
+        best, last, thin, fewest = 0, -1, RIGHT, n
+        for k in range(d):
+            if extent[k] >= SHORT * extent.max():
+                _halve(part, places[k][part], half)
+                lefts, rights = _beside(indptr, indices, part, half)
+                last = k
+                if min(lefts, rights) < fewest:
+                    best, fewest = k, min(lefts, rights)
+                    thin = LEFT if lefts < rights else RIGHT
+        if best != last:
+            _halve(part, places[best][part], half)
+        a, c = low, high
+        for i in part:
+            if half[i] == thin and _touches(indptr, indices, i, half):
+                c -= 1
+                order[c] = i
+            elif half[i] == LEFT:
+                order[a] = i
+                a += 1
+        b = a
+        for i in part:
+            if half[i] == RIGHT and not (thin == RIGHT and _touches(indptr, indices, i, half)):
+                order[b] = i
+                b += 1
+        half[part] = 0
+        todo.append((low, a))
+        todo.append((a, b))
+    return order
+
+
+@njit(cache=True)
+def _halve(part, key, half):
+    """Mark the unknowns of a part below the median of their keys as left, the others as right."""
+    middle = len(part) // 2
+    median = np.partition(key, middle)[middle]
+    lefts = np.count_nonzero(key < median)
+    # Where many share the median, any of them will do to fill up the left half.
+    spare = middle - lefts if lefts < middle // 2 else 0
+    for i, value in zip(part, key):
+        half[i] = LEFT if value < median else RIGHT
+        if value == median and spare > 0:
+            half[i] = LEFT
+            spare -= 1
+
+
+@njit(cache=True)
+def _beside(indptr, indices, part, half):
+    """Return how many unknowns of the left half touch the right one, and the other way round."""
+    lefts, rights = 0, 0
+    for i in part:
+        if _touches(indptr, indices, i, half):
+            if half[i] == LEFT:
                 lefts += 1
             else:
-                part[order[low + k]] = right
-        if lefts == 0:
-            # Half of the points or more share the median: any half of them will do.
-            for k in range(m):
-                if key[k] == median and lefts < m // 2:
-                    part[order[low + k]] = left
-                    lefts += 1
-        betweens = 0
-        for k in range(low, high):
-            i = order[k]
-            if part[i] == right:
-                for at in range(indptr[i], indptr[i + 1]):
-                    if part[indices[at]] == left:
-                        part[i] = between
-                        betweens += 1
-                        break
-        a, b, c = low, low + lefts, high - betweens
-        for k in range(low, high):
-            i = order[k]
-            if part[i] == left:
-                sorted_[a] = i
-                a += 1
-            elif part[i] == right:
-                sorted_[b] = i
-                b += 1
-            else:
-                sorted_[c] = i
-                c += 1
-        for k in range(low, high):
-            order[k] = sorted_[k]
-            part[order[k]] = 0
-        todo.append((low, low + lefts))
-        todo.append((low + lefts, high - betweens))
-    return order
+                rights += 1
+    return lefts, rights
+
+
+@njit(cache=True)
+def _touches(indptr, indices, i, half):
+    other = LEFT + RIGHT - half[i]
+    for at in range(indptr[i], indptr[i + 1]):
+        if half[indices[at]] == other:
+            return True
+    return False

@@ -39,6 +39,7 @@ def linear_solver(
     *,
     symmetric: bool = False,
     points: Optional[FloatArray] = None,
+    refine: bool = True,
     backend: str = "auto",
 ) -> LinearSolver:
     """Return a solver for systems of one sparsity.
@@ -50,8 +51,12 @@ def linear_solver(
     symmetric
         The matrices are symmetric and positive definite.
     points
-        ``(n, d)`` place of every unknown. Taken where the backend orders by place, which
-        needs a symmetric sparsity.
+        ``(n, d)`` place of every unknown, for backends that order by place. Default: places
+        found in the sparsity, which has to be symmetric in either case.
+    refine
+        Whether solutions are checked against the matrix, and refined where that is in need.
+        Without, they are as good as the factors, which multigrid has none of: enough where any
+        fixed matrix near to the inverse will do, and quicker where solves are many.
     backend
         ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso), ``"amg"`` (package pyamg;
         symmetric matrices only), or ``"auto"``: by size, among those that are installed.
@@ -64,15 +69,15 @@ def linear_solver(
         If the package of the backend is missing.
     """
     if backend == "auto":
-        backend = _choose(size, symmetric)
+        backend = _choose(size, symmetric and refine)
     if backend == "superlu":
         from .superlu import SuperLU
 
-        return SuperLU(points)
+        return SuperLU(symmetric, points, refine)
     if backend == "pardiso":
         from .pardiso import Pardiso
 
-        return Pardiso(symmetric)
+        return Pardiso(symmetric, refine)
     if backend == "amg":
         if not symmetric:
             raise ValueError("backend 'amg' is for symmetric positive definite matrices; use 'superlu' or 'pardiso'")
@@ -87,6 +92,7 @@ def factorise(
     *,
     symmetric: bool = False,
     points: Optional[FloatArray] = None,
+    refine: bool = True,
     backend: str = "auto",
 ) -> LinearSolver:
     """Return a solver that has taken in one matrix; see :func:`linear_solver`.
@@ -97,11 +103,11 @@ def factorise(
     >>> factorise(sparse.csr_matrix([[2.0, 0.0], [0.0, 4.0]])).solve([1.0, 1.0]).tolist()
     [0.5, 0.25]
     """
-    return linear_solver(matrix.shape[0], symmetric=symmetric, points=points, backend=backend).factorise(matrix)
+    return linear_solver(matrix.shape[0], symmetric=symmetric, points=points, refine=refine, backend=backend).factorise(matrix)
 
 
-def _choose(size: int, symmetric: bool) -> str:
-    if symmetric and size >= AMG_FROM and find_spec("pyamg"):
+def _choose(size: int, iterative: bool) -> str:
+    if iterative and size >= AMG_FROM and find_spec("pyamg"):
         return "amg"
     if size >= PARDISO_FROM and find_spec("pypardiso"):
         from .pardiso import works

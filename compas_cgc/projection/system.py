@@ -75,7 +75,7 @@ class System:
         self.sound = areas > SOUND * areas.mean()
         edges = edge_faces(self.faces)
         hinges = edges[edges[:, 3] >= 0, 2:]
-        self._hinges = hinges[self.sound[hinges].all(axis=1)]
+        self._hinges = np.ascontiguousarray(hinges[self.sound[hinges].all(axis=1)].T)
         movable = _movable(problem, self.faces, constraints)
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
@@ -113,12 +113,15 @@ class System:
         """Return the least-norm step (n, 3), and what to keep for the next one."""
         freedoms = self.places.freedoms(point.vertices)
         metric, basis = self.fairness.metric(freedoms), freedoms.basis
-        across = freedoms.across(vertex_normals(point.vertices, self.faces)[self.columns].ravel())
         J, right = self._jacobian(point, equations), -point.residual
         if basis is not None:
             onto = self.fairness.fairest(freedoms)
             right = (right - J @ onto)[self._leading]
             J = (J[self._leading] @ basis).tocsr()
+
+        def across() -> sparse.csr_matrix:
+            return freedoms.across(vertex_normals(point.vertices, self.faces)[self.columns].ravel())
+
         preconditioner = kept.preconditioner if kept is not None and kept.metric is metric else None
         move, preconditioner = least_norm(J, right, metric, across, tolerance, EPS, preconditioner)
         if basis is not None:
@@ -136,7 +139,8 @@ class System:
 
     def folds(self, normals: FloatArray) -> FloatArray:
         """Return the cosine of the angle between the unit normals (m, 3) on the two sides of inner edges."""
-        return np.einsum("ij,ij->i", normals[self._hinges[:, 0]], normals[self._hinges[:, 1]])
+        left, right = self._hinges
+        return np.einsum("ij,ij->i", np.take(normals, left, axis=0), np.take(normals, right, axis=0))
 
     def rounding(self, point: Point, equations: CurvatureEquations) -> FloatArray:
         """Return what rounding of the angles and of the coordinates leaves of the residuals (k,) [rad]."""

@@ -36,6 +36,10 @@ def read_json(body: bytes, limits: Limits) -> object:
     """
     try:
         value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=_whole)
+        if b"\\u" in body:
+            json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise BadRequest("the JSON holds half a character (such as \\ud800 alone), which is no text; write it anew") from None
     except UnicodeDecodeError:
         raise BadRequest("the request is not text in UTF-8; send JSON") from None
     except RecursionError:
@@ -43,7 +47,7 @@ def read_json(body: bytes, limits: Limits) -> object:
     except ValueError as error:
         raise BadRequest(f"the request is not valid JSON: {str(error)[:120]}") from None
     level = [value]
-    for _ in range(limits.depth + 1):
+    for _ in range(limits.depth):
         level = [item for node in level for item in _items(node) if isinstance(item, (list, dict))]
         if not level:
             return value

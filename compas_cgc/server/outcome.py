@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..datastructures import CGCMesh
     from ..problem import CGCProblem
 
-__all__ = ["Outcome", "pack", "unpack", "unpack_arrays"]
+__all__ = ["Outcome", "pack", "unpack", "unpack_arrays", "unpack_problem"]
 
 WORDS = ("status", "message", "iterations", "seconds", "max_error", "method")
 
@@ -69,6 +69,14 @@ def unpack(content: bytes) -> tuple[SolveResult, dict]:
     mesh = _mesh(data)
     mesh.name = words["name"]
     return SolveResult(mesh, **{word: words[word] for word in WORDS}, history=history), words["report"]
+
+
+def unpack_problem(content: bytes) -> tuple[CGCProblem, dict]:
+    """Return the solved problem and the words of :func:`pack`."""
+    from ..problem import CGCProblem
+
+    data, words = unpack_arrays(content)
+    return CGCProblem(*(data[name] for name in ("vertices", "faces", "roles", "target", "s", "e", "creases"))), words
 
 
 def _mesh(data: dict) -> CGCMesh:

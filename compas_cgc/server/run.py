@@ -84,6 +84,7 @@ def serve(
     import waitress
 
     from .app import create_app
+    from .channel import channel_class
 
     app = create_app(store or default_store(port), key, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
     server = waitress.create_server(
@@ -91,12 +92,13 @@ def serve(
         sockets=[listener],
         threads=limits.threads,
         connection_limit=limits.threads + 200,
-        # A body somewhat too large is read to its end, or the client would see a broken connection instead of the sentence.
-        max_request_body_size=2 * limits.body,
+        # A body too large is read on and dropped, so that the client hears why; beyond this the connection is broken.
+        max_request_body_size=16 * limits.body,
         channel_request_lookahead=1,
         ident=None,
         clear_untrusted_proxy_headers=True,
     )
+    server.channel_class = channel_class(limits.body)
     shown = f"[{host}]" if ":" in host else host
     print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if key else 'without'} a key); Ctrl-C ends it")
     print(f"Grasshopper: put a Hops component and set its path to http://{shown}:{port}/cgc/dome", flush=True)

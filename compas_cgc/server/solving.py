@@ -98,12 +98,11 @@ def _read(kind: str, options: dict, body: bytes) -> tuple[Given, Asked]:
         return read_accepted(kind, body, limits)
     if kind == "hops":
         from .hops.catalogue import ENDPOINTS
-        from .hops.problem import solve_problem
+        from .hops.problem import given_with_targets
         from .hops.values import read_values
 
         request = read_json(body, limits)
-        mesh, asked, notes = solve_problem(read_values(ENDPOINTS["cgc/solve"], request["values"]), request["context"])
-        return given_mesh(mesh, notes), asked
+        return given_with_targets(read_values(ENDPOINTS["cgc/solve"], request["values"]), request["context"])
     from .uploads import read_upload
 
     mesh, notes = read_upload(kind, body)

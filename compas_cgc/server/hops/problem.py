@@ -20,10 +20,9 @@ from .geometry import read_curve
 from .geometry import read_mesh
 
 if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
     from ...rhino.model import Model3dm
 
-__all__ = ["given_surface", "given_with_targets", "solve_problem"]
+__all__ = ["given_surface", "given_with_targets"]
 
 DEFAULTS = {own.name: own.default for own in SOLVE_INPUTS}
 
@@ -48,23 +47,13 @@ def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
     Unprocessable, CGCError
         With a sentence that names the input.
     """
-    model = _model_with_targets(inputs, context)
-    return _given(model), _asked(inputs, len(model.vertices))
-
-
-def solve_problem(inputs: dict, context: dict) -> tuple[CGCMesh, Asked, list[str]]:
-    """Return :func:`given_with_targets` as a mesh, what is asked of it, and notes."""
-    model = _model_with_targets(inputs, context)
-    return model.to_cgcmesh(), _asked(inputs, len(model.vertices)), list(_given(model).notes)
-
-
-def _model_with_targets(inputs: dict, context: dict) -> Model3dm:
     K, At = inputs["K"], inputs["At"]
     if At and len(At) != len(K):
         raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
-    return _assembled(inputs, context)
+    model = _assembled(inputs, context)
+    return _given(model), _asked(inputs, len(model.vertices))
 
 
 def _asked(inputs: dict, count: int) -> Asked:

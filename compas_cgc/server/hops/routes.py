@@ -12,16 +12,14 @@ from flask import g
 from flask import request
 from flask.blueprints import BlueprintSetupState
 
+from ..calls import in_worker
 from ..jobs import Jobs
-from ..outcome import unpack
+from ..outcome import unpack_problem
 from ..page import index
 from ..page import wants_page
 from ..problems import RequestProblem
 from ..problems import Unprocessable
 from ..problems import error_body
-from ..task import TaskError
-from ..task import TaskStopped
-from ..task import WorkerDied
 from .answers import Answers
 from .answers import request_digest
 from .catalogue import ENDPOINTS
@@ -46,18 +44,6 @@ hops = Blueprint("hops", __name__)
 @hops.record
 def _set_up(state: BlueprintSetupState) -> None:
     state.app.extensions["hops_answers"] = Answers(KEPT)
-
-
-class TooSlow(RequestProblem):
-    """The client would give up soon."""
-
-    status = 504
-
-
-class Broken(RequestProblem):
-    """A worker ended."""
-
-    status = 500
 
 
 @hops.get("/")
@@ -103,7 +89,7 @@ def solve(prefix: str = "") -> Response:
         elif uri == "cgc/fetch":
             reply = _fetch(values)
         else:
-            reply = _run(uri, values, context)
+            reply = in_worker(run_function, uri, values, context, mend="use /cgc/submit and /cgc/fetch for long ones")
     except RequestProblem as problem:
         reply = Reply(problem.status, [], [str(problem)], [], {})
     g.spent = reply.spent
@@ -113,20 +99,6 @@ def solve(prefix: str = "") -> Response:
     if digest and reply.status == 200:
         answers.put(digest, response.get_data())
     return response
-
-
-def _run(uri: str, values: object, context: dict) -> Reply:
-    gone = request.environ.get("waitress.client_disconnected", lambda: False)
-    try:
-        return _jobs().call(run_function, uri, values, context, client=request.remote_addr or "", gone=gone)
-    except TimeoutError:
-        seconds = current_app.config["LIMITS"].blocking
-        raise TooSlow(f"the solve was stopped after {seconds:g} seconds; use /cgc/submit and /cgc/fetch for long ones") from None
-    except (WorkerDied, TaskStopped) as error:
-        raise Broken(str(error)) from None
-    except TaskError as error:
-        current_app.logger.error("%s failed: %s", uri, error.trace)
-        raise Broken(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None
 
 
 def _submit(values: object, context: dict) -> Reply:
@@ -146,13 +118,10 @@ def _fetch(values: object) -> Reply:
         return _state(202, [], False, step / steps if steps else 0.0, told)
     if job.state != "succeeded":
         raise Unprocessable(f"the job was {job.state}: {job.message}" if job.state == "cancelled" else str(job.message))
-    from ...problem import CGCProblem
-
-    result, report = unpack(_jobs().result(job.id))
-    problem = CGCProblem.from_mesh(result.mesh)
-    mesh = surface_values(problem, problem.vertices, "", result.max_error)[0]
-    reply = _state(200, [], True, 1.0, "\n".join([result.message, *report.get("notes", [])]))
-    warnings = [] if result.converged else [result.message]
+    problem, words = unpack_problem(_jobs().result(job.id))
+    mesh = surface_values(problem, problem.vertices, "", words["max_error"])[0]
+    reply = _state(200, [], True, 1.0, "\n".join([words["message"], *words["report"]["notes"]]))
+    warnings = [] if words["status"] == "converged" else [words["message"]]
     return reply._replace(values=[mesh, *reply.values[1:]], warnings=warnings)
 
 
