@@ -148,7 +148,7 @@ def _halve(part, key, half):
     median = np.partition(key, middle)[middle]
     lefts = np.count_nonzero(key < median)
     # Where many share the median, any of them will do to fill up the left half.
-    spare = middle - lefts if lefts < middle // 2 else 0
+    spare = middle - lefts if lefts < max(1, middle // 2) else 0
     for i, value in zip(part, key):
         half[i] = LEFT if value < median else RIGHT
         if value == median and spare > 0:

@@ -16,6 +16,7 @@ __all__ = ["Pardiso", "works"]
 
 UNSYMMETRIC, POSITIVE_DEFINITE = 11, 2
 ANALYSE, FACTORISE, SOLVE = 11, 22, 33
+REPRODUCIBLE = 2  # MKL_CBWR_AUTO: the fastest code of this processor, always the same
 REFINEMENTS = 8  # which of PARDISO's parameters says how many; two unless told
 
 POOR = 1e-3  # relative residual of a solution that is none
@@ -49,6 +50,8 @@ class Pardiso:
         self._refine = refine
         self._pattern: Optional[tuple[np.ndarray, np.ndarray]] = None
         self._solver = PyPardisoSolver(mtype=POSITIVE_DEFINITE if symmetric else UNSYMMETRIC)
+        # Otherwise the last bits depend on where in memory a vector happens to lie.
+        self._solver.libmkl.MKL_CBWR_Set(REPRODUCIBLE)
         if not refine:
             self._solver.set_iparm(REFINEMENTS, 0)
         weakref.finalize(self, self._solver.free_memory, everything=True)

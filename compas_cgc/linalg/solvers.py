@@ -18,6 +18,7 @@ BACKENDS = ("superlu", "pardiso", "amg")
 # From here PARDISO makes up for the time that it takes to load, and multigrid, slower
 # than both, is taken for its memory.
 PARDISO_FROM = 50_000
+PARDISO_FROM_UNREFINED = 200_000  # where solves are many, in which SuperLU is the faster one
 AMG_FROM = 2_000_000
 
 
@@ -69,7 +70,7 @@ def linear_solver(
         If the package of the backend is missing.
     """
     if backend == "auto":
-        backend = _choose(size, symmetric and refine)
+        backend = _choose(size, symmetric, refine)
     if backend == "superlu":
         from .superlu import SuperLU
 
@@ -106,10 +107,10 @@ def factorise(
     return linear_solver(matrix.shape[0], symmetric=symmetric, points=points, refine=refine, backend=backend).factorise(matrix)
 
 
-def _choose(size: int, iterative: bool) -> str:
-    if iterative and size >= AMG_FROM and find_spec("pyamg"):
+def _choose(size: int, symmetric: bool, refine: bool) -> str:
+    if symmetric and refine and size >= AMG_FROM and find_spec("pyamg"):
         return "amg"
-    if size >= PARDISO_FROM and find_spec("pypardiso"):
+    if size >= (PARDISO_FROM if refine else PARDISO_FROM_UNREFINED) and find_spec("pypardiso"):
         from .pardiso import works
 
         if works():

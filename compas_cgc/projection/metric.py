@@ -11,7 +11,7 @@ from scipy import sparse
 from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from .factor import factorise
+from ..linalg import factorise
 
 __all__ = ["Metric", "bending_matrix"]
 
@@ -89,7 +89,8 @@ class Metric:
     def __init__(self, scalar: sparse.csr_matrix, basis: Optional[sparse.csr_matrix] = None):
         self.scalar = scalar
         self.basis = basis
-        self._factor = factorise(scalar if basis is None else _on_span(scalar, basis))
+        # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
+        self._factor = factorise(scalar if basis is None else _on_span(scalar, basis), symmetric=True, refine=False)
 
     def solve(self, gradient: FloatArray) -> FloatArray:
         """Return the move (q,) whose metric product with any other is that of the gradient (q,)."""

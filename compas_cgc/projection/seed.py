@@ -14,7 +14,7 @@ from ..discrete import face_normals
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from .factor import factorise
+from ..linalg import factorise
 
 __all__ = ["flat_vertices", "seeded"]
 
@@ -102,7 +102,7 @@ def _quadric(vertices: FloatArray, faces: IntArray, movable: IntArray, stiffness
     if len(fixed):
         shape = shape - shape[fixed].mean()
         rows = stiffness[movable]
-        shape[movable] += factorise(rows[:, movable]).solve(rows[:, fixed] @ shape[fixed])
+        shape[movable] += factorise(rows[:, movable], symmetric=True, refine=False).solve(rows[:, fixed] @ shape[fixed])
     result = np.zeros(len(vertices))
     result[movable] = shape[movable]
     return result
