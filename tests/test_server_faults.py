@@ -384,3 +384,22 @@ def test_a_worker_killed_under_a_hops_component_is_told_to_it(one_worker):
     assert status == 500 and outputs == {} and "killed by signal 9" in errors[0]
     wait_for(lambda: one_worker.client.health()["idle"] == 1)
     assert one_worker.ask("POST", "/solve", hops_body("dome"))[0] == 200
+
+
+@pytest.mark.parametrize(
+    "head, status",
+    [
+        (b"GET /health HTTP/1.1\r\nHost: x\r\nno header at all\r\n\r\n", 400),
+        (b"POST /solve HTTP/1.1\r\nHost: x\r\nContent-Length: many\r\n\r\n", 400),
+        (b"POST /solve HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nTransfer-Encoding: wrong\r\n\r\n", 501),
+        (b"GET /health HTTP/1.1\r\nHost: x\r\nX: " + b"x" * 400_000 + b"\r\n\r\n", 431),
+    ],
+)
+def test_what_is_no_http_is_answered_in_json(tidy, head, status):
+    host, port = tidy.address.split(":")
+    with socket.create_connection((host, int(port)), 20) as line:
+        line.sendall(head)
+        answer = http.client.HTTPResponse(line)
+        answer.begin()
+        found = json.loads(answer.read())
+    assert answer.status == status and "not as HTTP wants it" in found["message"] and found["values"] == []

@@ -332,6 +332,8 @@ def test_the_server_does_what_its_description_says(server, schema, ids, method, 
     def run(case, known, id):
         for name in case.path_parameters or {} if known else {}:
             case.path_parameters[name] = id
+        # No operation takes a header, and what is no header at all never reaches the application.
+        (case.headers or {}).clear()
         if isinstance((case.query or {}).get("wait"), (int, float)):
             case.query["wait"] = min(case.query["wait"], 0.05)
         checks = [not_a_server_error, content_type_conformance, status_code_conformance, response_schema_conformance]

@@ -1,13 +1,19 @@
-"""How waitress reads requests, except that of a body that is too large no more than its length is kept.
+"""How waitress reads requests, but for two things.
 
-Left to itself it would break the connection of a client that is still sending, and nobody would read the sentence.
+Of a body that is too large no more than its length is kept: left to itself waitress would break the connection of a
+client that is still sending, and nobody would read the sentence. And what is no HTTP is answered in JSON too.
 """
 
 from __future__ import annotations
 
+import json
+
 from waitress.buffers import OverflowableBuffer
 from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser
+from waitress.task import ErrorTask
+
+from .problems import error_body
 
 __all__ = ["channel_class"]
 
@@ -30,6 +36,20 @@ class _Counted(OverflowableBuffer):
             super().append(content)
 
 
+class _JSONErrorTask(ErrorTask):
+    """Answers what never reaches the application."""
+
+    def execute(self) -> None:
+        """Send the answer."""
+        error = self.request.error
+        body = json.dumps(error_body(f"the request is not as HTTP wants it: {error.reason.lower()}, {error.body}")).encode()
+        self.status = f"{error.code} {error.reason}"
+        self.response_headers += [("Content-Type", "application/json"), ("X-Content-Type-Options", "nosniff")]
+        self.set_close_on_finish()
+        self.content_length = len(body)
+        self.write(body)
+
+
 def channel_class(most: int) -> type[HTTPChannel]:
     """Return the class of connections that keep bodies of at most so many bytes."""
 
@@ -41,5 +61,6 @@ def channel_class(most: int) -> type[HTTPChannel]:
 
     class Channel(HTTPChannel):
         parser_class = Parser
+        error_task_class = _JSONErrorTask
 
     return Channel
