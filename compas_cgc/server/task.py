@@ -11,7 +11,7 @@ from typing import Optional
 __all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "stop", "wait_for"]
 
 LOOK = 0.1  # seconds between two looks at whether somebody still waits
-PATIENCE = 0.2  # seconds that somebody waits for a task that was asked to stop
+PATIENCE = 0.15  # seconds that somebody waits for a task that was asked to stop
 
 
 class WorkerDied(RuntimeError):
