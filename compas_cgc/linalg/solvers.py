@@ -15,10 +15,9 @@ __all__ = ["BACKENDS", "LinearSolver", "SingularMatrixError", "factorise", "line
 
 BACKENDS = ("superlu", "pardiso", "amg")
 
-# From here PARDISO makes up for the time that it takes to load, and multigrid, slower
-# than both, is taken for its memory.
-PARDISO_FROM = 50_000
-PARDISO_FROM_UNREFINED = 200_000  # where solves are many, in which SuperLU is the faster one
+# From here PARDISO is the faster one, and multigrid, slower than both, is taken for its
+# memory. Below, SuperLU makes up for a slower factorisation by its solves and its start.
+PARDISO_FROM = 200_000
 AMG_FROM = 2_000_000
 
 
@@ -110,7 +109,7 @@ def factorise(
 def _choose(size: int, symmetric: bool, refine: bool) -> str:
     if symmetric and refine and size >= AMG_FROM and find_spec("pyamg"):
         return "amg"
-    if size >= (PARDISO_FROM if refine else PARDISO_FROM_UNREFINED) and find_spec("pypardiso"):
+    if size >= PARDISO_FROM and find_spec("pypardiso"):
         from .pardiso import works
 
         if works():
