@@ -25,7 +25,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other needs a key"
     )
-    parser.add_argument("--port", type=int, default=7331, help="port (default 7331), 0 for any free one")
+    parser.add_argument("--port", type=_port, default=7331, help="port (default 7331), 0 for any free one")
     parser.add_argument("--key", help="what clients have to send (default: COMPAS_CGC_KEY, or none)")
     parser.add_argument("--workers", type=_positive, help="solves at the same time (default: processors less one)")
     parser.add_argument("--store", metavar="FILE", help="file that keeps the jobs (default: one of the user's, by the port)")
@@ -46,7 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("must be 1 or more")
-    return value
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1 up, not {text!r}")
+    return int(text)
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 0 to 65535, not {text!r}")
+    return int(text)

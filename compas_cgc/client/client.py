@@ -11,12 +11,14 @@ import urllib.request
 import uuid
 from collections.abc import Mapping
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Callable
 from typing import Optional
 from typing import Union
 from urllib.parse import quote
 from urllib.parse import urlencode
 
+from .errors import ClientError
 from .errors import Failed
 from .errors import Refused
 from .errors import ServerUnavailable
@@ -93,6 +95,19 @@ class Client:
             With a sentence to show.
         """
         id = self.submit(vertices, faces, **asked)
+        try:
+            return self._followed(id, on_progress, cancel, interval)
+        except (Failed, Refused, ServerUnavailable):
+            raise
+        except BaseException:
+            # Nobody would fetch it: Ctrl-C, or a fault in what was given to call.
+            with suppress(ClientError):
+                self.cancel(id)
+            raise
+
+    def _followed(
+        self, id: str, on_progress: Optional[Callable[[dict], object]], cancel: Optional[Callable[[], bool]], interval: float
+    ) -> dict:
         pause = interval if cancel is None else min(interval, 0.05)
         while True:
             looked = time.monotonic()

@@ -90,8 +90,12 @@ def _start(client: Client, python: str, port: str, key: Optional[str], log: Path
     # The server outlives this program and is not stopped with it.
     apart: dict = {"creationflags": 0x00000208} if sys.platform == "win32" else {"start_new_session": True}
     try:
-        with open(log, "ab") as file:
-            command = [python, "-m", "compas_cgc", "serve", "--port", port]
+        file = open(log, "ab")
+    except OSError as error:
+        raise ServerUnavailable(f"the log {log} cannot be written ({error.strerror}); give another as log=...") from None
+    command = [python, "-m", "compas_cgc", "serve", "--port", port]
+    try:
+        with file:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=environment, **apart)
     except OSError as error:
         raise ServerUnavailable(f"{python} cannot be run ({error.strerror}); give the Python that has compas_cgc") from None

@@ -91,11 +91,9 @@ def _is_ear(points: np.ndarray, left: list[int], k: int, normal: np.ndarray) -> 
     before, here, after = (points[left[i % len(left)]] for i in (k - 1, k, k + 1))
     if np.dot(np.cross(here - before, after - here), normal) <= 0:
         return False
-    for other in left:
-        q = points[other]
-        if any(np.array_equal(q, p) for p in (before, here, after)):
-            continue
-        sides = [np.dot(np.cross(b - a, q - a), normal) for a, b in ((before, here), (here, after), (after, before))]
-        if min(sides) >= 0:
-            return False
-    return True
+    triangle = np.array([before, here, after])
+    others = points[left]
+    others = others[~(others[:, None] == triangle).all(axis=2).any(axis=1)]
+    edges = np.roll(triangle, -1, axis=0) - triangle
+    sides = np.cross(edges[:, None], others - triangle[:, None]) @ normal
+    return not (sides.min(axis=0) >= 0).any()

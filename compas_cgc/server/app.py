@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import secrets
+import sqlite3
 from concurrent.futures import Executor
 from pathlib import Path
 from threading import BoundedSemaphore
@@ -71,13 +72,16 @@ def create_app(
     app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEY=key, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
     app.json.sort_keys = False
     app.json.ensure_ascii = False
+    # First, as it may be refused.
+    kept = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
-    app.extensions["jobs"] = Jobs(pool, Store(store), limits)
+    app.extensions["jobs"] = Jobs(pool, kept, limits)
     app.extensions["seats"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
     app.after_request(_finish)
     app.register_error_handler(RequestProblem, _problem)
     app.register_error_handler(HTTPException, _http_error)
+    app.register_error_handler(sqlite3.OperationalError, _no_room)
     app.register_error_handler(Exception, _bug)
     app.register_blueprint(api)
     app.register_blueprint(hops)
@@ -109,6 +113,11 @@ def _http_error(error: HTTPException) -> Response:
     sentence = SENTENCES.get(code, (error.description or error.name)[:200]).format(method=request.method)
     allowed = {"Allow": ", ".join(sorted(error.valid_methods))} if getattr(error, "valid_methods", None) else None
     return answer(error_body(sentence), code, allowed)
+
+
+def _no_room(error: sqlite3.OperationalError) -> Response:
+    log.error("%s %s failed: %s", request.method, request.path, error)
+    return answer(error_body("the server cannot keep jobs at the moment, its disk may be full; make room there and try again"), 507)
 
 
 def _bug(error: Exception) -> Response:

@@ -14,12 +14,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from .limits import Limits
 from .problems import BadRequest
 from .problems import TooLarge
 from .problems import Unprocessable
 
-__all__ = ["LARGEST", "number", "packed", "polygons", "read_json", "vertex_array", "whole"]
+__all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole"]
 
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
@@ -35,6 +36,8 @@ def read_json(body: bytes, limits: Limits) -> object:
         If it is not JSON in UTF-8, names NaN or Infinity, or is nested too deeply.
     """
     try:
+        if body.count(b"[") + body.count(b"{") > limits.containers:
+            raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
         value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=_whole)
         if b"\\u" in body:
             json.dumps(value, ensure_ascii=False).encode()
@@ -101,12 +104,27 @@ def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int
         wrong = next((i for i, face in enumerate(value) if not isinstance(face, list) or not 3 <= len(face) <= 1000), None)
         if wrong is not None:
             raise Unprocessable(f"face {wrong} must be a list of three or more vertex numbers")
-        flat = np.array([v for face in value for v in face])
-    if flat.dtype.kind not in "iu":
+        try:
+            flat = np.array([v for face in value for v in face])
+        except ValueError:
+            flat = np.empty(0)
+    if flat.ndim != 1 or flat.dtype.kind not in "iu":
         raise Unprocessable("'faces' must hold whole numbers only, the positions of vertices counted from 0")
     if flat.min() < 0 or flat.max() >= count:
         raise Unprocessable(f"a face names vertex {int(flat.max() if flat.max() >= count else flat.min())}; there are {count}, from 0 on")
     return value
+
+
+def corner_counts(faces: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the corners of all faces in a row (k,), the number of each face's corners (m,), and of its different ones (m,)."""
+    packed_triangles = isinstance(faces, np.ndarray)
+    sizes = np.full(len(faces), 3) if packed_triangles else np.array([len(face) for face in faces])
+    flat = np.asarray(faces if packed_triangles else [v for face in faces for v in face], dtype=np.int64).ravel()
+    owner = np.repeat(np.arange(len(sizes)), sizes)
+    order = np.lexsort((flat, owner))
+    new = np.ones(len(flat), bool)
+    new[1:] = (np.diff(flat[order]) != 0) | (np.diff(owner) != 0)
+    return flat, sizes, np.bincount(owner[new], minlength=len(sizes))
 
 
 def packed(values: np.ndarray) -> dict:
@@ -129,6 +147,18 @@ def _unpacked(value: dict, what: str) -> np.ndarray:
     if len(content) != array_kind.itemsize * math.prod(shape):
         raise Unprocessable(f"{what} has {len(content)} bytes, not those of its shape {shape}")
     return np.frombuffer(content, dtype=array_kind).reshape(shape)
+
+
+def check_size(vertices: int, faces: int, limits: Limits) -> None:
+    """Refuse a mesh of too many vertices or faces.
+
+    Raises
+    ------
+    TooLarge
+    """
+    if vertices > limits.vertices or faces > limits.faces:
+        most = f"{limits.vertices} and {limits.faces}"
+        raise TooLarge(f"the mesh has {vertices} vertices and {faces} faces, the server takes {most}; use a coarser mesh")
 
 
 def number(value: object, what: str) -> float:

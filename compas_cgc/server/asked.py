@@ -197,6 +197,8 @@ def _constraints(value: object, method: str, count: Optional[int]) -> tuple[Cons
         if count is not None:
             for constraint in constraints:
                 indices(getattr(constraint, "vertices", ()), count)
+    except OverflowError:
+        raise Unprocessable("a constraint names a vertex that does not exist") from None
     except ValueError as error:
         raise Unprocessable(str(error)) from None
     return constraints

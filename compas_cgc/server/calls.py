@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import CancelledError
 from typing import Callable
 
 from flask import current_app
@@ -12,7 +13,7 @@ from .task import TaskError
 from .task import TaskStopped
 from .task import WorkerDied
 
-__all__ = ["Broken", "Late", "in_worker"]
+__all__ = ["Broken", "Late", "Stopping", "in_worker"]
 
 
 class Late(RequestProblem):
@@ -25,6 +26,12 @@ class Broken(RequestProblem):
     """A worker ended, or has a fault."""
 
     status = 500
+
+
+class Stopping(RequestProblem):
+    """The server ends."""
+
+    status = 503
 
 
 def in_worker(function: Callable, *args: object, mend: str) -> object:
@@ -45,8 +52,12 @@ def in_worker(function: Callable, *args: object, mend: str) -> object:
     gone = request.environ.get("waitress.client_disconnected", lambda: False)
     try:
         return current_app.extensions["jobs"].call(function, *args, client=request.remote_addr or "", gone=gone)
-    except TimeoutError:
+    except CancelledError:
+        raise Stopping("the server is stopping; ask again when it is back") from None
+    except TimeoutError as error:
         seconds = current_app.config["LIMITS"].blocking
+        if str(error) == "queued":
+            raise Late(f"all workers were busy for {seconds:g} seconds; try again later, or serve with more --workers") from None
         raise Late(f"the work was stopped after {seconds:g} seconds; {mend}") from None
     except (WorkerDied, TaskStopped) as error:
         raise Broken(str(error)) from None

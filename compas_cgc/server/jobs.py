@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import re
 import secrets
+import sqlite3
 import threading
 import time
 from collections.abc import Iterator
@@ -31,6 +33,7 @@ from .task import wait_for
 __all__ = ["Jobs"]
 
 ATTEMPTS = 2  # times that a job may be running while the server ends, until it is blamed for it
+log = logging.getLogger(__name__)
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
 
 
@@ -64,6 +67,8 @@ class Jobs:
         self.store = store
         self.limits = limits or Limits()
         self._live: dict[str, _Live] = {}
+        # Jobs that are over, which the store could not be told of.
+        self._lost: dict[str, Job] = {}
         self._change = threading.Condition(threading.RLock())
         self._closed = False
         for job in store.unfinished():
@@ -112,7 +117,7 @@ class Jobs:
         if id is not None and not _ID.fullmatch(id):
             raise Unprocessable("the id of a job must be 8 to 64 letters, digits, - or _")
         with self._change:
-            known = self.store.get(id) if id is not None else None
+            known = (self._lost.get(id) or self.store.get(id)) if id is not None else None
             if known is not None:
                 if known.digest != digest:
                     raise Conflict(f"the id {id} was used for another request; take a new one")
@@ -128,9 +133,9 @@ class Jobs:
     def get(self, id: str) -> Job:
         """Return a job with its present progress."""
         with self._change:
-            job = self.store.get(id)
+            job = self._lost.get(id) or self.store.get(id)
             if job is None:
-                raise NotFound(f"there is no job {id}; it was deleted, or was never here")
+                raise NotFound(f"there is no job {id:.80}; it was deleted, or was never here")
             live = self._live.get(id)
             return job if live is None else job._replace(progress=dict(live.progress))
 
@@ -138,7 +143,8 @@ class Jobs:
         """Return the newest jobs."""
         with self._change:
             live = {id: dict(entry.progress) for id, entry in self._live.items()}
-            return [job._replace(progress=live.get(job.id, job.progress)) for job in self.store.list()]
+            found = [self._lost.get(job.id, job) for job in self.store.list()]
+            return [job._replace(progress=live.get(job.id, job.progress)) for job in found]
 
     def result(self, id: str) -> bytes:
         """Return the packed result of a job."""
@@ -170,10 +176,14 @@ class Jobs:
 
     def delete(self, id: str) -> None:
         """Stop a job and forget it."""
-        self.cancel(id)
-        self.store.delete(id)
+        self.get(id)
         with self._change:
+            self.store.delete(id)
+            live = self._live.pop(id, None)
+            self._lost.pop(id, None)
             self._change.notify_all()
+        if live is not None:
+            stop(live.task, CANCELLED)
 
     def wait(self, id: str, seconds: float) -> Job:
         """Return a job as soon as it is over, or as it is after some seconds."""
@@ -275,18 +285,18 @@ class Jobs:
     def _start(self, job: Job) -> None:
         live = self._live[job.id] = _Live(job.client)
         kind, options, body = self.store.request(job.id)
-        live.task = self._run(solve_job, (kind, options, body), lambda progress: self._progress(job.id, progress))
-        live.task.add_done_callback(lambda task: self._done(job.id, task))
+        live.task = self._run(solve_job, (kind, options, body, self.limits), lambda progress: self._progress(job.id, live, progress))
+        live.task.add_done_callback(lambda task: self._done(job, live, task))
 
     def _run(self, function: Callable, args: tuple, on_progress: Optional[Callable]) -> Future:
         if hasattr(self.executor, "start"):
             return self.executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds)
         return self.executor.submit(function, *args)
 
-    def _progress(self, id: str, news: dict) -> None:
+    def _progress(self, id: str, live: _Live, news: dict) -> None:
         with self._change:
-            live = self._live.get(id)
-            if live is None:
+            # It may have been deleted, and another may have its id by now.
+            if self._live.get(id) is not live:
                 return
             if not live.progress:
                 self.store.set_started(id)
@@ -295,14 +305,18 @@ class Jobs:
             live.changes += 1
             self._change.notify_all()
 
-    def _done(self, id: str, task: Future) -> None:
+    def _done(self, job: Job, live: _Live, task: Future) -> None:
         with self._change:
-            if self._closed:
+            if self._closed or self._live.get(job.id) is not live:
                 return
-            live = self._live.pop(id)
+            del self._live[job.id]
             try:
                 state, message, content = ending(task)
-                self.store.finish(id, state, message, live.progress, content)
-                self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered)
+                self.store.finish(job.id, state, message, live.progress, content)
+                self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
+            except sqlite3.Error as error:
+                log.error("the outcome of job %s cannot be kept: %s", job.id, error)
+                text = "the server could not keep the result, its disk may be full; make room there and submit the job again"
+                self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=live.progress)
             finally:
                 self._change.notify_all()

@@ -17,6 +17,8 @@ class Limits:
         Largest request in bytes.
     depth
         Deepest nesting of lists and objects in JSON.
+    containers
+        Most lists and objects in JSON; each takes up to 70 times of its bytes in memory.
     vertices, faces
         Largest mesh.
     steps
@@ -45,6 +47,7 @@ class Limits:
 
     body: int = 64 * 2**20
     depth: int = 32
+    containers: int = 3_000_000
     vertices: int = 200_000
     faces: int = 400_000
     steps: int = 100_000

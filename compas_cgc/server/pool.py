@@ -115,13 +115,21 @@ class WorkerPool(Executor):
     def _keep(self, slot: Slot) -> None:
         """Keep a worker running and fed until the pool is closed."""
         while not self._closed:
-            if self._start(slot):
+            if self._started(slot):
                 self._failed_starts = 0
                 self._feed(slot)
             elif not self._closed:
                 self._give_up_some()
             slot.end()
         slot.state = "closed"
+
+    def _started(self, slot: Slot) -> bool:
+        try:
+            return self._start(slot)
+        except OSError as error:
+            # What ended the last worker, a lack of memory, may keep the next from being born for a while.
+            log.error("a worker cannot be started: %s", error)
+            return False
 
     def _start(self, slot: Slot) -> bool:
         slot.state = "starting"

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import corner_counts
 from .arrays import polygons
 from .arrays import read_json
 from .arrays import vertex_array
@@ -67,19 +68,16 @@ def accept(value: object, limits: Limits) -> tuple[str, bytes]:
         check_compas_mesh(value["mesh"], limits)
         return "compas", json.dumps(value).encode()
     from ..check import dropped_faces
-    from ..meshing import triangles_of
 
     vertices = vertex_array(value.get("vertices"), limits)
     corners = polygons(value.get("faces"), len(vertices), limits)
-    faces, owner = triangles_of(vertices, corners)
-    split = np.zeros(len(corners), bool)
-    split[owner] = True
-    if not split.all():
-        raise Unprocessable(dropped_faces(np.flatnonzero(~split)))
+    flat, sizes, different = corner_counts(corners)
+    if (different < 3).any():
+        raise Unprocessable(dropped_faces(np.flatnonzero(different < 3)))
     read_asked(value, len(vertices), limits)
     words = {name: entry for name, entry in value.items() if name not in ("vertices", "faces")}
     content = io.BytesIO()
-    np.savez(content, vertices=vertices, faces=faces, words=np.frombuffer(json.dumps(words).encode(), dtype=np.uint8))
+    np.savez(content, vertices=vertices, corners=flat, sizes=sizes, words=np.frombuffer(json.dumps(words).encode(), dtype=np.uint8))
     return "arrays", content.getvalue()
 
 
@@ -95,10 +93,14 @@ def read_accepted(kind: str, content: bytes, limits: Limits) -> tuple[Given, Ask
         value = read_json(content, limits)
         return given_mesh(read_compas_mesh(value["mesh"])), read_asked(value, None, limits)
     from ..check import Names
+    from ..meshing import triangles_of
     from ..problem import CGCProblem
 
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        vertices, faces, words = file["vertices"], file["faces"], json.loads(file["words"].tobytes())
+        vertices, corners, sizes, words = file["vertices"], file["corners"], file["sizes"], json.loads(file["words"].tobytes())
+    # In the worker: large polygons take their time.
+    polygon = corners.reshape(-1, 3) if (sizes == 3).all() else np.split(corners, np.cumsum(sizes)[:-1])
+    faces, _ = triangles_of(vertices, polygon)
     problem = CGCProblem(vertices, faces)
     names = Names(np.arange(len(vertices)), np.arange(len(faces)))
     return Given(problem, names, words.get("name") or "Mesh"), read_asked(words, len(vertices), limits)

@@ -75,7 +75,7 @@ def serve(
         raise CGCError(
             f"listening on {host} needs a key, or anybody on the network could use this machine; set one with --key or COMPAS_CGC_KEY"
         )
-    if key is not None and (len(key) < 8 or not key.isascii() or not key.isprintable()):
+    if key is not None and (len(key) < 8 or not key.isascii() or not key.isprintable() or " " in key):
         raise CGCError("the key must be 8 or more plain letters, digits and signs")
     listener = _listen(host, port)
     port = listener.getsockname()[1]
@@ -99,9 +99,12 @@ def serve(
         clear_untrusted_proxy_headers=True,
     )
     server.channel_class = channel_class(limits.body)
-    shown = f"[{host}]" if ":" in host else host
+    everywhere = host in ("0.0.0.0", "::")
+    shown = "127.0.0.1" if everywhere else f"[{host}]" if ":" in host else host
     print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if key else 'without'} a key); Ctrl-C ends it")
     print(f"Grasshopper: put a Hops component and set its path to http://{shown}:{port}/cgc/dome", flush=True)
+    if everywhere:
+        print(f"other machines reach it under {' or '.join(names) or 'no name yet: give those of this machine with --name'}", flush=True)
     jobs = app.extensions["jobs"]
     _end_on_signals(jobs)
     threading.Thread(target=_say_ready, args=(jobs.executor,), daemon=True).start()

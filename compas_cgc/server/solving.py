@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import CGCError
+from .arrays import check_size
 from .arrays import read_json
 from .asked import Asked
 from .asked import read_asked
@@ -57,7 +58,7 @@ class Progress:
         return stop_wanted()
 
 
-def solve_job(kind: str, options: dict, body: bytes) -> Outcome:
+def solve_job(kind: str, options: dict, body: bytes, limits: Limits) -> Outcome:
     """Solve a request.
 
     Parameters
@@ -68,6 +69,8 @@ def solve_job(kind: str, options: dict, body: bytes) -> Outcome:
         What a file cannot say.
     body
         The request, accepted.
+    limits
+        Those of the server.
     """
     from ..analysis import analyse_problem
     from ..check import check
@@ -75,7 +78,7 @@ def solve_job(kind: str, options: dict, body: bytes) -> Outcome:
 
     report({"step": 0})
     try:
-        given, asked = _read(kind, options, body)
+        given, asked = _read(kind, options, body, limits)
         problem = asked.put_on(given.problem, given.names)
         constraints = (*given.constraints, *asked.constraints)
         solution = solve_problem(problem, asked.method, asked.method_settings(), Progress(asked.live), constraints, given.names)
@@ -92,8 +95,7 @@ def solve_job(kind: str, options: dict, body: bytes) -> Outcome:
     return Outcome(solution.message, pack(problem, given.names, given.name, solution, findings))
 
 
-def _read(kind: str, options: dict, body: bytes) -> tuple[Given, Asked]:
-    limits = Limits()
+def _read(kind: str, options: dict, body: bytes, limits: Limits) -> tuple[Given, Asked]:
     if kind in ("arrays", "compas"):
         return read_accepted(kind, body, limits)
     if kind == "hops":
@@ -106,6 +108,7 @@ def _read(kind: str, options: dict, body: bytes) -> tuple[Given, Asked]:
     from .uploads import read_upload
 
     mesh, notes = read_upload(kind, body)
+    check_size(mesh.number_of_vertices(), mesh.number_of_faces(), limits)
     return given_mesh(mesh, notes), read_asked(options, mesh.number_of_vertices(), limits)
 
 

@@ -11,6 +11,8 @@ from typing import NamedTuple
 from typing import Optional
 from typing import Union
 
+from ..errors import FileError
+
 __all__ = ["Job", "Store"]
 
 _TABLES = """
@@ -55,13 +57,16 @@ class Store:
     """
 
     def __init__(self, path: Union[str, Path]):
-        if str(path) != ":memory:":
-            Path(path).parent.mkdir(parents=True, exist_ok=True)
         self._lock = threading.Lock()
-        self._base = sqlite3.connect(str(path), check_same_thread=False, isolation_level=None)
-        self._base.execute("PRAGMA journal_mode=WAL")
-        self._base.execute("PRAGMA synchronous=NORMAL")
-        self._base.executescript(_TABLES)
+        try:
+            self._owner = None if str(path) == ":memory:" else _owned(Path(path))
+            self._base = sqlite3.connect(str(path), check_same_thread=False, isolation_level=None)
+            self._base.execute("PRAGMA journal_mode=WAL")
+            self._base.execute("PRAGMA synchronous=NORMAL")
+            self._base.executescript(_TABLES)
+            self._rows("SELECT * FROM jobs LIMIT 1")
+        except (sqlite3.Error, OSError, TypeError) as error:
+            raise FileError(f"the jobs cannot be kept in {path} ({error}); move the file away, or give another with --store") from None
 
     def add(self, job: Job, kind: str, options: dict, body: bytes) -> None:
         """Keep a new job with its request."""
@@ -124,11 +129,13 @@ class Store:
             for table in ("jobs", "requests", "results"):
                 self._base.execute(f"DELETE FROM {table} WHERE id = ?", (id,))
 
-    def tidy(self, results: int, result_bytes: int, remembered: int) -> None:
+    def tidy(self, results: int, result_bytes: int, remembered: int, keep: str = "") -> None:
         """Drop the oldest results beyond a number or size, and the oldest finished jobs beyond a number."""
         with self._lock, self._base:
             self._base.execute("BEGIN")
-            rows = self._base.execute("SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY finished DESC, rowid DESC").fetchall()
+            # The clock may have been set back since the others were finished.
+            newest = "SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY id = ? DESC, finished DESC, rowid DESC"
+            rows = self._base.execute(newest, (keep,)).fetchall()
             total = 0
             for place, (id, size) in enumerate(rows):
                 total += size
@@ -143,6 +150,8 @@ class Store:
         """Close the file."""
         with self._lock:
             self._base.close()
+            if self._owner is not None:
+                self._owner.close()
 
     def _rows(self, query: str, *values: object) -> list[Job]:
         with self._lock:
@@ -152,3 +161,15 @@ class Store:
     def _change(self, query: str, *values: object) -> None:
         with self._lock:
             self._base.execute(query, values)
+
+
+def _owned(path: Path) -> sqlite3.Connection:
+    """Make the file this process's own: two servers would run each other's jobs. A killed process lets go of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    owner = sqlite3.connect(f"{path}-owner", timeout=0, check_same_thread=False, isolation_level=None)
+    try:
+        owner.execute("BEGIN EXCLUSIVE")
+    except sqlite3.OperationalError:
+        owner.close()
+        raise OSError("another server uses it") from None
+    return owner

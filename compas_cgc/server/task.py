@@ -97,5 +97,6 @@ def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
                 raise
             late = time.monotonic() >= end
             if late or gone():
+                begun = task.running()
                 stop(task, "the client is gone")
-                raise TimeoutError("late" if late else "gone") from None
+                raise TimeoutError(("late" if begun else "queued") if late else "gone") from None

@@ -64,7 +64,7 @@ def describe(name: str) -> Response:
 @hops.route("/io", methods=["GET", "POST"])
 def io() -> Response:
     """Describe a function named in the request."""
-    if request.method == "GET":
+    if request.method != "POST":
         return _respond(ENDPOINTS[uri_of({"pointer": request.args.get("pointer")})].describe())
     return _respond(ENDPOINTS[uri_of(_body())].describe())
 
