@@ -19,6 +19,7 @@ from flask import json
 from flask import request
 from werkzeug.exceptions import HTTPException
 
+from .formats import get_ready
 from .hops.routes import hops
 from .jobs import Jobs
 from .limits import Limits
@@ -75,7 +76,7 @@ def create_app(
     # First, as it may be refused.
     kept = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
-    app.extensions["jobs"] = Jobs(pool, kept, limits)
+    app.extensions["jobs"] = Jobs(pool, kept, limits, WorkerPool(1, get_ready, limits.grace))
     app.extensions["seats"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
     app.after_request(_finish)

@@ -120,6 +120,9 @@ def corner_counts(faces: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray, I
     packed_triangles = isinstance(faces, np.ndarray)
     sizes = np.full(len(faces), 3) if packed_triangles else np.array([len(face) for face in faces])
     flat = np.asarray(faces if packed_triangles else [v for face in faces for v in face], dtype=np.int64).ravel()
+    if (sizes == 3).all():
+        triangles = flat.reshape(-1, 3)
+        return flat, sizes, np.where((triangles != np.roll(triangles, 1, axis=1)).all(axis=1), 3, 2)
     owner = np.repeat(np.arange(len(sizes)), sizes)
     order = np.lexsort((flat, owner))
     new = np.ones(len(flat), bool)

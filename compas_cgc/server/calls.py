@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import CancelledError
+from functools import partial
 from typing import Callable
 
 from flask import current_app
@@ -13,7 +14,7 @@ from .task import TaskError
 from .task import TaskStopped
 from .task import WorkerDied
 
-__all__ = ["Broken", "Late", "Stopping", "in_worker"]
+__all__ = ["Broken", "Late", "Stopping", "by_clerk", "in_worker"]
 
 
 class Late(RequestProblem):
@@ -49,13 +50,22 @@ def in_worker(function: Callable, *args: object, mend: str) -> object:
     RequestProblem
         Of the function, or because of the worker.
     """
-    gone = request.environ.get("waitress.client_disconnected", lambda: False)
+    jobs = current_app.extensions["jobs"]
+    return _waited(partial(jobs.call, function, *args, client=request.remote_addr or ""), function, mend)
+
+
+def by_clerk(function: Callable, *args: object) -> object:
+    """Run a function that reads or writes a file beside the solves, as :func:`in_worker` does."""
+    return _waited(partial(current_app.extensions["jobs"].convert, function, *args), function, "use a coarser mesh")
+
+
+def _waited(run: Callable, function: Callable, mend: str) -> object:
+    seconds = current_app.config["LIMITS"].blocking
     try:
-        return current_app.extensions["jobs"].call(function, *args, client=request.remote_addr or "", gone=gone)
+        return run(gone=request.environ.get("waitress.client_disconnected", lambda: False))
     except CancelledError:
         raise Stopping("the server is stopping; ask again when it is back") from None
     except TimeoutError as error:
-        seconds = current_app.config["LIMITS"].blocking
         if str(error) == "queued":
             raise Late(f"all workers were busy for {seconds:g} seconds; try again later, or serve with more --workers") from None
         raise Late(f"the work was stopped after {seconds:g} seconds; {mend}") from None

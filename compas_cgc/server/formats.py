@@ -15,7 +15,7 @@ from .outcome import unpack_arrays
 from .uploads import KINDS
 from .uploads import file_bytes
 
-__all__ = ["FORMATS", "beside", "encoded"]
+__all__ = ["FORMATS", "beside", "encoded", "get_ready"]
 
 FORMATS = {**dict.fromkeys(("arrays", "packed", "compas", "hops"), "application/json"), **KINDS}
 
@@ -42,6 +42,13 @@ def encoded(name: str, content: bytes) -> bytes:
 
         return mesh_text(*result.mesh.arrays()).encode()
     return file_bytes(name, result)
+
+
+def get_ready() -> None:
+    """Load what files take, so that the first does not wait for it."""
+    from .. import files  # noqa: F401
+    from .. import rhino  # noqa: F401
+    from ..datastructures import CGCMesh  # noqa: F401
 
 
 def beside(content: bytes, source: bytes) -> bytes:

@@ -60,10 +60,13 @@ class Jobs:
         Keeps the jobs. Those in it that are not finished are taken up again.
     limits
         What is refused.
+    clerk
+        Reads and writes files, beside the solves. Default: the executor.
     """
 
-    def __init__(self, executor: Executor, store: Store, limits: Optional[Limits] = None):
+    def __init__(self, executor: Executor, store: Store, limits: Optional[Limits] = None, clerk: Optional[Executor] = None):
         self.executor = executor
+        self.clerk = clerk or executor
         self.store = store
         self.limits = limits or Limits()
         self._live: dict[str, _Live] = {}
@@ -71,6 +74,7 @@ class Jobs:
         self._lost: dict[str, Job] = {}
         self._change = threading.Condition(threading.RLock())
         self._closed = False
+        self._conversions = threading.BoundedSemaphore(self.limits.conversions)
         for job in store.unfinished():
             if job.attempts >= ATTEMPTS:
                 text = f"the server ended {job.attempts} times while this job ran, it may need too much memory; use a coarser mesh"
@@ -250,6 +254,23 @@ class Jobs:
             with self._change:
                 self._live.pop(f"call:{key}", None)
 
+    def convert(self, function: Callable, *args: object, gone: Callable[[], bool] = lambda: False) -> object:
+        """Run a function that reads or writes a file and wait for it; no solve is waited for.
+
+        Raises
+        ------
+        Busy
+            If too many wait already.
+        TimeoutError
+            If it took longer than the limit for requests that wait.
+        """
+        if not self._conversions.acquire(blocking=False):
+            raise Busy("the server is busy with other files; try again in a moment")
+        try:
+            return wait_for(self._run(function, args, None, self.clerk), self.limits.blocking, gone)
+        finally:
+            self._conversions.release()
+
     def admit(self, client: str) -> None:
         """Refuse when too much waits.
 
@@ -273,7 +294,8 @@ class Jobs:
             self._closed = True
             left = [id for id in self._live if not id.startswith("call:")]
             self._change.notify_all()
-        self.executor.shutdown(wait=True, cancel_futures=True)
+        for executor in {self.executor, self.clerk}:
+            executor.shutdown(wait=True, cancel_futures=True)
         for id in left:
             job = self.store.get(id)
             if job is not None and not job.over:
@@ -288,10 +310,11 @@ class Jobs:
         live.task = self._run(solve_job, (kind, options, body, self.limits), lambda progress: self._progress(job.id, live, progress))
         live.task.add_done_callback(lambda task: self._done(job, live, task))
 
-    def _run(self, function: Callable, args: tuple, on_progress: Optional[Callable]) -> Future:
-        if hasattr(self.executor, "start"):
-            return self.executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds)
-        return self.executor.submit(function, *args)
+    def _run(self, function: Callable, args: tuple, on_progress: Optional[Callable], executor: Optional[Executor] = None) -> Future:
+        executor = executor or self.executor
+        if hasattr(executor, "start"):
+            return executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds)
+        return executor.submit(function, *args)
 
     def _progress(self, id: str, live: _Live, news: dict) -> None:
         with self._change:

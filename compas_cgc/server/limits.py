@@ -43,6 +43,8 @@ class Limits:
         Most event streams and requests that wait for a job at once; each holds a thread.
     calls
         Most blocking solves at once; each holds a thread.
+    conversions
+        Most files that are read or written at once; each holds a thread.
     """
 
     body: int = 64 * 2**20
@@ -61,8 +63,9 @@ class Limits:
     remembered: int = 5000
     streams: int = 16
     calls: int = 32
+    conversions: int = 8
 
     @property
     def threads(self) -> int:
         """Serving threads needed so that short requests are never kept waiting."""
-        return self.streams + self.calls + 8
+        return self.streams + self.calls + self.conversions + 8

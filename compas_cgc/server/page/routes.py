@@ -10,7 +10,7 @@ from flask import current_app
 from flask import json
 from flask import request
 
-from ..calls import in_worker
+from ..calls import by_clerk
 from ..problems import BadRequest
 from ..problems import NotFound
 from ..problems import Unprocessable
@@ -74,7 +74,7 @@ def model() -> Response:
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
     limits = current_app.config["LIMITS"]
-    found = in_worker(read_model, kind, body, name, (limits.vertices, limits.faces), mend="use a coarser mesh")
+    found = by_clerk(read_model, kind, body, name, (limits.vertices, limits.faces))
     return Response(found, mimetype="application/json")
 
 
@@ -92,5 +92,5 @@ def example(name: str) -> Response:
         raise NotFound(f"there is no example {name[:60]!r}; there are {', '.join(GALLERY)}")
     if name not in _examples:
         entry = GALLERY[name]
-        _examples[name] = in_worker(read_example, name, entry.title, entry.text, mend="ask again")
+        _examples[name] = by_clerk(read_example, name, entry.title, entry.text)
     return Response(_examples[name], mimetype="application/json")
