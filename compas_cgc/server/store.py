@@ -64,8 +64,9 @@ class Store:
             self._base.execute("PRAGMA journal_mode=WAL")
             self._base.execute("PRAGMA synchronous=NORMAL")
             self._base.executescript(_TABLES)
-            self._rows("SELECT * FROM jobs LIMIT 1")
-        except (sqlite3.Error, OSError, TypeError) as error:
+            if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
+                raise OSError("it holds the jobs of something else")
+        except (sqlite3.Error, OSError) as error:
             raise FileError(f"the jobs cannot be kept in {path} ({error}); move the file away, or give another with --store") from None
 
     def add(self, job: Job, kind: str, options: dict, body: bytes) -> None:
@@ -165,7 +166,8 @@ class Store:
 
 def _owned(path: Path) -> sqlite3.Connection:
     """Make the file this process's own: two servers would run each other's jobs. A killed process lets go of it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    path.touch(mode=0o600)  # meshes are nobody else's business
     owner = sqlite3.connect(f"{path}-owner", timeout=0, check_same_thread=False, isolation_level=None)
     try:
         owner.execute("BEGIN EXCLUSIVE")
