@@ -75,9 +75,7 @@ def test_a_flood_of_lists_is_refused_before_it_is_parsed(server):
 
 def test_files_have_the_limits_of_requests(server):
     vertices, faces = grid(60)
-    text = "".join(f"v {x} {y} {z}\n" for x, y, z in vertices.tolist()) + "".join(
-        f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces.tolist()
-    )
+    lines = [f"v {x} {y} {z}\n" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist()]
     id = server.client.submit_file("".join(lines).encode(), "obj", supports="boundary", targets=0.1)
     status = server.client.poll(id, wait=20)
     assert status["state"] == "failed" and "the mesh has 3721 vertices" in status["message"]
