@@ -15,7 +15,6 @@ from typing import Union
 from flask import Flask
 from flask import Response
 from flask import g
-from flask import json
 from flask import request
 from werkzeug.exceptions import HTTPException
 
@@ -27,6 +26,7 @@ from .page import page
 from .pool import WorkerPool
 from .problems import RequestProblem
 from .problems import error_body
+from .replies import respond
 from .routes import api
 from .security import guard
 from .solving import warm_up
@@ -100,27 +100,22 @@ def _finish(response: Response) -> Response:
     return response
 
 
-def answer(body: dict, status: int, headers: Optional[dict] = None) -> Response:
-    """Return a JSON answer."""
-    return Response(json.dumps(body), status, headers, mimetype="application/json")
-
-
 def _problem(problem: RequestProblem) -> Response:
-    return answer(error_body(str(problem)), problem.status, problem.headers)
+    return respond(error_body(str(problem)), problem.status, problem.headers)
 
 
 def _http_error(error: HTTPException) -> Response:
     code = error.code or 500
     sentence = SENTENCES.get(code, (error.description or error.name)[:200]).format(method=request.method)
     allowed = {"Allow": ", ".join(sorted(error.valid_methods))} if getattr(error, "valid_methods", None) else None
-    return answer(error_body(sentence), code, allowed)
+    return respond(error_body(sentence), code, allowed)
 
 
 def _no_room(error: sqlite3.OperationalError) -> Response:
     log.error("%s %s failed: %s", request.method, request.path, error)
-    return answer(error_body("the server cannot keep jobs at the moment, its disk may be full; make room there and try again"), 507)
+    return respond(error_body("the server cannot keep jobs at the moment, its disk may be full; make room there and try again"), 507)
 
 
 def _bug(error: Exception) -> Response:
     log.exception("%s %s failed", request.method, request.path)
-    return answer(error_body("the server has a fault and could not answer; its log says more"), 500)
+    return respond(error_body("the server has a fault and could not answer; its log says more"), 500)

@@ -40,8 +40,8 @@ def ending(task: Future) -> Ending:
         return Ending("failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more")
     except Exception as error:
         return Ending("failed", str(error))
-    if wish == CANCELLED:
-        return Ending("cancelled", outcome.message, outcome.content)
-    if wish is not None:
-        return Ending("failed", f"stopped: {wish}", outcome.content)
+    # The wish may come when it has just ended by itself.
+    if outcome.stopped and wish is not None:
+        cancelled = wish == CANCELLED
+        return Ending("cancelled" if cancelled else "failed", outcome.message if cancelled else f"stopped: {wish}", outcome.content)
     return Ending("succeeded" if outcome.content is not None else "failed", outcome.message, outcome.content)

@@ -94,7 +94,7 @@ class Jobs:
         Parameters
         ----------
         kind
-            ``"json"``, ``"3dm"`` or ``"obj"``: what the body is.
+            ``"arrays"``, ``"compas"``, ``"hops"``, ``"3dm"`` or ``"obj"``: what the body is.
         body
             The request, checked.
         options
@@ -247,7 +247,8 @@ class Jobs:
                 raise Busy("the server is busy with other solves; try again in a moment")
             self.admit(client)
             live = self._live[f"call:{key}"] = _Live(client)
-            live.task = self._run(function, args, None)
+            # Somebody waits for it, as nobody does for a job.
+            live.task = self._run(function, args, None, urgent=True)
         try:
             return wait_for(live.task, self.limits.blocking, gone)
         finally:
@@ -310,10 +311,12 @@ class Jobs:
         live.task = self._run(solve_job, (kind, options, body, self.limits), lambda progress: self._progress(job.id, live, progress))
         live.task.add_done_callback(lambda task: self._done(job, live, task))
 
-    def _run(self, function: Callable, args: tuple, on_progress: Optional[Callable], executor: Optional[Executor] = None) -> Future:
+    def _run(
+        self, function: Callable, args: tuple, on_progress: Optional[Callable], executor: Optional[Executor] = None, urgent: bool = False
+    ) -> Future:
         executor = executor or self.executor
         if hasattr(executor, "start"):
-            return executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds)
+            return executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds, urgent=urgent)
         return executor.submit(function, *args)
 
     def _progress(self, id: str, live: _Live, news: dict) -> None:

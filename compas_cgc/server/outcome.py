@@ -31,6 +31,7 @@ class Outcome(NamedTuple):
 
     message: str  # one sentence
     content: Optional[bytes]  # packed result, None if there is none
+    stopped: bool = False  # it ended early because that was wanted
 
 
 def pack(problem: CGCProblem, names: Names, name: str, solution: Solution, report: dict) -> bytes:

@@ -68,13 +68,16 @@ class WorkerPool(Executor):
         kwargs: Optional[dict] = None,
         on_progress: Optional[Callable[[object], object]] = None,
         time_limit: Optional[float] = None,
+        urgent: bool = False,
     ) -> Task:
-        """Queue a call with a listener for its reports and a limit on its running time in seconds."""
+        """Queue a call with a listener for its reports and a limit on its running time in seconds, an urgent one before others."""
         task = Task((function, args, kwargs or {}), on_progress, time_limit)
+        task.urgent = urgent
         with self._change:
             if self._closed:
                 raise RuntimeError("the pool is closed, no task can be started")
-            self._waiting.append(task)
+            before = sum(other.urgent for other in self._waiting) if urgent else len(self._waiting)
+            self._waiting.insert(before, task)
             self._change.notify_all()
         return task
 

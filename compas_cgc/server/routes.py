@@ -28,6 +28,7 @@ from .openapi import description
 from .problems import BadRequest
 from .problems import Busy
 from .problems import Unprocessable
+from .replies import respond
 from .request import accept
 from .status import status
 from .uploads import KINDS
@@ -42,11 +43,6 @@ SMALL = 2**19  # bytes of a result, some 4,000 vertices
 def jobs() -> Jobs:
     """Return the engine of the running application."""
     return current_app.extensions["jobs"]
-
-
-def respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:
-    """Return a JSON answer; what is not a number in JSON is a fault of the server."""
-    return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
 
 
 @api.get("/health")

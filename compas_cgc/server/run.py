@@ -16,6 +16,7 @@ from typing import Optional
 from .._version import __version__
 from ..errors import CGCError
 from .limits import Limits
+from .security import hostname
 from .security import is_loopback
 
 if TYPE_CHECKING:
@@ -77,6 +78,9 @@ def serve(
         )
     if key is not None and (len(key) < 8 or not key.isascii() or not key.isprintable() or " " in key):
         raise CGCError("the key must be 8 or more plain letters, digits and signs")
+    names = tuple(hostname(name.split("//")[-1]) for name in names)
+    if not all(names):
+        raise CGCError("a name must be that of a host, such as studio-pc; give it with --name")
     listener = _listen(host, port)
     port = listener.getsockname()[1]
     limits = limits or Limits()
@@ -95,6 +99,8 @@ def serve(
         # A body too large is read on and dropped, so that the client hears why; beyond this the connection is broken.
         max_request_body_size=16 * limits.body,
         channel_request_lookahead=1,
+        # Who sends half a request keeps a connection for no longer.
+        channel_timeout=30,
         ident=None,
         clear_untrusted_proxy_headers=True,
     )
@@ -118,7 +124,8 @@ def serve(
 
 def _say_ready(pool: WorkerPool) -> None:
     if pool.wait_until_ready(600):
-        print(f"ready, {pool.health()['workers']} workers", flush=True)
+        count = pool.health()["workers"]
+        print(f"ready, {count} worker{'' if count == 1 else 's'}", flush=True)
 
 
 def _end_on_signals(jobs: Jobs) -> None:

@@ -10,7 +10,7 @@ from flask import request
 
 from .problems import RequestProblem
 
-__all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "is_loopback"]
+__all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "hostname", "is_loopback"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -45,7 +45,7 @@ def guard() -> None:
     A web page can send requests to this machine: those carry its Origin, or after DNS
     rebinding a Host of its own.
     """
-    name = _hostname(request.headers.get("Host", ""))
+    name = hostname(request.headers.get("Host", ""))
     if name not in LOOPBACK and name not in current_app.config["HOSTS"]:
         raise Misdirected("this server does not answer to that host name; use the address that it printed, or start it with --name")
     origin = request.headers.get("Origin")
@@ -69,7 +69,8 @@ def _has(key: str) -> bool:
     return any([hmac.compare_digest(text.encode(), key.encode()) for text in given])
 
 
-def _hostname(host: str) -> str:
+def hostname(host: str) -> str:
+    """Return the name in a Host header, in small letters and without its port; nothing where there is none."""
     try:
         return (urlsplit(f"//{host}").hostname or "").lower()
     except ValueError:

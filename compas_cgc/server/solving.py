@@ -92,7 +92,8 @@ def solve_job(kind: str, options: dict, body: bytes, limits: Limits) -> Outcome:
         if solution.status != "converged":
             findings["notes"] += [str(said) for said in check(problem, given.names)]
         findings.update(analyse_problem(replace(problem, vertices=solution.vertices), problem.without_dummies().vertices).to_dict())
-    return Outcome(solution.message, pack(problem, given.names, given.name, solution, findings))
+    content = pack(problem, given.names, given.name, solution, findings)
+    return Outcome(solution.message, content, solution.status == "cancelled")
 
 
 def _read(kind: str, options: dict, body: bytes, limits: Limits) -> tuple[Given, Asked]:
@@ -104,7 +105,7 @@ def _read(kind: str, options: dict, body: bytes, limits: Limits) -> tuple[Given,
         from .hops.values import read_values
 
         request = read_json(body, limits)
-        return given_with_targets(read_values(ENDPOINTS["cgc/solve"], request["values"]), request["context"])
+        return given_with_targets(read_values(ENDPOINTS["cgc/solve"], request["values"]), {**request["context"], "limits": limits})
     from .uploads import read_upload
 
     mesh, notes = read_upload(kind, body)

@@ -51,6 +51,8 @@ class Task(Future):
         Called with everything that the task reports.
     stop_reason
         Why it was asked to stop, None if it was not.
+    urgent
+        Goes before those that nobody waits for.
     patience
         Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
@@ -63,6 +65,7 @@ class Task(Future):
         self.stop_reason: Optional[str] = None
         self.stop_time = 0.0
         self.patience = PATIENCE
+        self.urgent = False
 
     def stop(self, reason: str = "cancelled", patience: float = PATIENCE) -> None:
         """Cancel the task if it waits, ask it to end if it runs."""
@@ -98,5 +101,5 @@ def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
             late = time.monotonic() >= end
             if late or gone():
                 begun = task.running()
-                stop(task, "the client is gone")
+                stop(task, "it took too long" if late else "the client is gone")
                 raise TimeoutError(("late" if begun else "queued") if late else "gone") from None

@@ -40,7 +40,7 @@ def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
     inputs
         Of ``cgc/solve``, by name.
     context
-        ``modelunits`` and ``absolutetolerance`` of the document [L].
+        ``modelunits`` and ``absolutetolerance`` of the document [L], ``limits`` of the server.
 
     Raises
     ------
@@ -53,10 +53,10 @@ def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
     model = _assembled(inputs, context)
-    return _given(model), _asked(inputs, len(model.vertices))
+    return _given(model), _asked(inputs, len(model.vertices), context["limits"])
 
 
-def _asked(inputs: dict, count: int) -> Asked:
+def _asked(inputs: dict, count: int, limits: Limits) -> Asked:
     asked: dict = {"method": inputs["Method"], "settings": {}}
     if not inputs["Supports"]:
         asked["supports"] = "boundary"
@@ -69,7 +69,7 @@ def _asked(inputs: dict, count: int) -> Asked:
         asked["method"] = "flow" if asked["method"] == "auto" else asked["method"]
     elif asked["method"] == "auto" and asked["settings"]:
         raise Unprocessable("input 'Tolerance' belongs to a method; set Method to flow, newton or projection too")
-    return read_asked(asked, count, Limits())
+    return read_asked(asked, count, limits)
 
 
 def _given(model: Model3dm) -> Given:
@@ -87,7 +87,7 @@ def _given(model: Model3dm) -> Given:
 
 
 def _assembled(inputs: dict, context: dict) -> Model3dm:
-    part = read_mesh(inputs["Mesh"], "Mesh", Limits())
+    part = read_mesh(inputs["Mesh"], "Mesh", context["limits"])
     supports = np.array(inputs.get("Supports") or [], dtype=np.float64).reshape(-1, 3)
     curves = inputs.get("Creases") or []
     places = inputs.get("At") or []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from typing import Optional
 
 from flask import Blueprint
 from flask import Response
@@ -20,6 +19,7 @@ from ..page import wants_page
 from ..problems import RequestProblem
 from ..problems import Unprocessable
 from ..problems import error_body
+from ..replies import respond
 from .answers import Answers
 from .answers import request_digest
 from .catalogue import ENDPOINTS
@@ -49,7 +49,7 @@ def _set_up(state: BlueprintSetupState) -> None:
 @hops.get("/")
 def functions() -> Response:
     """List the functions; a browser gets the page."""
-    answer = index() if wants_page() else _respond([endpoint.describe() for endpoint in ENDPOINTS.values()])
+    answer = index() if wants_page() else respond([endpoint.describe() for endpoint in ENDPOINTS.values()])
     answer.headers["Vary"] = "Accept"
     return answer
 
@@ -58,15 +58,15 @@ def functions() -> Response:
 @hops.get("/cgc/<name>/", strict_slashes=False)
 def describe(name: str) -> Response:
     """Describe a function."""
-    return _respond(ENDPOINTS[known(f"cgc/{name}")].describe())
+    return respond(ENDPOINTS[known(f"cgc/{name}")].describe())
 
 
 @hops.route("/io", methods=["GET", "POST"])
 def io() -> Response:
     """Describe a function named in the request."""
     if request.method != "POST":
-        return _respond(ENDPOINTS[uri_of({"pointer": request.args.get("pointer")})].describe())
-    return _respond(ENDPOINTS[uri_of(_body())].describe())
+        return respond(ENDPOINTS[uri_of({"pointer": request.args.get("pointer")})].describe())
+    return respond(ENDPOINTS[uri_of(_body())].describe())
 
 
 @hops.post("/solve")
@@ -89,13 +89,19 @@ def solve(prefix: str = "") -> Response:
         elif uri == "cgc/fetch":
             reply = _fetch(values)
         else:
-            reply = in_worker(run_function, uri, values, context, mend="use /cgc/submit and /cgc/fetch for long ones")
+            reply = in_worker(
+                run_function,
+                uri,
+                values,
+                {**context, "limits": current_app.config["LIMITS"]},
+                mend="use /cgc/submit and /cgc/fetch for long ones",
+            )
     except RequestProblem as problem:
         reply = Reply(problem.status, [], [str(problem)], [], {})
     g.spent = reply.spent
     message = reply.errors[0] if reply.errors else ""
     answer = {"message": message, "pointer": uri, "values": reply.values, "errors": reply.errors, "warnings": reply.warnings}
-    response = _respond(answer, reply.status)
+    response = respond(answer if reply.status == 200 or not reply.errors else {**error_body(message), **answer}, reply.status)
     if digest and reply.status == 200:
         answers.put(digest, response.get_data())
     return response
@@ -141,9 +147,3 @@ def _jobs() -> Jobs:
 
 def _body() -> dict:
     return read_body(request.get_data(cache=False), current_app.config["LIMITS"])
-
-
-def _respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:
-    if status != 200 and isinstance(body, dict) and body.get("errors"):
-        body = {**error_body(body["errors"][0]), **body}
-    return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
