@@ -256,13 +256,15 @@ def test_nobody_waits_long_for_a_task_that_was_cancelled(pool):
     wait_for(lambda: pool.health()["replaced"] and pool.health()["busy"] == 0)
 
 
-def test_who_is_waited_for_goes_first():
+def test_who_is_waited_for_goes_before_all_but_those_who_wait_for_long():
     ended = []
     with WorkerPool(1, None, grace=1.0) as one:
         blocking = begun(one, sleep_until_told)
-        tasks = {name: one.start(add, (1, 1), urgent=name.startswith("call")) for name in ("job 1", "call 1", "job 2", "call 2")}
+        tasks = {"old job": one.start(add, (1, 1))}
+        tasks["old job"].since -= 60
+        tasks.update({name: one.start(add, (1, 1), urgent=name[0] == "c") for name in ("job 1", "call 1", "job 2", "call 2")})
         for name, task in tasks.items():
             task.add_done_callback(lambda task, name=name: ended.append(name))
         blocking.stop("go on")
-        wait_for(lambda: len(ended) == 4)
-    assert ended == ["call 1", "call 2", "job 1", "job 2"]
+        wait_for(lambda: len(ended) == 5)
+    assert ended == ["old job", "call 1", "call 2", "job 1", "job 2"]

@@ -53,6 +53,8 @@ class Task(Future):
         Why it was asked to stop, None if it was not.
     urgent
         Goes before those that nobody waits for.
+    since
+        When it was handed in.
     patience
         Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
@@ -66,6 +68,7 @@ class Task(Future):
         self.stop_time = 0.0
         self.patience = PATIENCE
         self.urgent = False
+        self.since = time.monotonic()
 
     def stop(self, reason: str = "cancelled", patience: float = PATIENCE) -> None:
         """Cancel the task if it waits, ask it to end if it runs."""
