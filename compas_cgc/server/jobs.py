@@ -173,9 +173,9 @@ class Jobs:
         """Ask a job to stop; does nothing to one that is over."""
         self.get(id)
         with self._change:
-            live = self._live.get(id)
-        if live is not None:
-            stop(live.task, CANCELLED)
+            task = self._live[id].task if id in self._live else None
+        if task is not None:
+            stop(task, CANCELLED)
         return self.get(id)
 
     def delete(self, id: str) -> None:
@@ -187,7 +187,8 @@ class Jobs:
             self._lost.pop(id, None)
             self._change.notify_all()
         if live is not None:
-            stop(live.task, CANCELLED)
+            task, live.task = live.task, None
+            stop(task, CANCELLED)
 
     def wait(self, id: str, seconds: float) -> Job:
         """Return a job as soon as it is over, or as it is after some seconds."""
@@ -336,6 +337,8 @@ class Jobs:
             if self._closed or self._live.get(job.id) is not live:
                 return
             del self._live[job.id]
+            # The task knows its listeners: a circle that would keep request and result for a long while.
+            live.task = None
             try:
                 state, message, content = ending(task)
                 self.store.finish(job.id, state, message, live.progress, content)

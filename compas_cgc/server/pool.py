@@ -195,6 +195,7 @@ class WorkerPool(Executor):
         started = time.monotonic()
         try:
             slot.line.send(task.call)
+            task.call = None
         except Exception as error:
             task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.obituary()))
             return slot.process.is_alive()
