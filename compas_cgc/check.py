@@ -15,7 +15,9 @@ from .meshing import Problem
 from .meshing import boundary_loops
 from .meshing import existence_problems
 from .meshing import face_regions
+from .meshing import lost_edges
 from .meshing import mesh_problems
+from .meshing import vertex_labels
 from .meshing.checks import listed
 from .meshing.checks import plane_of
 from .problem import FIXED
@@ -80,10 +82,7 @@ def _role_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
     if not (problem.roles == FIXED).any():
         mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
         problems.append(Problem(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
-    n = len(problem.vertices)
-    u, v = problem.faces.ravel(), np.roll(problem.faces, -1, axis=1).ravel()
-    ends = np.sort(problem.creases, axis=1)
-    lost = ~np.isin(ends @ [n, 1], np.minimum(u, v) * n + np.maximum(u, v))
+    lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
         problems.append(lost_creases(names[problem.creases[lost]].tolist()))
     if not np.isin(problem.roles, (INTERNAL, FREE)).any():
@@ -113,8 +112,7 @@ def _existence_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
     """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
     V, F, roles = problem.vertices, problem.faces, problem.roles
     piece = face_regions(F, np.empty((0, 2), dtype=np.int64))
-    belongs = np.empty(len(V), dtype=np.int64)
-    belongs[F.ravel()] = np.repeat(piece, 3)
+    belongs = vertex_labels(len(V), F, piece)
     loops = boundary_loops(F)
     creased = np.unique(belongs[problem.creases])
     problems = []

@@ -26,8 +26,8 @@ from typing import Union
 import numpy as np
 
 from .discrete import boundary_vertices
-from .meshing import boundary_loops
-from .meshing import loop_corners
+from .meshing import lost_edges
+from .meshing import named_supports
 from .meshing import path_edges
 from .problem import CREASE
 from .problem import DUMMY
@@ -56,7 +56,7 @@ def set_supports(problem: CGCProblem, supports: Union[str, Iterable[int]]) -> CG
         If there is no such vertex.
     """
     if isinstance(supports, str):
-        fixed = _named(problem, supports)
+        fixed = named_supports(problem.vertices, problem.faces[problem.real_faces], supports)
     else:
         fixed = np.array([_known(problem, v) for v in supports], dtype=np.int64)
     roles = np.where(problem.roles == DUMMY, DUMMY, INTERNAL)
@@ -80,9 +80,7 @@ def set_creases(problem: CGCProblem, creases: Iterable[Sequence[int]]) -> CGCPro
         If two vertices that follow each other are not joined by an edge.
     """
     edges = np.array(path_edges([[_known(problem, v) for v in path] for path in creases]), dtype=np.int64).reshape(-1, 2)
-    n = len(problem.vertices)
-    u, v = problem.faces.ravel(), np.roll(problem.faces, -1, axis=1).ravel()
-    lost = ~np.isin(np.sort(edges, axis=1) @ [n, 1], np.minimum(u, v) * n + np.maximum(u, v))
+    lost = lost_edges(problem.faces, edges)
     if lost.any():
         a, b = edges[np.argmax(lost)].tolist()
         raise ValueError(f"the crease from vertex {a} to {b} does not follow an edge; lead it along edges of the mesh")
@@ -120,14 +118,6 @@ def _placed(problem: CGCProblem, roles: np.ndarray) -> CGCProblem:
     creased[problem.creases] = True
     place = np.where(creased, CREASE, np.where(boundary_vertices(problem.vertices, problem.faces), FREE, INTERNAL))
     return replace(problem, roles=np.where(np.isin(roles, (FIXED, DUMMY)), roles, place))
-
-
-def _named(problem: CGCProblem, name: str) -> np.ndarray:
-    if name not in ("boundary", "corners"):
-        raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
-    loops = boundary_loops(problem.faces[problem.real_faces])
-    chosen = [loop if name == "boundary" else loop[loop_corners(problem.vertices[loop])] for loop in loops]
-    return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
 
 
 def _known(problem: CGCProblem, v: int) -> int:

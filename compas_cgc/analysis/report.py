@@ -17,6 +17,7 @@ from ..discrete import face_normals
 from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..meshing import vertex_labels
 from ..problem import INTERNAL
 from ..problem import CGCProblem
 from .quadric import quadric_curvatures
@@ -150,8 +151,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[Re
     V, F, asked = problem.vertices, problem.faces, problem.roles == INTERNAL
     defect, cell, area = angle_defects(V, F), vertex_areas(V, F), face_areas(V, F)
     fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
-    region = np.full(len(V), -1)
-    region[F.ravel()] = np.repeat(label, 3)
+    region = vertex_labels(len(V), F, label)
     concave = _concave_edges(V, F, label, creases)
     reports = []
     for number in range(label.max(initial=-1) + 1):

@@ -24,7 +24,7 @@ from ..meshing import boundary_loops
 from ..meshing import crease_paths
 from ..meshing import dummy_ring
 from ..meshing import face_regions
-from ..meshing import loop_corners
+from ..meshing import named_supports
 from ..meshing import path_edges
 from ..meshing import triangles_of
 from ..meshing import triangulate
@@ -272,7 +272,8 @@ class CGCMesh(Mesh):
             Keep the supports set before.
         """
         if isinstance(vertices, str):
-            chosen = self._named_supports(vertices)
+            keys = self._real_keys()
+            chosen = [keys[v] for v in named_supports(*self.arrays(), vertices)]
         else:
             chosen = [self._known(key) for key in vertices]
         keep = set(self.supports()) if add else set()
@@ -282,19 +283,13 @@ class CGCMesh(Mesh):
             self.vertex_role(key, "fixed")
         self.update_roles()
 
-    def _named_supports(self, name: str) -> list[int]:
-        if name not in ("boundary", "corners"):
-            raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
-        loops = self.boundary_loops()
-        if name == "boundary":
-            return [key for loop in loops for key in loop]
-        corners = [loop_corners(np.array([self.vertex_coordinates(key) for key in loop])) for loop in loops]
-        return [key for loop, turns in zip(loops, corners) for key, turn in zip(loop, turns) if turn]
-
     def boundary_loops(self) -> list[list[int]]:
         """Return the loops of vertices around the open edges of the real mesh, the longest first."""
-        keys = [key for key in self.vertices() if not self.is_dummy(key)]
+        keys = self._real_keys()
         return [[keys[v] for v in loop] for loop in boundary_loops(self.arrays()[1])]
+
+    def _real_keys(self) -> list[int]:
+        return [key for key in self.vertices() if not self.is_dummy(key)]
 
     def update_roles(self) -> None:
         """Give every vertex that is neither fixed nor dummy the role that its place calls for.

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from .boundary import boundary_loops
-from .boundary import loop_corners
+from .boundary import named_supports
 from .checks import Problem
 from .checks import existence_problems
 from .checks import mesh_problems
 from .paths import crease_paths
+from .paths import lost_edges
 from .paths import path_edges
 from .regions import face_regions
+from .regions import vertex_labels
 from .ring import dummy_ring
 from .triangulate import triangles_of
 from .triangulate import triangulate
@@ -21,9 +23,11 @@ __all__ = [
     "dummy_ring",
     "existence_problems",
     "face_regions",
-    "loop_corners",
+    "lost_edges",
     "mesh_problems",
+    "named_supports",
     "path_edges",
     "triangles_of",
     "triangulate",
+    "vertex_labels",
 ]

@@ -9,7 +9,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.normals import unit_vectors
 from ..discrete.topology import boundary_mask
 
-__all__ = ["boundary_loops", "loop_corners"]
+__all__ = ["boundary_loops", "named_supports"]
 
 
 def boundary_loops(faces: IntArray) -> list[IntArray]:
@@ -46,7 +46,29 @@ def boundary_loops(faces: IntArray) -> list[IntArray]:
     return [np.array(loop, dtype=np.int64) for loop in sorted(loops, key=lambda loop: (-len(loop), loop))]
 
 
-def loop_corners(points: FloatArray, angle: float = 30.0) -> np.ndarray:
+def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray:
+    """Return the vertices on open edges that a name stands for.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` [L] and ``(m, 3)``.
+    name
+        ``"boundary"`` for all of them, ``"corners"`` for those where an open edge turns by more than 30 degrees.
+
+    Raises
+    ------
+    ValueError
+        If the name is another.
+    """
+    if name not in ("boundary", "corners"):
+        raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
+    loops = boundary_loops(faces)
+    chosen = loops if name == "boundary" else [loop[_turns(vertices[loop])] for loop in loops]
+    return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
+
+
+def _turns(points: FloatArray, angle: float = 30.0) -> np.ndarray:
     """Tell where a closed polyline (b, 3) turns by more than an angle in degrees (b,)."""
     ahead = unit_vectors(np.roll(points, -1, axis=0) - points)
     cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))

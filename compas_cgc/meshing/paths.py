@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from collections.abc import Sequence
 
-__all__ = ["crease_paths", "path_edges"]
+import numpy as np
+
+from ..discrete.arrays import IntArray
+
+__all__ = ["crease_paths", "lost_edges", "path_edges"]
 
 
 def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
@@ -57,3 +61,10 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
                 u, v = v, (second if first == u else first)
             paths.append(path)
     return sorted(paths, key=lambda path: min(sorted(pair) for pair in zip(path[:-1], path[1:])))
+
+
+def lost_edges(faces: IntArray, pairs: IntArray) -> np.ndarray:
+    """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool."""
+    n = int(max(faces.max(initial=0), pairs.max(initial=0))) + 1
+    u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    return ~np.isin(np.sort(pairs, axis=1) @ [n, 1], np.minimum(u, v) * n + np.maximum(u, v))

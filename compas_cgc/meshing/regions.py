@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..discrete.arrays import IntArray
 
-__all__ = ["face_regions", "face_neighbours"]
+__all__ = ["face_neighbours", "face_regions", "vertex_labels"]
 
 
 def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
@@ -50,3 +50,20 @@ def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
     rank = np.empty(len(first), np.int64)
     rank[np.argsort(first, kind="stable")] = np.arange(len(first))
     return rank[inverse.ravel()]
+
+
+def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
+    """Return the label of the last face around each of `count` vertices, -1 where there is none (n,).
+
+    Parameters
+    ----------
+    count
+        Number of vertices.
+    faces
+        ``(m, 3)`` vertex indices.
+    labels
+        ``(m,)`` of the faces, such as their regions.
+    """
+    result = np.full(count, -1)
+    result[faces.ravel()] = np.repeat(labels, 3)
+    return result

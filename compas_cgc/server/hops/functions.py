@@ -140,9 +140,10 @@ def surface_values(problem: CGCProblem, vertices: np.ndarray, info: str, error: 
 
 def _regions(problem: CGCProblem, missed: np.ndarray) -> list[str]:
     """Return a line on each region: what is asked for there, and by how much it is missed."""
+    from ...meshing import vertex_labels
+
     label = problem.regions()
-    region = np.full(len(problem.vertices), -1)
-    region[problem.faces.ravel()] = np.repeat(label, 3)
+    region = vertex_labels(len(problem.vertices), problem.faces, label)
     count = int(label.max(initial=-1)) + 1
     lines = []
     for number in range(min(count, MOST_TOLD)):
