@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import re
+import socket
 import subprocess
 import sys
 import threading
@@ -71,6 +72,12 @@ def running_server(store, key=None, workers=2, port=0, limits=None):
             process.wait(10)
         finally:
             process.kill()
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
 
 
 def wait_for(condition, seconds=20.0, what="waited too long"):

@@ -22,6 +22,7 @@ from compas_cgc.client import Refused
 from compas_cgc.client import ServerUnavailable
 from compas_cgc.client import ensure_server
 
+from .server_process import free_port
 from .server_process import running_server
 from .shapes import grid
 
@@ -30,12 +31,6 @@ from .shapes import grid
 def server(tmp_path_factory):
     with running_server(tmp_path_factory.mktemp("client") / "jobs.sqlite", workers=1) as running:
         yield running
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def test_it_needs_the_standard_library_only():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import sys
 import time
 
@@ -20,6 +19,7 @@ from compas_cgc.projection import AtHeight
 
 from .gh_stand_ins import place
 from .gh_stand_ins import rhino  # noqa: F401
+from .server_process import free_port
 from .server_process import running_server
 from .test_gh_solve import dome
 from .test_gh_solve import endless
@@ -33,12 +33,6 @@ pytestmark = pytest.mark.usefixtures("rhino")
 def running(tmp_path_factory):
     with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", workers=1) as found:
         yield found
-
-
-def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
 
 
 def states(running):

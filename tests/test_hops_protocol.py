@@ -406,7 +406,7 @@ def test_the_progress_of_a_job_may_have_no_number(server, hops, monkeypatch):
     from compas_cgc.server.store import Job
 
     job = Job("a-job-id", "running", 0.0, 0.0, None, 1, "", "", "", {"step": 2, "steps": 10, "max_error": None}, None, None)
-    monkeypatch.setattr(routes, "_jobs", lambda: type("Jobs", (), {"get": lambda self, id: job})())
+    monkeypatch.setattr(routes, "jobs", lambda: type("Jobs", (), {"get": lambda self, id: job})())
     reply = routes._fetch([{"ParamName": "Job", "InnerTree": items("a-job-id")}])
     assert reply.status == 202 and reply.values[3]["InnerTree"]["{0}"][0]["data"] == "running, step 2"
 

@@ -38,14 +38,7 @@ def server(tmp_path_factory):
 
 def ask(server, method, path, body=None, key=KEY, **headers):
     """Return status, headers and body of one raw request."""
-    connection = http.client.HTTPConnection(server.url.split("//")[1], timeout=20)
-    if key:
-        headers["RhinoComputeKey"] = key
-    connection.request(method, path, body, headers)
-    answer = connection.getresponse()
-    content = answer.read()
-    connection.close()
-    return answer.status, answer.headers, content
+    return server.ask(method, path, body, **{"RhinoComputeKey": key, **headers})
 
 
 def request(n=6, **more):

@@ -25,6 +25,7 @@ from compas_cgc.server.task import WorkerDied
 from compas_cgc.server.worker import report
 from compas_cgc.server.worker import stop_wanted
 
+from .server_process import wait_for
 from .shapes import grid
 
 
@@ -50,13 +51,6 @@ def sleep_for_ever():
 
 def die():
     os._exit(3)
-
-
-def wait_for(condition, seconds=20.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited too long"
-        time.sleep(0.02)
 
 
 def body(n=6, **more):

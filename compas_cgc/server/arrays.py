@@ -20,7 +20,7 @@ from .problems import BadRequest
 from .problems import TooLarge
 from .problems import Unprocessable
 
-__all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole"]
+__all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole", "whole_text"]
 
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
@@ -38,7 +38,7 @@ def read_json(body: bytes, limits: Limits) -> object:
     try:
         if body.count(b"[") + body.count(b"{") > limits.containers:
             raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
-        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=_whole)
+        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=whole_text)
         if b"\\u" in body:
             json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:
@@ -184,7 +184,8 @@ def _refuse(name: str) -> None:
     raise ValueError(f"{name} is no number in JSON")
 
 
-def _whole(text: str) -> int:
+def whole_text(text: str) -> int:
+    """Return the number that some digits stand for, few enough for a finite float."""
     if len(text) > DIGITS:
         raise ValueError("a number has too many digits")
     return int(text)

@@ -9,30 +9,21 @@ from typing import Callable
 from flask import current_app
 from flask import request
 
+from .jobs import Jobs
+from .problems import Broken
+from .problems import Late
 from .problems import RequestProblem
+from .problems import Stopping
 from .task import TaskError
 from .task import TaskStopped
 from .task import WorkerDied
 
-__all__ = ["Broken", "Late", "Stopping", "by_clerk", "in_worker"]
+__all__ = ["by_clerk", "in_worker", "jobs"]
 
 
-class Late(RequestProblem):
-    """The client would give up soon."""
-
-    status = 504
-
-
-class Broken(RequestProblem):
-    """A worker ended, or has a fault."""
-
-    status = 500
-
-
-class Stopping(RequestProblem):
-    """The server ends."""
-
-    status = 503
+def jobs() -> Jobs:
+    """Return the engine of the running application."""
+    return current_app.extensions["jobs"]
 
 
 def in_worker(function: Callable, *args: object, mend: str) -> object:
@@ -50,13 +41,12 @@ def in_worker(function: Callable, *args: object, mend: str) -> object:
     RequestProblem
         Of the function, or because of the worker.
     """
-    jobs = current_app.extensions["jobs"]
-    return _waited(partial(jobs.call, function, *args, client=request.remote_addr or ""), function, mend)
+    return _waited(partial(jobs().call, function, *args, client=request.remote_addr or ""), function, mend)
 
 
 def by_clerk(function: Callable, *args: object) -> object:
     """Run a function that reads or writes a file beside the solves, as :func:`in_worker` does."""
-    return _waited(partial(current_app.extensions["jobs"].convert, function, *args), function, "use a coarser mesh")
+    return _waited(partial(jobs().convert, function, *args), function, "use a coarser mesh")
 
 
 def _waited(run: Callable, function: Callable, mend: str) -> object:

@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-__all__ = ["BadRequest", "Busy", "Conflict", "Gone", "NotFound", "RequestProblem", "TooLarge", "Unprocessable", "error_body"]
+__all__ = [
+    "BadRequest",
+    "Broken",
+    "Busy",
+    "Conflict",
+    "Gone",
+    "Late",
+    "NotFound",
+    "RequestProblem",
+    "Stopping",
+    "TooLarge",
+    "Unprocessable",
+    "error_body",
+]
 
 
 class RequestProblem(Exception):
@@ -59,6 +72,24 @@ class Busy(RequestProblem):
 
     status = 429
     headers = {"Retry-After": "1"}
+
+
+class Broken(RequestProblem):
+    """A worker ended, or has a fault."""
+
+    status = 500
+
+
+class Stopping(RequestProblem):
+    """The server ends."""
+
+    status = 503
+
+
+class Late(RequestProblem):
+    """The client would give up soon."""
+
+    status = 504
 
 
 def error_body(message: str, **more: object) -> dict:

@@ -20,10 +20,10 @@ from .arrays import read_json
 from .asked import OPTIONS
 from .asked import read_asked
 from .calls import by_clerk
+from .calls import jobs
 from .formats import FORMATS
 from .formats import beside
 from .formats import encoded
-from .jobs import Jobs
 from .openapi import description
 from .problems import BadRequest
 from .problems import Busy
@@ -33,16 +33,11 @@ from .request import accept
 from .status import status
 from .uploads import KINDS
 
-__all__ = ["api", "jobs"]
+__all__ = ["api"]
 
 api = Blueprint("api", __name__)
 LONGEST_WAIT = 25.0  # seconds
 SMALL = 2**19  # bytes of a result, some 4,000 vertices
-
-
-def jobs() -> Jobs:
-    """Return the engine of the running application."""
-    return current_app.extensions["jobs"]
 
 
 @api.get("/health")

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import CGCError
 from .arrays import check_size
 from .arrays import read_json
 from .asked import Asked
@@ -82,7 +81,7 @@ def solve_job(kind: str, options: dict, body: bytes, limits: Limits) -> Outcome:
         problem = asked.put_on(given.problem, given.names)
         constraints = (*given.constraints, *asked.constraints)
         solution = solve_problem(problem, asked.method, asked.method_settings(), Progress(asked.live), constraints, given.names)
-    except (CGCError, RequestProblem, ValueError) as error:
+    except (RequestProblem, ValueError) as error:
         return Outcome(str(error), None)
     if not np.isfinite(solution.vertices).all():
         return Outcome("the solve ended with coordinates that are no numbers; check the scale of the mesh and its targets", None)

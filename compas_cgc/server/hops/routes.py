@@ -12,7 +12,7 @@ from flask import request
 from flask.blueprints import BlueprintSetupState
 
 from ..calls import in_worker
-from ..jobs import Jobs
+from ..calls import jobs
 from ..outcome import unpack_problem
 from ..page import index
 from ..page import wants_page
@@ -110,13 +110,13 @@ def solve(prefix: str = "") -> Response:
 def _submit(values: object, context: dict) -> Reply:
     read_values(ENDPOINTS["cgc/submit"], values)
     body = json.dumps({"values": values, "context": context}).encode()
-    job, _ = _jobs().submit("hops", body, {"name": "Grasshopper"}, client=request.remote_addr or "")
+    job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=request.remote_addr or "")
     return Reply(200, [entry("Job", "Text", [job.id])], [], [], {})
 
 
 def _fetch(values: object) -> Reply:
     inputs = read_values(ENDPOINTS["cgc/fetch"], values)
-    job = _jobs().get(inputs["Job"])
+    job = jobs().get(inputs["Job"])
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     if not job.over:
         error = job.progress.get("max_error")
@@ -124,7 +124,7 @@ def _fetch(values: object) -> Reply:
         return _state(202, [], False, step / steps if steps else 0.0, told)
     if job.state != "succeeded":
         raise Unprocessable(f"the job was {job.state}: {job.message}" if job.state == "cancelled" else str(job.message))
-    problem, words = unpack_problem(_jobs().result(job.id))
+    problem, words = unpack_problem(jobs().result(job.id))
     mesh = surface_values(problem, problem.vertices, "", words["max_error"])[0]
     reply = _state(200, [], True, 1.0, "\n".join([words["message"], *words["report"]["notes"]]))
     warnings = [] if words["status"] == "converged" else [words["message"]]
@@ -139,10 +139,6 @@ def _state(status: int, mesh: list, done: bool, progress: float, told: str) -> R
         entry("Info", "Text", [told]),
     ]
     return Reply(status, values, [], [], {})
-
-
-def _jobs() -> Jobs:
-    return current_app.extensions["jobs"]
 
 
 def _body() -> dict:

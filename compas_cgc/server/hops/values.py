@@ -13,6 +13,7 @@ import numpy as np
 from ..arrays import LARGEST
 from ..arrays import number
 from ..arrays import whole
+from ..arrays import whole_text
 from ..problems import TooLarge
 from ..problems import Unprocessable
 from .description import RESULT_TYPES
@@ -20,8 +21,6 @@ from .description import Endpoint
 from .description import Input
 
 __all__ = ["double_text", "entry", "finite_items", "read_values", "text_text"]
-
-DIGITS = 300  # of a whole number; a float of as many digits is still finite
 
 
 def read_values(endpoint: Endpoint, values: object) -> dict:
@@ -83,7 +82,7 @@ def _read(own: Input, item: dict) -> object:
         return _text(data, what)
     if isinstance(data, str):
         try:
-            data = json.loads(data.lower() if own.kind == "Boolean" else data, parse_constant=lambda name: math.nan, parse_int=_whole)
+            data = json.loads(data.lower() if own.kind == "Boolean" else data, parse_constant=lambda name: math.nan, parse_int=whole_text)
         except (ValueError, RecursionError):
             raise Unprocessable(f"{what} cannot be read as a {own.kind.lower()}; connect a {own.kind.lower()} to it") from None
     if own.kind == "Number":
@@ -105,17 +104,11 @@ def _read(own: Input, item: dict) -> object:
     return value
 
 
-def _whole(digits: str) -> int:
-    if len(digits) > DIGITS:
-        raise ValueError("a number has too many digits")
-    return int(digits)
-
-
 def _text(data: object, what: str) -> str:
     if not isinstance(data, str):
         return json.dumps(data)
     try:
-        inner = json.loads(data, parse_int=_whole)
+        inner = json.loads(data, parse_int=whole_text)
     except (ValueError, RecursionError):
         inner = data
     text = inner if isinstance(inner, str) else data

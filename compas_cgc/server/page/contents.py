@@ -9,7 +9,8 @@ from typing import Optional
 
 import numpy as np
 
-from ..problems import TooLarge
+from ..arrays import check_size
+from ..limits import Limits
 from ..problems import Unprocessable
 from ..uploads import read_upload
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["contents", "read_example", "read_model"]
 
 
-def read_model(kind: str, body: bytes, name: str, most: tuple[int, int]) -> bytes:
+def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
     """Tell what is in the bytes of a file, as JSON.
 
     Parameters
@@ -31,8 +32,8 @@ def read_model(kind: str, body: bytes, name: str, most: tuple[int, int]) -> byte
         The file.
     name
         What to call the mesh.
-    most
-        Vertices and faces that the server takes.
+    limits
+        Those of the server.
 
     Raises
     ------
@@ -41,10 +42,7 @@ def read_model(kind: str, body: bytes, name: str, most: tuple[int, int]) -> byte
     """
     try:
         mesh, notes = read_upload(kind, body)
-        found = mesh.number_of_vertices(), mesh.number_of_faces()
-        if found[0] > most[0] or found[1] > most[1]:
-            text = f"the mesh has {found[0]} vertices and {found[1]} faces, the server takes {most[0]} and {most[1]}; use a coarser mesh"
-            raise TooLarge(text)
+        check_size(mesh.number_of_vertices(), mesh.number_of_faces(), limits)
         mesh.name = name or mesh.name
         return _json(contents(mesh, notes))
     except ValueError as error:

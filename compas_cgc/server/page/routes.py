@@ -7,13 +7,13 @@ from pathlib import Path
 from flask import Blueprint
 from flask import Response
 from flask import current_app
-from flask import json
 from flask import request
 
 from ..calls import by_clerk
 from ..problems import BadRequest
 from ..problems import NotFound
 from ..problems import Unprocessable
+from ..replies import respond
 from ..uploads import KINDS
 from .contents import read_example
 from .contents import read_model
@@ -73,8 +73,7 @@ def model() -> Response:
     body = request.get_data(cache=False)
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
-    limits = current_app.config["LIMITS"]
-    found = by_clerk(read_model, kind, body, name, (limits.vertices, limits.faces))
+    found = by_clerk(read_model, kind, body, name, current_app.config["LIMITS"])
     return Response(found, mimetype="application/json")
 
 
@@ -82,7 +81,7 @@ def model() -> Response:
 def examples() -> Response:
     """List the examples."""
     found = [{"name": entry.name, "number": entry.number, "title": entry.title, "text": entry.text} for entry in GALLERY.values()]
-    return Response(json.dumps({"examples": found}), mimetype="application/json")
+    return respond({"examples": found})
 
 
 @page.get("/api/v1/examples/<name>")
