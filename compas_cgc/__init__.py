@@ -29,13 +29,13 @@ __all_plugins__ = ["compas_cgc.scene"]
 _HOME = {
     "CGCError": ".errors",
     "CGCMesh": ".datastructures",
-    "CGCProblem": ".problem",
-    "FlowSettings": ".flow",
-    "NewtonSettings": ".newton",
-    "ProjectionSettings": ".projection",
-    "SolveResult": ".result",
-    "solve": ".solver",
-    "solve_problem": ".solver",
+    "CGCProblem": ".model.problem",
+    "FlowSettings": ".solvers.flow",
+    "NewtonSettings": ".solvers.newton",
+    "ProjectionSettings": ".solvers.projection",
+    "SolveResult": ".model.result",
+    "solve": ".solvers.solve",
+    "solve_problem": ".solvers.solve",
 }
 
 

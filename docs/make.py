@@ -10,14 +10,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compas_cgc import CGCMesh
-from compas_cgc.atomic import write_text
+from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
-from compas_cgc.examples import example4
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.paper.examples import example4
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import hero
 from compas_cgc.plot import save
-from compas_cgc.problem import CGCProblem
-from compas_cgc.solver import solve
+from compas_cgc.solvers.solve import solve
 
 DOCS = Path(__file__).parent
 

@@ -1,7 +1,7 @@
 """Example 1: arches of constant curvature with and without a break in the middle."""
 
-from compas_cgc.examples import example1
-from compas_cgc.flow import curve_flow
+from compas_cgc.paper.examples import example1
+from compas_cgc.solvers.flow import curve_flow
 
 for kind in ("C1", "C2"):
     for name, options in {"no break": {"crease": False}, "S1, s = 0.8": {"s": 0.8}, "S2, e = 3": {"e": 3}}.items():

@@ -1,7 +1,7 @@
 """Example 3: the same square, held at its four corners only; a ring of dummy faces carries the free edges."""
 
 from compas_cgc import solve
-from compas_cgc.examples import example3
+from compas_cgc.paper.examples import example3
 
 mesh, settings = example3()
 result = solve(mesh, settings=settings)

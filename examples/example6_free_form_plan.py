@@ -1,7 +1,7 @@
 """Example 6: a dome of K = 0.03 over a free-form plan."""
 
 from compas_cgc import solve
-from compas_cgc.examples import example6
+from compas_cgc.paper.examples import example6
 
 mesh, settings = example6()
 result = solve(mesh, settings=settings)

@@ -18,8 +18,8 @@ from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import vertex_labels
-from ..problem import INTERNAL
-from ..problem import CGCProblem
+from ..model.problem import INTERNAL
+from ..model.problem import CGCProblem
 from .quadric import quadric_curvatures
 
 if TYPE_CHECKING:

@@ -25,8 +25,8 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from .. import benchmarks
-    from ..atomic import write_text
+    from .._atomic_write import write_text
+    from ..paper import benchmarks
 
     figures = {}
     print("The paper's examples by the paper's flow, solve only", flush=True)

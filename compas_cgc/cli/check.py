@@ -27,12 +27,12 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     options = reading(arguments)
     if Path(arguments.input).suffix.lower() == ".3dm":
-        from ..rhino import describe
-        from ..rhino import read_model
+        from ..io.rhino import describe
+        from ..io.rhino import read_model
 
         text, problems = describe(read_model(arguments.input, **options))
     else:
-        from ..files import read_mesh
+        from ..io import read_mesh
 
         mesh, notes = read_mesh(arguments.input, **options)
         roles = mesh.vertices_role()

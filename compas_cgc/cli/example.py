@@ -23,9 +23,9 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..examples import examples_of
-    from ..reproduction import run_example
-    from ..reproduction import write_run
+    from ..paper.examples import examples_of
+    from ..paper.reproduction import run_example
+    from ..paper.reproduction import write_run
 
     for example in examples_of(arguments.number, arguments.variant):
         done = run_example(example)

@@ -41,7 +41,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def build(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper build``."""
-    from ..ghpython.build import build as build_all
+    from ..grasshopper.build.everything import build as build_all
 
     for path in build_all(Path(arguments.output), _path(arguments.source)):
         print(path)
@@ -50,9 +50,9 @@ def build(arguments: argparse.Namespace) -> int:
 
 def install(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper install``."""
-    from ..ghpython.build import user_object_files
-    from ..ghpython.install import install as put
-    from ..ghpython.install import user_objects_folder
+    from ..grasshopper.build.everything import user_object_files
+    from ..grasshopper.build.install import install as put
+    from ..grasshopper.build.install import user_objects_folder
 
     files = user_object_files(_path(arguments.source))
     written, removed = put(files, _path(arguments.to) or user_objects_folder(), arguments.dry_run)
@@ -65,8 +65,8 @@ def install(arguments: argparse.Namespace) -> int:
 
 def uninstall(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper uninstall``."""
-    from ..ghpython.install import uninstall as take
-    from ..ghpython.install import user_objects_folder
+    from ..grasshopper.build.install import uninstall as take
+    from ..grasshopper.build.install import user_objects_folder
 
     removed = take(_path(arguments.to) or user_objects_folder(), arguments.dry_run)
     _say("would remove" if arguments.dry_run else "removed", removed)

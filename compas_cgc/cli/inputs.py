@@ -33,7 +33,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 
 
 def reading(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return the arguments for :func:`compas_cgc.files.read_mesh`."""
+    """Return the arguments for :func:`compas_cgc.io.read_mesh`."""
     layers: dict[str, list[str]] = {}
     for text in arguments.layer:
         role, equals, name = text.partition("=")

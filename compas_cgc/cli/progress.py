@@ -9,7 +9,7 @@ from typing import Optional
 from typing import TextIO
 
 if TYPE_CHECKING:
-    from ..result import SolveState
+    from ..model.result import SolveState
 
 __all__ = ["ProgressBar"]
 

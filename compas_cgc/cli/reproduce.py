@@ -23,15 +23,15 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..atomic import write_text
-    from ..examples import CATALOGUE
-    from ..examples import CurveExample
-    from ..reproduction import comparison_figures
-    from ..reproduction import report
-    from ..reproduction import run_example
-    from ..reproduction import run_table2
-    from ..reproduction import warm_up
-    from ..reproduction import write_run
+    from .._atomic_write import write_text
+    from ..paper.examples import CATALOGUE
+    from ..paper.examples import CurveExample
+    from ..paper.reproduction import comparison_figures
+    from ..paper.reproduction import report
+    from ..paper.reproduction import run_example
+    from ..paper.reproduction import run_table2
+    from ..paper.reproduction import warm_up
+    from ..paper.reproduction import write_run
 
     directory = Path(arguments.out)
     warm_up()

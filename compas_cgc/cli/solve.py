@@ -23,9 +23,9 @@ from .progress import ProgressBar
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
-    from ..methods import Settings
-    from ..result import SolveResult
-    from ..result import SolveState
+    from ..model.result import SolveResult
+    from ..model.result import SolveState
+    from ..solvers.registry import Settings
 
 EPILOG = """\
 A .3dm file brings its supports as points and its creases as curves along mesh edges. The other formats hold a mesh only
@@ -76,10 +76,10 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..analysis import analyse
-    from ..files import read_mesh
-    from ..files import write_mesh
-    from ..rhino import constraints_of
-    from ..solver import solve
+    from ..io import read_mesh
+    from ..io import write_mesh
+    from ..io.rhino import constraints_of
+    from ..solvers.solve import solve
 
     say = (lambda text: None) if arguments.quiet else print
     output = Path(arguments.output)
@@ -111,7 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
     analysis = analyse(result.mesh, mesh)
     say(_summary(mesh, result, analysis))
     if arguments.report:
-        from ..atomic import write_text
+        from .._atomic_write import write_text
 
         write_text(arguments.report, json.dumps(_report(arguments, settings, result, analysis), indent=1, ensure_ascii=False) + "\n")
     kept = dict(result=result, source=arguments.input, settings=None if settings is None else settings.to_dict(), analysis=analysis)
@@ -129,8 +129,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _settings(arguments: argparse.Namespace) -> Optional[Settings]:
     """Return the settings that the options make, or None where they leave all open."""
-    from ..flow import FlowSettings
-    from ..methods import SETTINGS
+    from ..solvers.flow import FlowSettings
+    from ..solvers.registry import SETTINGS
 
     chosen = {name: getattr(arguments, name) for name in ("s", "steps", "tolerance") if getattr(arguments, name) is not None}
     if arguments.delay is not None:

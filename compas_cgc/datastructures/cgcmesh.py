@@ -15,7 +15,6 @@ from typing import Union
 import numpy as np
 from compas.datastructures import Mesh
 
-from ..check import Names
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
@@ -28,7 +27,8 @@ from ..meshing import named_supports
 from ..meshing import path_edges
 from ..meshing import triangles_of
 from ..meshing import triangulate
-from ..problem import ROLES
+from ..model.checks import Names
+from ..model.problem import ROLES
 
 __all__ = ["CGCMesh"]
 
@@ -155,8 +155,8 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_3dm(cls, path: Union[str, os.PathLike], **options: object) -> CGCMesh:
-        """Read a mesh with supports, creases and targets from a Rhino file, see :func:`compas_cgc.rhino.read_model`."""
-        from ..rhino import read_model
+        """Read a mesh with supports, creases and targets from a Rhino file, see :func:`compas_cgc.io.rhino.read_model`."""
+        from ..io.rhino import read_model
 
         return read_model(path, **options).to_cgcmesh()
 
@@ -170,7 +170,7 @@ class CGCMesh(Mesh):
         version
             Of Rhino: 7 or 8.
         """
-        from ..rhino import write_model
+        from ..io.rhino import write_model
 
         write_model(path, self, version)
 

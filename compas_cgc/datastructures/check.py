@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..check import check as check_problem
-from ..check import dropped_faces
-from ..check import lost_creases
 from ..meshing import Problem
 from ..meshing.checks import listed
-from ..problem import CGCProblem
+from ..model.checks import check as check_problem
+from ..model.checks import dropped_faces
+from ..model.checks import lost_creases
+from ..model.problem import CGCProblem
 
 if TYPE_CHECKING:
     from .cgcmesh import CGCMesh

@@ -7,12 +7,12 @@ from .boundary import named_supports
 from .checks import Problem
 from .checks import existence_problems
 from .checks import mesh_problems
-from .paths import crease_paths
-from .paths import lost_edges
-from .paths import path_edges
+from .creases import crease_paths
+from .creases import lost_edges
+from .creases import path_edges
+from .dummy_mesh import dummy_ring
 from .regions import face_regions
 from .regions import vertex_labels
-from .ring import dummy_ring
 from .triangulate import triangles_of
 from .triangulate import triangulate
 

@@ -14,13 +14,13 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
-from .match import edge_net
+from .map_matching import edge_net
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
 from .weld import weld
 
 if TYPE_CHECKING:
-    from .spread import Cell
+    from .curve_sampling import Cell
 
 __all__ = ["Outlined", "mesh_from_outline"]
 
@@ -67,9 +67,9 @@ def mesh_from_outline(
         import compas_cgal.triangulation  # noqa: F401
         import shapely
 
-        from .spread import cells
-        from .spread import lattice
-        from .spread import spread
+        from .curve_sampling import cells
+        from .curve_sampling import lattice
+        from .curve_sampling import spread
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     if not edge_length > 0:

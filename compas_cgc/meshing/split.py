@@ -11,10 +11,10 @@ from ..discrete import edge_faces
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from .best_triangles import best_triangles
-from .crossings import Crossings
-from .crossings import curve_crossings
-from .locate import closest_in_triangles
+from .curve_intersections import Crossings
+from .curve_intersections import curve_crossings
+from .optimal_triangulation import best_triangles
+from .point_location import closest_in_triangles
 from .polyline import nearest_on_polyline
 from .polyline import point_at
 

@@ -8,8 +8,8 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from .match import EdgeNet
-from .match import match_path
+from .map_matching import EdgeNet
+from .map_matching import match_path
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
 from .polyline import points_along

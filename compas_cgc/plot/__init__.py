@@ -14,12 +14,12 @@ from .figures import Shape
 from .figures import comparison_figure
 from .figures import error_figure
 from .figures import shape_figure
-from .hero import hero
 from .history import draw_history
 from .history import history_figure
 from .maps import draw_curvature
 from .maps import draw_error
 from .output import save
+from .render import hero
 from .shape import draw_shape
 from .view import VIEWS
 from .view import View

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..problem import INTERNAL
+from ..model.problem import INTERNAL
 from .layout import caption
 from .layout import heading
 from .layout import letter
@@ -21,7 +21,7 @@ from .layout import scale_bar
 from .layout import shown
 from .legend import SIDE
 from .maps import draw_error
-from .seen import look
+from .projected_mesh import look
 from .shape import draw_shape
 from .view import View
 

@@ -8,7 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..result import History
+from ..model.result import History
 from .colours import INK
 from .layout import SIZE
 from .layout import caption

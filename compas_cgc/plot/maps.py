@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
-from ..problem import INTERNAL
+from ..model.problem import INTERNAL
 from .colours import NOT_ASKED
 from .colours import brightness
 from .colours import diverging_map
@@ -19,9 +19,9 @@ from .colours import rgba
 from .legend import SIDE
 from .legend import colour_bar
 from .legend import per_area
-from .paint import layer
-from .paint import paint
-from .seen import look
+from .painter import layer
+from .painter import paint
+from .projected_mesh import look
 from .shape import axes_for
 from .shape import edge_width
 from .shape import marks
@@ -60,7 +60,7 @@ def draw_error(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.problem.ROLES`.
+        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`.
     errors
         ``(n,)`` signed errors K - K̄ [1/L^2]; read at internal vertices, NaN is grey.
     view
@@ -125,7 +125,7 @@ def draw_curvature(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.problem.ROLES`.
+        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`.
     curvature
         ``(n,)`` K [1/L^2]; NaN is grey, as on creases and open boundaries.
     view, ax, creases, limit, unit, label, frame

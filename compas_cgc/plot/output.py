@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 from typing import Union
 
-from ..atomic import replacing
+from .._atomic_write import replacing
 from ..errors import CGCError
 from ..errors import FileError
 

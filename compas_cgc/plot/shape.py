@@ -9,7 +9,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..problem import FIXED
+from ..model.problem import FIXED
 from .colours import DUMMY_EDGE
 from .colours import DUMMY_FACE
 from .colours import INK
@@ -20,14 +20,14 @@ from .colours import rgba
 from .layout import panels
 from .layout import points_per_length
 from .layout import show
-from .paint import Layer
-from .paint import discs
-from .paint import layer
-from .paint import paint
-from .paint import segments
-from .seen import Seen
-from .seen import edge_array
-from .seen import look
+from .painter import Layer
+from .painter import discs
+from .painter import layer
+from .painter import paint
+from .painter import segments
+from .projected_mesh import Seen
+from .projected_mesh import edge_array
+from .projected_mesh import look
 from .view import Frame
 from .view import View
 from .view import view_named
@@ -60,7 +60,7 @@ def draw_shape(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.problem.ROLES`: faces with a dummy vertex
+        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`: faces with a dummy vertex
         are grey, fixed vertices are red dots.
     creases
         ``(e, 2)`` vertex indices of the edges to draw as thick lines.

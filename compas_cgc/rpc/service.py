@@ -34,16 +34,16 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler
 from compas.rpc import Server
 
 from .._version import __version__
-from ..server.arrays import read_json
-from ..server.formats import encoded
-from ..server.jobs import Jobs
+from ..server.api.decoding import read_json
+from ..server.api.formats import encoded
+from ..server.api.requests import accept
+from ..server.api.status import status
+from ..server.api.tasks import warm_up
+from ..server.errors import RequestProblem
+from ..server.jobs.engine import Jobs
+from ..server.jobs.pool import WorkerPool
+from ..server.jobs.store import Store
 from ..server.limits import Limits
-from ..server.pool import WorkerPool
-from ..server.problems import RequestProblem
-from ..server.request import accept
-from ..server.solving import warm_up
-from ..server.status import status
-from ..server.store import Store
 
 __all__ = ["Service", "main", "start_service"]
 

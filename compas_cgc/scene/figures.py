@@ -11,9 +11,9 @@ from ..discrete import gaussian_curvature
 from ..discrete import mean_curvature
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..problem import CGCProblem
-from ..rhino.colours import largest
-from ..rhino.colours import signed_colours
+from ..io.rhino.colours import largest
+from ..io.rhino.colours import signed_colours
+from ..model.problem import CGCProblem
 
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh

@@ -5,9 +5,9 @@ from __future__ import annotations
 from compas_ghpython.scene import MeshObject
 
 from ..datastructures import CGCMesh
-from ..ghpython.geometry import points_to_rhino
-from ..ghpython.geometry import polyline_to_rhino
-from ..rhino.inside import mesh_from_arrays
+from ..grasshopper.runtime.geometry import points_to_rhino
+from ..grasshopper.runtime.geometry import polyline_to_rhino
+from ..io.rhino.rhinocommon import mesh_from_arrays
 from .appearance import appearance
 from .appearance import real_mesh
 from .figures import coloured

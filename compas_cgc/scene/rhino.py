@@ -5,7 +5,7 @@ from __future__ import annotations
 from compas_rhino.scene import RhinoMeshObject
 
 from ..datastructures import CGCMesh
-from ..rhino.inside import mesh_from_arrays
+from ..io.rhino.rhinocommon import mesh_from_arrays
 from .appearance import appearance
 from .appearance import real_mesh
 from .figures import coloured

@@ -18,19 +18,19 @@ from flask import g
 from flask import request
 from werkzeug.exceptions import HTTPException
 
-from .formats import get_ready
+from .api.formats import get_ready
+from .api.replies import respond
+from .api.routes import api
+from .api.tasks import warm_up
+from .errors import RequestProblem
+from .errors import error_body
 from .hops.routes import hops
-from .jobs import Jobs
+from .jobs.engine import Jobs
+from .jobs.pool import WorkerPool
+from .jobs.store import Store
 from .limits import Limits
 from .page import page
-from .pool import WorkerPool
-from .problems import RequestProblem
-from .problems import error_body
-from .replies import respond
-from .routes import api
 from .security import guard
-from .solving import warm_up
-from .store import Store
 
 __all__ = ["create_app"]
 

@@ -20,8 +20,8 @@ from .security import hostname
 from .security import is_loopback
 
 if TYPE_CHECKING:
-    from .jobs import Jobs
-    from .pool import WorkerPool
+    from .jobs.engine import Jobs
+    from .jobs.pool import WorkerPool
 
 __all__ = ["HOST", "PORT", "default_store", "serve"]
 
@@ -88,7 +88,7 @@ def serve(
     import waitress
 
     from .app import create_app
-    from .channel import channel_class
+    from .waitress_channel import channel_class
 
     app = create_app(store or default_store(port), key, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
     server = waitress.create_server(

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 from flask import current_app
 from flask import request
 
-from .problems import RequestProblem
+from .errors import RequestProblem
 
 __all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "hostname", "is_loopback"]
 

@@ -9,20 +9,20 @@ from typing import Optional
 
 import numpy as np
 
-from ..asked import Asked
-from ..problems import RequestProblem
-from ..request import Given
-from ..solving import Progress
-from .catalogue import ENDPOINTS
+from ..api.options import Asked
+from ..api.requests import Given
+from ..api.tasks import Progress
+from ..errors import RequestProblem
+from .data_tree import entry
+from .data_tree import finite_items
+from .data_tree import read_values
+from .endpoints import ENDPOINTS
 from .geometry import mesh_text
-from .problem import given_surface
-from .problem import given_with_targets
-from .values import entry
-from .values import finite_items
-from .values import read_values
+from .inputs import given_surface
+from .inputs import given_with_targets
 
 if TYPE_CHECKING:
-    from ...problem import CGCProblem
+    from ...model.problem import CGCProblem
 
 __all__ = ["Reply", "run_function", "surface_values"]
 
@@ -61,8 +61,8 @@ def _solve(inputs: dict, context: dict, started: float) -> Reply:
 
 
 def _solved(given: Given, asked: Asked, started: float) -> Reply:
-    from ... import solver
-    from ...check import check
+    from ...model.checks import check
+    from ...solvers import solve as solver
 
     problem = asked.put_on(given.problem, given.names)
     read = time.perf_counter()
@@ -78,10 +78,10 @@ def _solved(given: Given, asked: Asked, started: float) -> Reply:
 
 
 def _flow(inputs: dict, context: dict, started: float) -> Reply:
-    from ...check import check
-    from ...check import refuse
-    from ...flow import FlowSettings
-    from ...flow import flow
+    from ...model.checks import check
+    from ...model.checks import refuse
+    from ...solvers.flow import FlowSettings
+    from ...solvers.flow import flow
 
     given = given_surface(inputs, context)
     problem = Asked(supports="boundary", targets=inputs["K"]).put_on(given.problem, given.names)

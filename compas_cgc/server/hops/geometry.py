@@ -9,18 +9,18 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ...rhino.colours import signed_colours
-from ...rhino.curves import curve_points
-from ...rhino.drawn import Part
-from ...rhino.meshes import coloured
-from ...rhino.meshes import mesh_from_arrays
-from ...rhino.meshes import mesh_to_arrays
-from ..arrays import LARGEST
+from ...io.rhino.colours import signed_colours
+from ...io.rhino.curves import curve_points
+from ...io.rhino.meshes import coloured
+from ...io.rhino.meshes import mesh_from_arrays
+from ...io.rhino.meshes import mesh_to_arrays
+from ...io.rhino.sketch import Part
+from ..api.decoding import LARGEST
+from ..errors import TooLarge
+from ..errors import Unprocessable
 from ..limits import Limits
-from ..problems import TooLarge
-from ..problems import Unprocessable
-from .classes import CURVES
-from .classes import read_head
+from .opennurbs_header import CURVES
+from .opennurbs_header import read_head
 
 __all__ = ["mesh_text", "read_curve", "read_mesh"]
 

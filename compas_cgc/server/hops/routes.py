@@ -11,27 +11,27 @@ from flask import g
 from flask import request
 from flask.blueprints import BlueprintSetupState
 
-from ..calls import in_worker
-from ..calls import jobs
-from ..outcome import unpack_problem
+from ..api.blocking_calls import in_worker
+from ..api.blocking_calls import jobs
+from ..api.replies import respond
+from ..api.serialization import unpack_problem
+from ..errors import RequestProblem
+from ..errors import Unprocessable
+from ..errors import error_body
 from ..page import index
 from ..page import wants_page
-from ..problems import RequestProblem
-from ..problems import Unprocessable
-from ..problems import error_body
-from ..replies import respond
-from .answers import Answers
-from .answers import request_digest
-from .catalogue import ENDPOINTS
-from .envelope import context_of
-from .envelope import known
-from .envelope import read_body
-from .envelope import uri_of
+from .cache import Answers
+from .cache import request_digest
+from .data_tree import entry
+from .data_tree import read_values
+from .endpoints import ENDPOINTS
 from .functions import Reply
 from .functions import run_function
 from .functions import surface_values
-from .values import entry
-from .values import read_values
+from .protocol import context_of
+from .protocol import known
+from .protocol import read_body
+from .protocol import uri_of
 
 __all__ = ["hops"]
 

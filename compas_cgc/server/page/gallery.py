@@ -17,7 +17,7 @@ class Entry(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of :attr:`compas_cgc.examples.SurfaceExample.name`."""
+        """Name of :attr:`compas_cgc.paper.examples.SurfaceExample.name`."""
         return f"example{self.number}_{self.variant}" if self.variant else f"example{self.number}"
 
 

@@ -9,15 +9,15 @@ from flask import Response
 from flask import current_app
 from flask import request
 
-from ..calls import by_clerk
-from ..problems import BadRequest
-from ..problems import NotFound
-from ..problems import Unprocessable
-from ..replies import respond
-from ..uploads import KINDS
-from .contents import read_example
-from .contents import read_model
+from ..api.blocking_calls import by_clerk
+from ..api.mesh_files import KINDS
+from ..api.replies import respond
+from ..errors import BadRequest
+from ..errors import NotFound
+from ..errors import Unprocessable
 from .gallery import GALLERY
+from .preview import read_example
+from .preview import read_model
 
 __all__ = ["index", "page", "wants_page"]
 

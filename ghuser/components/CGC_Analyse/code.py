@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.analyse import analyse
+from compas_cgc.grasshopper.components.analyse import analyse
 
 
 class Analyse(Grasshopper.Kernel.GH_ScriptInstance):

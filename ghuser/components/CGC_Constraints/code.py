@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino
 import System
 
-from compas_cgc.ghpython.components.constraints import constraints
+from compas_cgc.grasshopper.components.constraints import constraints
 
 
 class Constraints(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.example import example
+from compas_cgc.grasshopper.components.example import example
 
 
 class Example(Grasshopper.Kernel.GH_ScriptInstance):

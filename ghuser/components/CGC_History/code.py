@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.history import history
+from compas_cgc.grasshopper.components.history import history
 
 
 class History(Grasshopper.Kernel.GH_ScriptInstance):

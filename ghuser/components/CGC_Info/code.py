@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.info import info
+from compas_cgc.grasshopper.components.info import info
 
 
 class Info(Grasshopper.Kernel.GH_ScriptInstance):

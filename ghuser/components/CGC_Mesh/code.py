@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino
 import System
 
-from compas_cgc.ghpython.components.mesh import cgc_mesh
+from compas_cgc.grasshopper.components.mesh import cgc_mesh
 
 
 class Mesh(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.files import read_3dm
+from compas_cgc.grasshopper.components.files import read_3dm
 
 
 class Read3dm(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.regions import regions
+from compas_cgc.grasshopper.components.regions import regions
 
 
 class Regions(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.server import server
+from compas_cgc.grasshopper.components.server import server
 
 
 class Server(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System  # noqa: F401
 
-from compas_cgc.ghpython.components.settings import settings
+from compas_cgc.grasshopper.components.settings import settings
 
 
 class Settings(Grasshopper.Kernel.GH_ScriptInstance):

@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino  # noqa: F401
 import System
 
-from compas_cgc.ghpython.components.solve import solve
+from compas_cgc.grasshopper.components.solve import solve
 
 
 class Solve(Grasshopper.Kernel.GH_ScriptInstance):

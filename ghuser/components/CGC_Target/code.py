@@ -9,7 +9,7 @@ import Grasshopper
 import Rhino
 import System
 
-from compas_cgc.ghpython.components.target import target
+from compas_cgc.grasshopper.components.target import target
 
 
 class Target(Grasshopper.Kernel.GH_ScriptInstance):

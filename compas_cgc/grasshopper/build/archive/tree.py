@@ -1,0 +1,105 @@
+"""Items in chunks: what every Grasshopper file consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+from typing import Optional
+
+from ....errors import FileError
+from .types import TYPES
+from .types import Value
+
+__all__ = ["Chunk", "Item", "chunk", "item"]
+
+
+class Item(NamedTuple):
+    """A named value."""
+
+    name: str
+    index: Optional[int]  # position in a numbered list such as ``InputId``
+    type: str  # a name of :data:`compas_cgc.grasshopper.build.archive.TYPES`
+    value: Value
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Named items and chunks; the items are kept in the order that Grasshopper writes.
+
+    Parameters
+    ----------
+    name
+        Name, case-sensitive.
+    items
+        Items, unique by name and index.
+    chunks
+        Child chunks, unique by name and index, in an order of their own.
+    index
+        Position in a numbered list such as ``Object``.
+
+    Raises
+    ------
+    FileError
+        If a name and index occur twice.
+    """
+
+    name: str
+    items: tuple[Item, ...] = ()
+    chunks: tuple[Chunk, ...] = ()
+    index: Optional[int] = None
+
+    def __post_init__(self) -> None:
+        ordered = sorted(self.items, key=lambda entry: (entry.name, -1 if entry.index is None else entry.index))
+        object.__setattr__(self, "items", tuple(ordered))
+        object.__setattr__(self, "chunks", tuple(self.chunks))
+        object.__setattr__(self, "_items", _unique(self.name, self.items))
+        object.__setattr__(self, "_chunks", _unique(self.name, self.chunks))
+
+    def has(self, name: str, index: Optional[int] = None) -> bool:
+        """Tell whether there is an item of this name."""
+        return (name, index) in self._items
+
+    def get(self, name: str, index: Optional[int] = None, default: object = None) -> object:
+        """Return the value of an item, or the default."""
+        found = self._items.get((name, index))
+        return default if found is None else found.value
+
+    def child(self, name: str, index: Optional[int] = None) -> Optional[Chunk]:
+        """Return a child chunk, or None."""
+        return self._chunks.get((name, index))
+
+    def children(self, name: str) -> list[Chunk]:
+        """Return the numbered child chunks of a name."""
+        return [part for part in self.chunks if part.name == name]
+
+
+def item(name: str, type: str, value: object, index: Optional[int] = None) -> Item:
+    """Make an item, with its value in the form in which it is read back.
+
+    Raises
+    ------
+    FileError
+        If the value does not fit the type.
+    """
+    if type not in TYPES:
+        raise FileError(f"{type!r} is no type of a Grasshopper file")
+    try:
+        return Item(name, index, type, TYPES[type].clean(value))
+    except (TypeError, ValueError, OverflowError, ArithmeticError) as error:
+        raise FileError(f"the item {name!r} cannot hold {value!r} as {type}: {error}") from None
+
+
+def chunk(name: str, items: Iterable[Item] = (), chunks: Iterable[Chunk] = (), index: Optional[int] = None) -> Chunk:
+    """Make a chunk of any iterables."""
+    return Chunk(name, tuple(items), tuple(chunks), index)
+
+
+def _unique(name: str, parts: tuple) -> dict:
+    found = {(part.name, part.index): part for part in parts}
+    if len(found) != len(parts):
+        keys = [(part.name, part.index) for part in parts]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        where = twice[0] if twice[1] is None else f"{twice[0]} {twice[1]}"
+        raise FileError(f"the chunk {name!r} holds {where!r} twice")
+    return found

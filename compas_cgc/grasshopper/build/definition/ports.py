@@ -1,0 +1,79 @@
+"""Inputs and outputs of the objects on a canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from uuid import UUID
+
+from ....errors import FileError
+from ....server.hops.endpoints import ENDPOINTS
+from ..component_manifest import Bundle
+from ..guids import own_guid
+from .nodes import Definition
+from .nodes import Group
+from .nodes import Hops
+from .nodes import Node
+from .nodes import Note
+from .nodes import Panel
+from .nodes import Script
+
+__all__ = ["check_wires", "input_names", "instance", "output_names", "source_guid", "sources_of"]
+
+
+def instance(definition: Definition, node: Node) -> str:
+    """Return the words that the GUIDs of an object are made from."""
+    return f"definition/{definition.name}/{node.key}"
+
+
+def input_names(node: Node, bundles: Mapping[str, Bundle]) -> list[str]:
+    """Return the names of the inputs on the left side of an object."""
+    if isinstance(node, Hops):
+        return [own.name for own in ENDPOINTS[node.uri].inputs]
+    return [parameter.name for parameter in bundles[node.bundle].inputs] if isinstance(node, Script) else []
+
+
+def output_names(node: Node, bundles: Mapping[str, Bundle]) -> list[str]:
+    """Return the names of the outputs on the right side of an object."""
+    if isinstance(node, Hops):
+        return [own.name for own in ENDPOINTS[node.uri].outputs]
+    return [parameter.name for parameter in bundles[node.bundle].outputs] if isinstance(node, Script) else []
+
+
+def sources_of(node: Node) -> dict[str, tuple[str, ...]]:
+    """Return the wires that come into an object, by the name of the input; a panel's has no name."""
+    if isinstance(node, Panel):
+        return {"": (node.source,)} if node.source else {}
+    if isinstance(node, (Script, Hops)):
+        return {name: (wire,) if isinstance(wire, str) else tuple(wire) for name, wire in node.wires.items()}
+    return {}
+
+
+def source_guid(definition: Definition, wire: str) -> UUID:
+    """Return the instance of the parameter that a wire comes from."""
+    key, _, output = wire.partition(".")
+    node = next(node for node in definition.nodes if node.key == key)
+    return own_guid(instance(definition, node), "Output", output) if output else own_guid(instance(definition, node))
+
+
+def check_wires(definition: Definition, bundles: Mapping[str, Bundle]) -> None:
+    """Refuse wires that come from or lead to what is not there.
+
+    Raises
+    ------
+    FileError
+        Naming the wire.
+    """
+    nodes = {node.key: node for node in definition.nodes}
+    if len(nodes) < len(definition.nodes):
+        raise FileError(f"the definition {definition.name} has two objects of the same key")
+    for node in definition.nodes:
+        if isinstance(node, Group) and not set(node.members) <= set(nodes):
+            raise FileError(f"{definition.name}: the group {node.key} holds an object that is not there")
+        for name, wires in sources_of(node).items():
+            if isinstance(node, (Script, Hops)) and name not in input_names(node, bundles):
+                raise FileError(f"{definition.name}: {node.key} has no input {name!r}")
+            for wire in wires:
+                key, _, output = wire.partition(".")
+                outputs = output_names(nodes[key], bundles) if key in nodes else None
+                if outputs is None or isinstance(nodes[key], (Group, Note)) or (output not in outputs if outputs else output):
+                    raise FileError(f"{definition.name}: the wire from {wire!r} to {node.key}.{name} begins nowhere")

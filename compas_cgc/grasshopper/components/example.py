@@ -1,0 +1,36 @@
+"""Example: the surfaces of the paper as inputs."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+from ...errors import CGCError
+from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...paper.examples import examples_of
+from ..runtime.component_feedback import reporting
+from ..runtime.component_feedback import say
+
+__all__ = ["ExampleOutputs", "example"]
+
+
+class ExampleOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    mesh: Any
+    cgc_mesh: Any
+    settings: Any
+    title: Optional[str]
+
+
+@reporting(ExampleOutputs)
+def example(component: Any, number: Optional[int], variant: Optional[str]) -> ExampleOutputs:
+    """Give the mesh and the settings of one of Examples 2 to 7."""
+    number = 4 if number is None else int(number)
+    if not 2 <= number <= 7:
+        raise CGCError(f"number must be from 2 to 7, not {number}; Example 1 is about plane curves")
+    chosen = examples_of(number, variant.strip() if variant else None)[0]
+    mesh, settings = chosen.build()
+    say(component, chosen.name)
+    return ExampleOutputs(mesh_from_arrays(*mesh.arrays()), mesh, settings, f"Example {number}: {chosen.title}")

@@ -1,0 +1,34 @@
+"""History: how a solve went, step by step."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+
+from ..runtime.component_feedback import reporting
+from ..runtime.component_feedback import say
+from ..runtime.component_feedback import warn
+
+__all__ = ["HistoryOutputs", "history"]
+
+
+class HistoryOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    step: Any
+    energy: Any
+    error_norm: Any
+    max_error: Any
+    step_length: Any
+
+
+@reporting(HistoryOutputs)
+def history(component: Any, result: Any) -> HistoryOutputs:
+    """List the figures of every step, for a graph."""
+    if result is None:
+        warn(component, "connect the result of Solve")
+        return HistoryOutputs(*[None] * len(HistoryOutputs._fields))
+    rows = result.history
+    say(component, f"{len(rows['energy'])} steps")
+    steps = list(range(1, len(rows["energy"]) + 1))
+    return HistoryOutputs(steps, rows["energy"], rows["error_norm"], rows["max_error"], rows["step_length"])

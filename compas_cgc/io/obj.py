@@ -1,0 +1,76 @@
+"""Wavefront .obj: faces in groups by region, creases as lines, supports as points, every digit kept."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import FileError
+from ._text import read_lines
+from .asked import Asked
+from .meshfile import MeshFile
+
+__all__ = ["obj_text", "read_obj"]
+
+_TARGET = re.compile(r"^K=(\S+)$")
+
+
+def read_obj(path: Path) -> MeshFile:
+    """Read a .obj file.
+
+    Faces of any number of corners; ``l`` elements are creases, ``p`` elements supports,
+    and a group name ``K=0.03`` is the target of its faces.
+    """
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    lines: list[list[int]] = []
+    points: list[int] = []
+    targets: dict[int, float] = {}
+    K = None
+    for number, line in read_lines(path):
+        word, *rest = line.split()
+        try:
+            if word == "v":
+                vertices.append([float(x) for x in rest[:3]])
+                if len(rest) < 3:
+                    raise ValueError("three coordinates are needed")
+            elif word in ("f", "l", "p"):
+                # Indices count from 1, or back from the last vertex; v/vt/vn names textures and normals too.
+                index = [int(part.split("/")[0]) for part in rest]
+                index = [i - 1 if i > 0 else len(vertices) + i for i in index]
+                if any(not 0 <= i < len(vertices) for i in index):
+                    raise ValueError("there is no such vertex")
+                if word == "f":
+                    faces.append(index)
+                    if K is not None:
+                        targets.update((v, K) for v in index)
+                elif word == "l":
+                    lines.append(index)
+                else:
+                    points += index
+            elif word == "g":
+                found = [m.group(1) for m in map(_TARGET.match, rest) if m]
+                K = float(found[0]) if found else None
+        except ValueError as error:
+            raise FileError(f"{path}, line {number}: {line.strip()[:60]!r} cannot be read ({error}); correct it or export again") from None
+    values = [targets.get(v) for v in range(len(vertices))] if targets else None
+    return MeshFile(np.array(vertices, dtype=np.float64).reshape(-1, 3), faces, points, lines, values)
+
+
+def obj_text(mesh: Asked) -> str:
+    """Return a mesh as the text of a .obj file."""
+    targets = mesh.region_targets()
+    lines = ["# compas_cgc: l = creases, p = supports, K = target Gaussian curvature", f"o {' '.join(mesh.name.split())}"]
+    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
+    last = None
+    for a, b, c, region in zip(*(mesh.faces.T + 1).tolist(), mesh.regions.tolist()):
+        if region != last:
+            lines.append(f"g region_{region}" + ("" if targets[region] is None else f" K={targets[region]!r}"))
+            last = region
+        lines.append(f"f {a} {b} {c}")
+    lines += ["l " + " ".join(str(v + 1) for v in path) for path in mesh.creases]
+    supports = [str(v + 1) for v in mesh.supports.tolist()]
+    lines += ["p " + " ".join(supports[i : i + 20]) for i in range(0, len(supports), 20)]
+    return "\n".join(lines) + "\n"

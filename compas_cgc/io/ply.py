@@ -1,0 +1,139 @@
+"""Polygon file format .ply: doubles, with role and target of every vertex and the creases as edges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..errors import FileError
+from ..model.problem import FIXED
+from ..model.problem import ROLES
+from ._text import read_bytes
+from .asked import Asked
+from .meshfile import MeshFile
+
+__all__ = ["ply_text", "read_ply"]
+
+_TYPES = {
+    **{name: "i1" for name in ("char", "int8")},
+    **{name: "u1" for name in ("uchar", "uint8")},
+    **{name: "i2" for name in ("short", "int16")},
+    **{name: "u2" for name in ("ushort", "uint16")},
+    **{name: "i4" for name in ("int", "int32")},
+    **{name: "u4" for name in ("uint", "uint32")},
+    **{name: "f4" for name in ("float", "float32")},
+    **{name: "f8" for name in ("double", "float64")},
+}
+
+
+class _Property(NamedTuple):
+    name: str
+    kind: str  # numpy type
+    length: Optional[str]  # numpy type of the length of a list, None for a single value
+
+
+class _Element(NamedTuple):
+    name: str
+    count: int
+    properties: list[_Property]
+
+
+def read_ply(path: Path) -> MeshFile:
+    """Read a .ply file, text or binary of either byte order.
+
+    The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as
+    :func:`ply_text` writes them, are read where they are there.
+    """
+    data = read_bytes(path)
+    try:
+        kind, elements, start = _header(data)
+        rows = _text_rows(data[start:], elements) if kind == "ascii" else _binary_rows(data, start, elements, kind)
+        tables = dict(zip((element.name for element in elements), rows))
+        table = tables["vertex"]
+        vertices = np.column_stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"])
+        corners = next(name for name in ("vertex_indices", "vertex_index") if name in tables["face"])
+        faces = [[int(i) for i in face] for face in tables["face"][corners]]
+        edges = tables.get("edge", {})
+        marked = zip(edges["vertex1"], edges["vertex2"], edges["crease"]) if "crease" in edges else ()
+        creases = [[int(u), int(v)] for u, v, on in marked if on]
+        roles = np.asarray(table.get("role", []), dtype=np.int64)
+        targets = [None if np.isnan(K) else float(K) for K in table["target"]] if "target" in table else None
+    except (KeyError, IndexError, ValueError, StopIteration, OverflowError) as error:
+        raise FileError(f"{path} cannot be read as .ply ({error or 'it ends too early'}); export it again") from None
+    single = any(p.kind == "f4" and p.name == "x" for element in elements for p in element.properties) and kind != "ascii"
+    notes = ("this .ply carries seven digits only; a .3dm or .obj keeps them all",) if single else ()
+    return MeshFile(vertices, faces, np.flatnonzero(roles == FIXED).tolist(), creases, targets, notes)
+
+
+def _header(data: bytes) -> tuple[str, list[_Element], int]:
+    end = data.find(b"end_header")
+    if not data[:4].lower().startswith(b"ply") or end < 0:
+        raise ValueError("it does not begin with a header")
+    start = data.index(b"\n", end) + 1
+    kind, elements = "", []
+    for words in (line.split() for line in data[:end].decode("ascii", "replace").splitlines()):
+        if words[:1] == ["format"]:
+            kind = words[1]
+        elif words[:1] == ["element"]:
+            elements.append(_Element(words[1], int(words[2]), []))
+        elif words[:2] == ["property", "list"]:
+            elements[-1].properties.append(_Property(words[4], _TYPES[words[3]], _TYPES[words[2]]))
+        elif words[:1] == ["property"]:
+            elements[-1].properties.append(_Property(words[2], _TYPES[words[1]], None))
+    if kind not in ("ascii", "binary_little_endian", "binary_big_endian"):
+        raise ValueError(f"the format {kind!r} is unknown")
+    return kind, elements, start
+
+
+def _text_rows(body: bytes, elements: list[_Element]) -> list[dict[str, list]]:
+    words = iter(body.split())
+    tables = []
+    for element in elements:
+        table: dict[str, list] = {p.name: [] for p in element.properties}
+        for _ in range(element.count):
+            for p in element.properties:
+                read = float if p.kind[0] == "f" else int
+                table[p.name].append(read(next(words)) if p.length is None else [read(next(words)) for _ in range(int(next(words)))])
+        tables.append(table)
+    return tables
+
+
+def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -> list[dict[str, list]]:
+    tables = []
+    order = "<" if kind == "binary_little_endian" else ">"
+    for element in elements:
+        if all(p.length is None for p in element.properties):
+            record = np.dtype([(p.name, order + p.kind) for p in element.properties])
+            rows = np.frombuffer(data, record, element.count, start)
+            start += record.itemsize * element.count
+            tables.append({p.name: rows[p.name].tolist() for p in element.properties})
+            continue
+        table: dict[str, list] = {p.name: [] for p in element.properties}
+        for _ in range(element.count):
+            for p in element.properties:
+                count = 1
+                if p.length is not None:
+                    count = int(np.frombuffer(data, order + p.length, 1, start)[0])
+                    start += np.dtype(p.length).itemsize
+                values = np.frombuffer(data, order + p.kind, count, start).tolist()
+                start += np.dtype(p.kind).itemsize * count
+                table[p.name].append(values if p.length is not None else values[0])
+        tables.append(table)
+    return tables
+
+
+def ply_text(mesh: Asked) -> str:
+    """Return a mesh as a .ply file in text."""
+    lines = ["ply", "format ascii 1.0", f"comment compas_cgc: role = {', '.join(f'{i} {role}' for i, role in enumerate(ROLES))}"]
+    lines += [f"element vertex {len(mesh.vertices)}", *(f"property double {axis}" for axis in "xyz")]
+    lines += ["property uchar role", "property double target"]
+    lines += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]
+    lines += [f"element edge {len(mesh.edges)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
+    columns = zip(*mesh.vertices.T.tolist(), mesh.roles.tolist(), mesh.targets.tolist())
+    lines += [f"{x!r} {y!r} {z!r} {role} {K!r}" for x, y, z, role, K in columns]
+    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*mesh.faces.T.tolist())]
+    lines += [f"{u} {v} 1" for u, v in mesh.edges.tolist()]
+    return "\n".join(lines) + "\n"

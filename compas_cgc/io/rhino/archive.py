@@ -1,0 +1,138 @@
+"""Open and save .3dm archives, and survive damaged ones."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Union
+
+from ...errors import FileError
+from ..written import written
+
+if TYPE_CHECKING:
+    import rhino3dm
+
+__all__ = ["read_archive", "rhino3dm_module", "write_archive"]
+
+_MAGIC = b"3D Geometry File Format "
+
+# What a child process tries: damage in a length can make the reader ask for all the memory there is, or end the process.
+_TRIAL = """
+import sys
+sys.path = [entry for entry in sys.path if entry]
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_AS, (int(sys.argv[2]), int(sys.argv[2])))
+except (ImportError, OSError, ValueError):
+    pass
+import rhino3dm
+sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
+"""
+
+
+def rhino3dm_module():
+    """Return the rhino3dm module, or say that it is too old for double precision."""
+    import rhino3dm
+
+    if not hasattr(rhino3dm.MeshVertexList, "AddPoint3d"):
+        raise FileError("this rhino3dm keeps seven digits only; install a newer one: pip install 'rhino3dm>=8.32.1'")
+    return rhino3dm
+
+
+def read_archive(path: Union[str, os.PathLike]) -> rhino3dm.File3dm:
+    """Return the archive in a .3dm file.
+
+    The file is read by a child process first where there is a Python to run one: what
+    kills or stops the child is reported, not suffered.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is not a whole .3dm file.
+    """
+    name = Path(path)
+    _check_frame(name)
+    _check_in_child(name)
+    archive = rhino3dm_module().File3dm.Read(str(name))
+    if archive is None:
+        raise _damaged(name)
+    return archive
+
+
+def write_archive(archive: rhino3dm.File3dm, path: Union[str, os.PathLike], version: int = 7) -> None:
+    """Save an archive as a .3dm file, whole or not at all.
+
+    Parameters
+    ----------
+    archive
+        What to write.
+    path
+        Where to; an older file there is replaced when the new one is complete.
+    version
+        7 (opens in Rhino 7 and later) or 8.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    ValueError
+        If the version is another.
+    """
+    if version not in (7, 8):
+        raise ValueError(f"version must be 7 or 8, not {version!r}")
+    with written(path) as beside:
+        if not archive.Write(str(beside), version):
+            raise FileError(f"{path} cannot be written: rhino3dm gave up; is the disk full?")
+
+
+def _damaged(path: Path) -> FileError:
+    return FileError(f"{path} is damaged; open it in Rhino (the command Rescue3dmFile may help) and save it again")
+
+
+def _check_frame(path: Path) -> None:
+    """Check the first and last bytes: the magic word, and the end mark with the length of the file."""
+    if path.is_dir():
+        raise FileError(f"{path} is a folder; give a .3dm file in it")
+    try:
+        with open(path, "rb") as file:
+            head = file.read(32)
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - 20))
+            tail = file.read(20)
+    except FileNotFoundError:
+        raise FileError(f"there is no file {path}; check the name") from None
+    except OSError as error:
+        raise FileError(f"{path} cannot be read ({error.strerror})") from None
+    if not head.startswith(_MAGIC):
+        what = "is empty" if size == 0 else "is not a Rhino file, whatever its name says"
+        raise FileError(f"{path} {what}; give a .3dm file saved by Rhino or compas_cgc")
+    version = head[24:32].strip()
+    if version == b"1":
+        # Archives of Rhino 1 carry no end mark to tell a whole file by.
+        raise FileError(f"{path} was saved by Rhino 1; open it in a newer Rhino and save it again")
+    if version.isdigit() and int(version) >= 50:
+        code, _, length = struct.unpack("<IQQ", tail) if len(tail) == 20 else (0, 0, 0)
+    else:
+        code, _, length = struct.unpack("<III", tail[-12:]) if len(tail) >= 12 else (0, 0, 0)
+    if code != 0x7FFF or length != size:
+        raise FileError(f"{path} is not complete, its end is missing or wrong; copy it again or save it again from Rhino")
+
+
+def _check_in_child(path: Path) -> None:
+    """Let a child process with limited memory and time read the file first."""
+    if not os.path.basename(sys.executable or "").lower().startswith(("python", "pypy")):
+        return  # Inside Rhino the executable is Rhino.
+    size = path.stat().st_size
+    command = [sys.executable, "-c", _TRIAL, str(path.resolve()), str((1 << 30) + 100 * size)]
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=10.0 + size / 2e6)
+    except subprocess.TimeoutExpired:
+        raise _damaged(path) from None
+    except OSError:
+        return
+    if done.returncode != 0:
+        raise _damaged(path)

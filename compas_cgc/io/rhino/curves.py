@@ -1,0 +1,80 @@
+"""Curves of any kind to points along them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+
+if TYPE_CHECKING:
+    import rhino3dm
+
+__all__ = ["curve_points"]
+
+_MOST_POINTS = 20_000
+
+
+def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+    """Return points along a curve whose polyline keeps within a tolerance of it.
+
+    The corners of polylines come back exactly; the parts of a polycurve are taken one by
+    one, so that its kinks are met.
+
+    Parameters
+    ----------
+    curve
+        Curve of any kind.
+    tolerance
+        Largest distance between the curve and the polyline [L].
+
+    Returns
+    -------
+    (k, 3) float64
+        First and last equal if the curve is closed. Empty if the curve has no finite points.
+    """
+    import rhino3dm
+
+    if isinstance(curve, rhino3dm.PolyCurve) and curve.SegmentCount > 1:
+        parts = [curve_points(curve.SegmentCurve(i), tolerance) for i in range(curve.SegmentCount)]
+        points = np.concatenate([part for part in parts if len(part)] or [np.empty((0, 3))])
+    else:
+        polyline = curve.TryGetPolyline()
+        points = np.array([(p.X, p.Y, p.Z) for p in polyline]) if polyline is not None else _sample(curve, tolerance)
+    points = points.reshape(-1, 3)
+    if not np.isfinite(points).all():
+        return np.empty((0, 3))
+    fresh = np.ones(len(points), bool)
+    fresh[1:] = (points[1:] != points[:-1]).any(axis=1)
+    points = points[fresh]
+    if curve.IsClosed and len(points) > 2 and np.linalg.norm(points[0] - points[-1]) <= tolerance:
+        points[-1] = points[0]
+    return points
+
+
+def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+    """Halve the parameter intervals until their middles are within the tolerance of the chords."""
+    low, high = curve.Domain.T0, curve.Domain.T1
+
+    def at(parameters: FloatArray) -> FloatArray:
+        return np.array([(p.X, p.Y, p.Z) for p in map(curve.PointAt, parameters.tolist())]).reshape(-1, 3)
+
+    t = np.linspace(low, high, 8 * max(1, min(curve.SpanCount, 500)) + 1)
+    points = at(t)
+    coarse = np.ones(len(t) - 1, bool)
+    while coarse.any() and len(t) < _MOST_POINTS:
+        where = np.flatnonzero(coarse)
+        middle = 0.5 * (t[where] + t[where + 1])
+        inside = at(middle)
+        # A third of the tolerance: the farthest place is not exactly in the middle.
+        bad = np.linalg.norm(inside - 0.5 * (points[where] + points[where + 1]), axis=1) > tolerance / 3
+        bad &= (middle > t[where]) & (middle < t[where + 1])
+        t = np.insert(t, where + 1, middle)
+        points = np.insert(points, where + 1, inside, axis=0)
+        split = np.repeat(bad, 2)
+        done = np.zeros(len(t) - 1, bool)
+        first = where + np.arange(len(where))
+        done[np.column_stack([first, first + 1]).ravel()] = split
+        coarse = done
+    return points

@@ -1,0 +1,91 @@
+"""Read a .3dm file: what it holds, what that means, what was done to it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Optional
+from typing import Union
+
+from ...errors import FileError
+from .archive import read_archive
+from .assemble import assemble
+from .convert import to_drawn
+from .convert import to_part
+from .layers import layer_names
+from .model import Model3dm
+from .objects import Item
+from .objects import list_items
+from .outlines import outline_part
+from .selection import select
+from .sketch import Drawn
+from .texts import user_number
+from .texts import user_target
+from .units import unit_name
+
+__all__ = ["read_model"]
+
+
+def read_model(
+    path: Union[str, os.PathLike],
+    layers: Optional[Mapping[str, object]] = None,
+    crease: str = "trace",
+    tolerance: Optional[float] = None,
+    edge_length: Optional[float] = None,
+) -> Model3dm:
+    """Read a surface problem from a .3dm file.
+
+    See ``docs/3dm.md`` for the layers. Without any of them the first mesh is read, points
+    as supports and curves as creases.
+
+    Parameters
+    ----------
+    path
+        The .3dm file, of any Rhino from version 2 on.
+    layers
+        Names of layers by role, see :func:`compas_cgc.io.rhino.layer_names`.
+    crease
+        What to do with a crease that does not follow mesh edges: ``"trace"`` takes the
+        best path of edges, ``"split"`` cuts the mesh along it.
+    tolerance
+        Distance within which points are one [L]. Default: the file's.
+    edge_length
+        Where there is no mesh: length of the edges of one that is made between the outline
+        and the creases [L], which takes the extra ``mesher``.
+
+    Returns
+    -------
+    Model3dm
+        What cannot be used is listed in its ``problems``, and refused by ``to_cgcmesh()``.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read or holds no usable mesh.
+    """
+    names = layer_names(path, layers)
+    archive = read_archive(path)
+    found = select(list_items(archive), names)
+    own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
+    try:
+        converted = [to_part(item) for item in found.mesh] or [outline_part(found, edge_length, own)]
+        return assemble(
+            name=Path(path).stem,
+            parts=[part for part, _ in converted],
+            supports=lambda fine: _drawn(found.supports, fine),
+            creases=lambda fine: _drawn(found.creases, fine),
+            targets=lambda fine: _drawn(found.targets, fine),
+            constraints=lambda fine: _drawn(found.constraints, fine),
+            units=unit_name(archive.Settings.ModelUnitSystem),
+            tolerance=own,
+            solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
+            crease=crease,
+            notes=found.notes + [note for _, notes in converted for note in notes],
+        )
+    except FileError as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def _drawn(items: list[Item], tolerance: float) -> list[Drawn]:
+    return [to_drawn(item, tolerance) for item in items]

@@ -1,0 +1,85 @@
+"""Text dots and user text to a target for every vertex."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...meshing import face_regions
+from ...meshing.point_location import face_at
+from .join import Shell
+from .sketch import Drawn
+from .sketch import Part
+
+__all__ = ["find_targets"]
+
+
+def find_targets(
+    dots: list[Drawn], parts: list[Part], solved: dict[int, Optional[float]], shell: Shell, creases: IntArray, unit: str
+) -> tuple[FloatArray, list[str], list[str]]:
+    """Give every vertex the target of its region.
+
+    In this order, later ones first: text dots and points inside of the region, the
+    regions of an earlier result, user text ``K`` on the mesh, user text ``K`` on its layer.
+
+    Parameters
+    ----------
+    dots
+        Text dots such as ``K=0.03``, and points with user text ``K``.
+    parts
+        The objects that the mesh was made of.
+    solved
+        Target of every region of an earlier result, empty if there is none.
+    shell
+        The mesh.
+    creases
+        ``(c, 2)`` crease edges.
+    unit
+        What lengths are followed by in sentences.
+
+    Returns
+    -------
+    targets (n,), notes, problems
+        NaN where there is none; on creases the target of the last region that has one.
+    """
+    region = face_regions(shell.faces, creases)
+    count = int(region.max()) + 1
+    K = np.full(count, np.nan)
+    notes = []
+    for owner, part in reversed(list(enumerate(parts))):
+        if part.target is not None:
+            K[np.unique(region[shell.owner == owner])] = part.target
+            notes.append(f"{part.label} asks for K = {part.target:g}")
+    if set(solved) == set(range(count)):
+        known = [r for r, value in solved.items() if value is not None]
+        K[known] = [solved[r] for r in known]
+        notes.append(f"the targets of an earlier result hold where nothing else is said: {count} regions")
+    elif solved:
+        notes.append("the regions of an earlier result are not those of this mesh; their targets were left out")
+    by_dot: dict[int, Drawn] = {}
+    problems = []
+    for item in dots:
+        if item.target is None:
+            problems.append(f"target {item.label} does not say a number; write K=0.03, with the number you want")
+            continue
+        face, distance = face_at(item.points[0], shell.vertices, shell.faces)
+        r = int(region[face])
+        other = by_dot.setdefault(r, item)
+        if other.target != item.target:
+            problems.append(
+                f"targets {item.label} (K={item.target:g}) and {other.label} (K={other.target:g}) lie in the same region; delete one"
+            )
+        if distance > 0.0:
+            notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was given to the nearest region, {r}")
+        K[r] = item.target
+    without = np.flatnonzero(np.isnan(K)) if np.isfinite(K).any() else []
+    notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
+    targets = np.full(len(shell.vertices), np.nan)
+    for corner in range(3):
+        value = K[region]
+        known = np.isfinite(value)
+        targets[shell.faces[known, corner]] = value[known]
+    return targets, notes, problems

@@ -1,0 +1,40 @@
+"""Unit systems by name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...errors import FileError
+
+if TYPE_CHECKING:
+    import rhino3dm
+
+__all__ = ["unit_name", "unit_suffix", "unit_system"]
+
+_SHORT = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
+
+
+def unit_name(system: rhino3dm.UnitSystem) -> str:
+    """Return the name of a unit system, such as ``Millimeters``."""
+    return str(system).rsplit(".", 1)[-1]
+
+
+def unit_system(name: str) -> rhino3dm.UnitSystem:
+    """Return the unit system of a name such as ``Millimeters``.
+
+    Raises
+    ------
+    FileError
+        If there is none of that name.
+    """
+    import rhino3dm
+
+    system = getattr(rhino3dm.UnitSystem, name, None)
+    if not isinstance(system, rhino3dm.UnitSystem):
+        raise FileError(f"there is no unit {name!r} in Rhino; use one such as Millimeters, Meters or Feet")
+    return system
+
+
+def unit_suffix(name: str) -> str:
+    """Return what to write after a length, such as `` mm``; nothing for units without a short name."""
+    return f" {_SHORT[name]}" if name in _SHORT else ""

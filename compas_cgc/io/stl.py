@@ -1,0 +1,52 @@
+"""Stereolithography .stl: triangles without shared vertices; as text every digit is kept."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..discrete import face_normals
+from ..errors import FileError
+from ._text import read_bytes
+from .asked import Asked
+from .meshfile import MeshFile
+
+__all__ = ["read_stl", "stl_text"]
+
+_VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def read_stl(path: Path) -> MeshFile:
+    """Read a .stl file, binary or text; corners at the same place become one vertex."""
+    data = read_bytes(path)
+    count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
+    notes: tuple[str, ...] = ()
+    if len(data) == 84 + 50 * count:
+        corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+        notes = ("a binary .stl carries seven digits only; a .3dm, .obj or .ply keeps them all",)
+    elif data[:80].lstrip().lower().startswith(b"solid"):
+        try:
+            corners = np.array([[float(x) for x in found] for found in _VERTEX.findall(data)]).reshape(-1, 3)
+        except ValueError as error:
+            raise FileError(f"{path} cannot be read ({error}); export it again") from None
+        if len(corners) != 3 * len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE)):
+            raise FileError(f"{path} is not complete, a triangle has not three corners; export it again")
+    else:
+        raise FileError(f"{path} is no whole .stl file; export it again")
+    return MeshFile(corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
+
+
+def stl_text(mesh: Asked) -> str:
+    """Return a mesh as the text of a .stl file, which has no place for roles."""
+    name = "_".join(mesh.name.split())
+    points = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
+    normals = face_normals(mesh.vertices, mesh.faces)
+    lines = [f"solid {name}"]
+    for a, b, c, x, y, z in zip(*mesh.faces.T.tolist(), *normals.T.tolist()):
+        corners = f"{points[a]}\n{points[b]}\n{points[c]}"
+        lines.append(f"facet normal {x!r} {y!r} {z!r}\nouter loop\n{corners}\nendloop\nendfacet")
+    lines.append(f"endsolid {name}")
+    return "\n".join(lines) + "\n"

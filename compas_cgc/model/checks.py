@@ -1,0 +1,155 @@
+"""What keeps a problem from being solved."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import ProblemError
+from ..meshing import Problem
+from ..meshing import boundary_loops
+from ..meshing import existence_problems
+from ..meshing import face_regions
+from ..meshing import lost_edges
+from ..meshing import mesh_problems
+from ..meshing import vertex_labels
+from ..meshing.checks import listed
+from ..meshing.checks import plane_of
+from .problem import FIXED
+from .problem import FREE
+from .problem import INTERNAL
+from .problem import CGCProblem
+
+__all__ = ["Names", "check", "refuse"]
+
+
+class Names(NamedTuple):
+    """What the user calls vertices and faces."""
+
+    vertices: IntArray  # (n,)
+    faces: IntArray  # (m,)
+
+
+def check(problem: CGCProblem, names: Optional[Names] = None) -> list[Problem]:
+    """List what keeps a problem from being solved: first of its geometry, then of what is asked of it.
+
+    Parameters
+    ----------
+    problem
+        Vertices and faces with roles, targets and creases.
+    names
+        Default: their positions.
+
+    Returns
+    -------
+    list of Problem
+        Sentences; those with ``fatal`` set make a solve refuse with the same text.
+    """
+    names = names or Names(np.arange(len(problem.vertices)), np.arange(len(problem.faces)))
+    problems = mesh_problems(problem.vertices, problem.faces, *names)
+    sound = not any(said.fatal for said in problems)
+    problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
+    if sound and not any(said.fatal for said in problems):
+        real = np.isin(np.arange(len(problem.vertices)), problem.faces[problem.real_faces])
+        problems += _existence_problems(problem.without_dummies(), names.vertices[real])
+    return problems
+
+
+def refuse(problems: list[Problem]) -> None:
+    """Raise :class:`ProblemError` with those of the problems that are fatal, if there are any."""
+    fatal = [problem for problem in problems if problem.fatal]
+    if fatal:
+        raise ProblemError(fatal)
+
+
+def lost_creases(edges: list) -> Problem:
+    """Return the sentence on creases that are no edges."""
+    return Problem(f"the creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
+
+
+def dropped_faces(names: object) -> Problem:
+    """Return the sentence on faces that are no polygons."""
+    return Problem(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
+
+
+def _role_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+    problems = []
+    if not (problem.roles == FIXED).any():
+        mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
+        problems.append(Problem(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
+    lost = lost_edges(problem.faces, problem.creases)
+    if lost.any():
+        problems.append(lost_creases(names[problem.creases[lost]].tolist()))
+    if not np.isin(problem.roles, (INTERNAL, FREE)).any():
+        problems.append(
+            Problem("there is no internal vertex, so no curvature to ask for; refine the mesh or free some supports or creases")
+        )
+    return problems
+
+
+def _target_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+    # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
+    asked = problem.asked
+    missing = asked & np.isnan(problem.targets)
+    wrong = asked & np.isinf(problem.targets)
+    problems = []
+    if missing.any() and (missing == asked).all():
+        problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
+    elif missing.any():
+        text = "have no target; set one for their region (mesh.set_target(K, region=r))"
+        problems.append(Problem(f"vertices {listed(names[missing])} {text}"))
+    if wrong.any():
+        problems.append(Problem(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set numbers"))
+    return problems
+
+
+def _existence_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+    """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
+    V, F, roles = problem.vertices, problem.faces, problem.roles
+    piece = face_regions(F, np.empty((0, 2), dtype=np.int64))
+    belongs = vertex_labels(len(V), F, piece)
+    loops = boundary_loops(F)
+    creased = np.unique(belongs[problem.creases])
+    problems = []
+    for p in range(piece.max(initial=-1) + 1):
+        own = np.flatnonzero(belongs == p)
+        if not (roles[own] == FIXED).any():
+            held = f"the piece of vertex {names[own].min()} has no support, nothing holds it; fix one of its vertices or remove it"
+            problems.append(Problem(held))
+            continue
+        around = [loop for loop in loops if belongs[loop[0]] == p]
+        if not around:
+            closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
+            problems.append(Problem(closed, fatal=False))
+        targets = problem.targets[own[roles[own] == INTERNAL]]
+        if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(targets) or targets.min() <= 0:
+            continue
+        corners = F[piece == p]
+        up = face_normals(V, corners).sum(axis=0)
+        concave = [loop[_turns_inwards(V[loop], up)] for loop in around]
+        if any(map(len, concave)):
+            text = "where a surface of positive K needs a crease; lead creases to them if the solve fails"
+            problems.append(Problem(f"the edge is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False))
+        if len(around) == 1:
+            problems += existence_problems(V, corners, around[0], float(targets.min()))
+    return problems
+
+
+def _turns_inwards(loop: FloatArray, up: FloatArray) -> np.ndarray:
+    """Tell where a plane loop, with the surface to its left, turns right by more than 10 degrees (b,).
+
+    The normal curvature along a plane edge would have to change its sign there, which
+    it cannot with K > 0.
+    """
+    _, reach = plane_of(loop)
+    if reach > 1e-6:
+        return np.zeros(len(loop), bool)
+    ahead = np.roll(loop, -1, axis=0) - loop
+    behind = np.roll(ahead, 1, axis=0)
+    left = np.cross(behind, ahead) @ (up / np.linalg.norm(up))
+    return np.arctan2(left, np.einsum("ij,ij->i", behind, ahead)) < -np.radians(10)

@@ -1,0 +1,190 @@
+"""What a designer may ask of vertices besides K."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import ProblemError
+from .problem import Frame
+
+__all__ = ["AtHeight", "Constraint", "Feet", "Held", "Mirror", "Near", "OnCurve", "OnLine", "OnPlane", "Placing", "indices", "unit"]
+
+
+class Feet(NamedTuple):
+    """Where constrained vertices should be."""
+
+    points: FloatArray  # (k, 3) nearest points that fulfil the constraint [L]
+    normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave it
+
+
+class Constraint:
+    """Base of all constraints; vertices are indices, lengths in model units."""
+
+    def local(self, frame: Frame) -> Constraint:
+        """Return the same constraint in a local frame."""
+        return self
+
+
+class Placing(Constraint):
+    """A constraint that says where vertices have to be."""
+
+    vertices: Sequence[int]
+
+    def feet(self, points: FloatArray) -> Feet:
+        """Return where vertices at some points (k, 3) should be."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class OnPlane(Placing):
+    """Vertices on the plane through a point [L] with a normal."""
+
+    vertices: Sequence[int]
+    point: Sequence[float]
+    normal: Sequence[float]
+
+    def local(self, frame: Frame) -> OnPlane:
+        """Return the plane in a local frame."""
+        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+
+    def feet(self, points: FloatArray) -> Feet:
+        """Return the nearest points of the plane."""
+        normal = unit(self.normal, "the normal of a plane")
+        return Feet(points - ((points - self.point) @ normal)[:, None] * normal, _every(np.outer(normal, normal), points))
+
+
+@dataclass(frozen=True)
+class AtHeight(Placing):
+    """Vertices at a height z [L]."""
+
+    vertices: Sequence[int]
+    height: float
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.height):
+            raise ValueError(f"height must be a number, not {self.height!r}")
+
+    def local(self, frame: Frame) -> AtHeight:
+        """Return the height in a local frame."""
+        return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
+
+    def feet(self, points: FloatArray) -> Feet:
+        """Return the points at the height below or above."""
+        return Feet(np.column_stack([points[:, :2], np.full(len(points), self.height)]), _every(np.diag([0.0, 0.0, 1.0]), points))
+
+
+@dataclass(frozen=True)
+class OnLine(Placing):
+    """Vertices on the endless line through a point [L] with a direction."""
+
+    vertices: Sequence[int]
+    point: Sequence[float]
+    direction: Sequence[float]
+
+    def local(self, frame: Frame) -> OnLine:
+        """Return the line in a local frame."""
+        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+
+    def feet(self, points: FloatArray) -> Feet:
+        """Return the nearest points of the line."""
+        along = unit(self.direction, "the direction of a line")
+        feet = self.point + ((points - self.point) @ along)[:, None] * along
+        return Feet(feet, _every(np.eye(3) - np.outer(along, along), points))
+
+
+@dataclass(frozen=True)
+class OnCurve(Placing):
+    """Vertices on a curve, given as the points ``(p, 3)`` of a polyline [L].
+
+    The vertices slide along the curve and stop at the ends of an open one.
+    """
+
+    vertices: Sequence[int]
+    points: Sequence[Sequence[float]]
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        points = np.asarray(self.points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not np.ptp(points, axis=0).any():
+            raise ValueError(f"points of a curve must be two or more different points (p, 3), not an array of shape {points.shape}")
+
+    def local(self, frame: Frame) -> OnCurve:
+        """Return the curve in a local frame."""
+        return replace(self, points=frame.to_local(np.asarray(self.points, float)))
+
+    def feet(self, points: FloatArray) -> Feet:
+        """Return the nearest points of the curve."""
+        from ..meshing.closest_points import nearest_on_polyline
+
+        feet, tangents = nearest_on_polyline(points, self.points, self.closed)
+        return Feet(feet, np.eye(3) - tangents[:, :, None] * tangents[:, None, :])
+
+
+@dataclass(frozen=True)
+class Held(Constraint):
+    """Vertices that stay where they are, such as a crease that is to be kept."""
+
+    vertices: Sequence[int]
+
+
+@dataclass(frozen=True)
+class Mirror(Constraint):
+    """Mirror symmetry of the whole surface about the plane through a point [L] with a normal.
+
+    Every vertex needs a mirror image among the vertices of the input, within half of the mean
+    edge; the faces need not be symmetric.
+    """
+
+    point: Sequence[float]
+    normal: Sequence[float]
+
+    def local(self, frame: Frame) -> Mirror:
+        """Return the plane in a local frame."""
+        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+
+
+@dataclass(frozen=True)
+class Near(Constraint):
+    """Vertices that stay nearer to the input than others: a factor on ``nearness`` for them."""
+
+    vertices: Sequence[int]
+    weight: float = 10.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.weight < math.inf:
+            raise ValueError(f"weight must be a positive number, not {self.weight!r}")
+
+
+def unit(vector: Sequence[float], name: str) -> FloatArray:
+    """Return a unit vector (3,)."""
+    vector = np.asarray(vector, dtype=np.float64)
+    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    if not (np.isfinite(length) and length > 0):
+        raise ValueError(f"{name} must be three numbers, not all zero, not {vector.tolist()}")
+    return vector / length
+
+
+def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:
+    return np.broadcast_to(matrix, (len(points), 3, 3))
+
+
+def indices(vertices: Sequence[int], n: int) -> IntArray:
+    """Return the vertices that a constraint names, sorted, each once.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such vertex among ``n``.
+    """
+    at = np.unique(np.asarray(vertices, dtype=np.int64))
+    if len(at) and not (at[0] >= 0 and at[-1] < n):
+        raise ProblemError([f"a constraint names vertex {at[0] if at[0] < 0 else at[-1]}; the mesh has the vertices 0 to {n - 1}"])
+    return at

@@ -1,0 +1,3 @@
+"""The paper's examples, tables, figures and benchmarks."""
+
+from __future__ import annotations

@@ -1,0 +1,66 @@
+"""What the flow costs: the paper's examples, and how it grows with the mesh."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...model.problem import CGCProblem
+from ...solvers.flow import FlowSettings
+from ...solvers.flow import flow
+from ..examples import CATALOGUE
+from ..examples import SurfaceExample
+from ..examples.grids import grid_with_ring
+from .timing import best_of
+
+__all__ = ["example_times", "growth"]
+
+
+def example_times() -> list[dict]:
+    """Return seconds of the examples that the paper timed, ours beside the paper's."""
+    rows = []
+    for example in CATALOGUE:
+        if not isinstance(example, SurfaceExample) or example.paper_seconds is None:
+            continue
+        mesh, settings = example.build()
+        problem = CGCProblem.from_mesh(mesh)
+        seconds = best_of(lambda problem=problem, settings=settings: flow(problem, settings), budget=0.5)
+        rows.append(
+            {
+                "example": example.name,
+                "vertices": len(problem.vertices),
+                "steps": settings.steps,
+                "seconds": seconds,
+                "paper_seconds": example.paper_seconds,
+                "times_faster": example.paper_seconds / seconds,
+                "microseconds_per_vertex_and_step": 1e6 * seconds / len(problem.vertices) / settings.steps,
+            }
+        )
+    return rows
+
+
+def growth(sizes: tuple[int, ...] = (9, 18, 36, 72, 97)) -> list[dict]:
+    """Return the time per vertex and step of Example 2 on finer grids, with a radius of five edges throughout."""
+    rows = []
+    for n in sizes:
+        cell = 0.9 / n
+        mesh = grid_with_ring(n, cell)
+        mesh.set_supports("boundary")
+        mesh.set_target(1.0)
+        problem = CGCProblem.from_mesh(mesh)
+        # μ0 goes with the square of the radius: the stability of an explicit step.
+        settings = FlowSettings(steps=100, tolerance=0.0, mu0=0.1 * (9 / n) ** 2, filter_radius=5 * cell)
+        # Loading and the first neighbour lists are taken out by a difference of two lengths.
+        long = best_of(lambda problem=problem, settings=settings: flow(problem, settings), budget=0.5)
+        short = best_of(lambda problem=problem, settings=settings: flow(problem, replace(settings, steps=10)), budget=0.2)
+        per_step = (long - short) / 90
+        rows.append({"vertices": len(problem.vertices), "microseconds_per_vertex_and_step": 1e6 * per_step / len(problem.vertices)})
+    exponent = np.polyfit(
+        np.log([row["vertices"] for row in rows]),
+        np.log([row["microseconds_per_vertex_and_step"] * row["vertices"] for row in rows]),
+        1,
+    )[0]
+    for row in rows:
+        row["exponent"] = float(exponent)
+    return rows

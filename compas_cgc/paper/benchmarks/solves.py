@@ -1,0 +1,175 @@
+"""What a solve costs: against one factorisation, against general optimisers, and as meshes grow."""
+
+from __future__ import annotations
+
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from typing import Optional
+
+import numpy as np
+from scipy import optimize
+from scipy.sparse.linalg import splu
+
+from ...discrete import gaussian_curvature
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.laplacian import cotangent_stiffness
+from ...discrete.sparsity import RingPattern
+from ...model.problem import FIXED
+from ...model.problem import FREE
+from ...model.problem import INTERNAL
+from ...model.problem import CGCProblem
+from ...solvers.newton import NewtonSettings
+from ...solvers.newton import newton
+from ...solvers.projection import Projector
+from .timing import best_of
+
+__all__ = ["against_optimisers", "fitted_exponent", "interactive", "newton_growth", "square"]
+
+
+def square(cells: int) -> CGCProblem:
+    """Return a flat square of side 1 with a fixed edge and K̄ = 1."""
+    i, j = np.divmod(np.arange((cells + 1) ** 2), cells + 1)
+    vertices = np.column_stack([i, j, np.zeros(len(i))]) / cells
+    a = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    faces = np.column_stack([a, a + cells + 1, a + cells + 2, a, a + cells + 2, a + 1]).reshape(-1, 3)
+    rim = (np.minimum(i, j) == 0) | (np.maximum(i, j) == cells)
+    return CGCProblem(vertices, faces, np.where(rim, FIXED, INTERNAL), 1.0)
+
+
+def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backend: str = "auto") -> list[dict]:
+    """Return what Newton's method costs from a flat start, each size in a process of its own for its peak memory.
+
+    Parameters
+    ----------
+    sizes
+        Numbers of vertices, roughly.
+    backend
+        Linear solver.
+    """
+    rows = []
+    for size in sizes:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            rows.append(pool.submit(_newton_row, round(size**0.5) - 1, backend).result())
+    return rows
+
+
+def _newton_row(cells: int, backend: str) -> dict:
+    settings = NewtonSettings(backend=backend)
+    newton(square(10), settings)
+    problem = square(cells)
+    started = time.perf_counter()
+    solution = newton(problem, settings)
+    seconds = time.perf_counter() - started
+    inner = problem.asked
+    error = np.abs(gaussian_curvature(solution.vertices, problem.faces) - 1)[inner].max()
+    equations = CurvatureEquations(problem.faces, problem.targets, np.flatnonzero(inner), np.flatnonzero(inner))
+    residual, area = equations.measure(solution.vertices)
+    memory = _peak_memory()
+    rows = np.flatnonzero(inner)
+    stiffness = cotangent_stiffness(problem.vertices, RingPattern(problem.faces, len(problem.vertices), rows, rows)).tocsc()
+
+    def factorisation() -> None:
+        splu(stiffness, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0)
+
+    laplacian = best_of(factorisation, repeats=1, budget=0.2)
+    return {
+        "vertices": len(problem.vertices),
+        "status": solution.status,
+        "steps": solution.iterations,
+        "seconds": seconds,
+        "laplacian_seconds": laplacian,
+        "ratio": seconds / laplacian,
+        "residual": float(np.abs(residual).max()),
+        "max_error": float(error),
+        "rounding_floor": float(np.finfo(float).eps / area.min()),
+        "peak_memory_bytes": memory,
+    }
+
+
+def _peak_memory() -> Optional[int]:
+    """Return the largest memory this process has held, or None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
+def fitted_exponent(rows: list[dict], name: str) -> float:
+    """Return the power of the number of vertices with which a figure grows over the larger half of the rows."""
+    rows = [row for row in rows if row[name]][-3:]
+    return float(np.polyfit(np.log([row["vertices"] for row in rows]), np.log([row[name] for row in rows]), 1)[0])
+
+
+def against_optimisers(cells: int = 30, lbfgs_cells: int = 9) -> list[dict]:
+    """Return the time of SciPy's least squares and L-BFGS over that of Newton's method, on the same residual.
+
+    All move vertices along the vertical from the same low dome, with the exact Jacobian.
+    """
+    rows = []
+    for name, n in (("least_squares", cells), ("L-BFGS", lbfgs_cells)):
+        problem = square(n)
+        inner = np.flatnonzero(problem.asked)
+        x, y, _ = problem.vertices.T
+        problem = replace(problem, vertices=np.column_stack([x, y, 0.3 * np.sqrt(np.maximum(0, x * (1 - x) * y * (1 - y)))]))
+        equations = CurvatureEquations(problem.faces, problem.targets, inner, inner)
+        up = np.tile([0.0, 0.0, 1.0], (len(inner), 1))
+
+        def shape(z: np.ndarray, problem: CGCProblem = problem, inner: np.ndarray = inner) -> np.ndarray:
+            vertices = problem.vertices.copy()
+            vertices[inner, 2] = z
+            return vertices
+
+        def residual(z: np.ndarray, equations: CurvatureEquations = equations, shape: object = shape) -> np.ndarray:
+            return equations.residual(shape(z))
+
+        def jacobian(z: np.ndarray, equations: CurvatureEquations = equations, shape: object = shape, up: np.ndarray = up) -> object:
+            return equations.jacobian(shape(z), up)
+
+        start = problem.vertices[inner, 2]
+        started = time.perf_counter()
+        if name == "least_squares":
+            found = optimize.least_squares(residual, start, jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr", max_nfev=100)
+            z = found.x
+        else:
+
+            def value(z: np.ndarray, residual: object = residual, jacobian: object = jacobian) -> tuple[float, np.ndarray]:
+                r = residual(z)
+                return 0.5 * float(r @ r), jacobian(z).T @ r
+
+            options = dict(maxiter=20_000, maxfun=40_000, ftol=0.0, gtol=1e-13)
+            z = optimize.minimize(value, start, jac=True, method="L-BFGS-B", options=options).x
+        seconds = time.perf_counter() - started
+        newton_seconds = best_of(lambda problem=problem: newton(problem), budget=0.2)
+        vertices = shape(z)
+        error = np.abs(gaussian_curvature(vertices, problem.faces) - 1)[inner].max()
+        rows.append(
+            {
+                "method": name,
+                "vertices": len(problem.vertices),
+                "seconds": seconds,
+                "newton_seconds": newton_seconds,
+                "times_slower": seconds / newton_seconds,
+                "max_error": float(error),
+            }
+        )
+    return rows
+
+
+def interactive(cells: int = 44) -> dict:
+    """Return the time to solve a roof on four corners again from its last shape after K̄ has changed by 5 %."""
+    flat = square(cells)
+    x, y, _ = flat.vertices.T
+    corner = (np.minimum(x, 1 - x) + np.minimum(y, 1 - y)) < 1e-9
+    rim = flat.roles == FIXED
+    roof = replace(flat, roles=np.where(corner, FIXED, np.where(rim, FREE, INTERNAL)))
+    projector = Projector(roof)
+    first = projector.solve()
+    targets = 1.05 * roof.targets
+    again = best_of(lambda: projector.solve(targets, vertices=first.vertices), budget=0.5)
+    solved = projector.solve(targets, vertices=first.vertices)
+    return {"vertices": len(flat.vertices), "seconds": again, "status": solved.status, "max_error": solved.max_error}

@@ -1,0 +1,177 @@
+"""One run of an example, with all that is drawn and recorded of it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from dataclasses import replace
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ...datastructures import CGCMesh
+from ...discrete import gaussian_curvature
+from ...discrete.arrays import FloatArray
+from ...model.problem import DUMMY
+from ...model.problem import CGCProblem
+from ...model.result import SolveResult
+from ...model.result import SolveState
+from ...solvers.flow import CurveResult
+from ...solvers.flow import FlowSettings
+from ...solvers.flow import curve_flow
+from ...solvers.solve import solve
+from ..examples import CurveExample
+from ..examples import SurfaceExample
+from ..examples import example2
+from ..examples import table2
+
+__all__ = ["CurveRun", "SurfaceRun", "run_example", "run_table2", "warm_up"]
+
+
+@dataclass(frozen=True)
+class CurveRun:
+    """A run of a variant of Example 1."""
+
+    example: CurveExample
+    points: FloatArray  # (n, 2) start
+    options: dict
+    result: CurveResult
+    seconds: float
+    early: CurveResult  # after 3 steps, as in Fig. 6
+
+    def record(self) -> dict:
+        """Return what is worth keeping, ready for JSON."""
+        options = {**self.options, "s": float(self.options["s"])}
+        edges = np.diff(self.result.points, axis=0)
+        angles = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
+        return {
+            "example": self.example.name,
+            "title": self.example.title,
+            "settings": options,
+            "max_error": self.result.max_error,
+            "height": float(self.result.points[:, 1].max()),
+            "turning": float(angles[0] - angles[-1]),
+            "shortest_edge": float(np.linalg.norm(edges, axis=1).min()),
+            "seconds": self.seconds,
+            "points": self.result.points.tolist(),
+            "history": {"max_error": self.result.history.tolist()},
+        }
+
+
+@dataclass(frozen=True)
+class SurfaceRun:
+    """A run of a variant of Examples 2 to 7."""
+
+    example: SurfaceExample
+    mesh: CGCMesh  # start, with dummies
+    settings: FlowSettings
+    result: SolveResult
+    before_divergence: Optional[SolveState]  # last shape that is still one, when the run diverged
+
+    @property
+    def problem(self) -> CGCProblem:
+        """The start as arrays, with dummies."""
+        return CGCProblem.from_mesh(self.mesh)
+
+    def final_vertices(self) -> FloatArray:
+        """Return the last shape (n, 3) with the dummies of the start; of a diverged run the one before it tore."""
+        vertices = self.problem.vertices.copy()
+        real = self.problem.roles != DUMMY
+        if self.before_divergence is not None:
+            vertices[real] = self.before_divergence.vertices
+        else:
+            vertices[real] = self.result.mesh.arrays()[0]
+        return vertices
+
+    def errors(self, vertices: FloatArray) -> FloatArray:
+        """Return K - K̄ (n,), NaN where K is not asked."""
+        problem = self.problem
+        error = gaussian_curvature(vertices, problem.faces) - problem.targets
+        return np.where(problem.asked, error, np.nan)
+
+    def start_error(self) -> float:
+        """Return the largest |K - K̄| of the start."""
+        return float(np.nanmax(np.abs(self.errors(self.problem.vertices))))
+
+    def record(self) -> dict:
+        """Return what is worth keeping, ready for JSON."""
+        example, result = self.example, self.result
+        n, m = self.mesh.number_of_vertices(), self.mesh.number_of_faces()
+        return {
+            "example": example.name,
+            "title": example.title,
+            "counterpart": example.counterpart,
+            "vertices": n,
+            "faces": m,
+            "settings": self.settings.to_dict(),
+            "status": result.status,
+            "message": result.message,
+            "steps": result.iterations,
+            "seconds": result.seconds,
+            "microseconds_per_vertex_and_step": 1e6 * result.seconds / n / max(1, result.iterations),
+            "start_error": self.start_error(),
+            "max_error": result.max_error,
+            "height": float(result.mesh.arrays()[0][:, 2].max()),
+            "paper": {
+                "vertices": example.paper_size[0],
+                "faces": example.paper_size[1],
+                "seconds": example.paper_seconds,
+                "max_error": example.paper_error,
+                "start_error": example.paper_start_error,
+            },
+            "history": result.history.to_dict(),
+        }
+
+
+def run_example(example: Union[CurveExample, SurfaceExample]) -> Union[CurveRun, SurfaceRun]:
+    """Solve an example as the paper does."""
+    if isinstance(example, CurveExample):
+        points, options = example.build()
+        started = time.perf_counter()
+        result = curve_flow(points, **options)
+        seconds = time.perf_counter() - started
+        return CurveRun(example, points, options, result, seconds, curve_flow(points, **{**options, "steps": 3}))
+    mesh, settings = example.build()
+    result = solve(mesh, settings=settings)
+    torn = _shape_before(mesh, settings) if result.status == "diverged" else None
+    return SurfaceRun(example, mesh, settings, result, torn)
+
+
+def _shape_before(mesh: CGCMesh, settings: FlowSettings) -> Optional[SolveState]:
+    """Run again and return the last shape with no vertex farther off than a tenth of the mesh."""
+    vertices, _ = mesh.arrays()
+    reach = 0.1 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    last: list[SolveState] = []
+
+    def keep(state: SolveState) -> bool:
+        if np.abs(state.vertices - vertices).max() > reach:
+            return True
+        last[:] = [state]
+        return False
+
+    solve(mesh, settings=settings, callback=keep)
+    return last[0] if last else None
+
+
+def run_table2(sizes: tuple[int, ...] = (5, 10, 15, 20)) -> dict[int, dict]:
+    """Return the figures of Table 2 by the number of squares along a side."""
+    rows = {}
+    for n in sizes:
+        mesh, settings = table2(n)
+        result = solve(mesh, settings=settings)
+        rows[n] = {
+            "vertices": mesh.number_of_vertices(),
+            "faces": mesh.number_of_faces(),
+            "steps": result.iterations,
+            "seconds": result.seconds,
+            "max_error": result.max_error,
+            "settings": settings.to_dict(),
+        }
+    return rows
+
+
+def warm_up() -> None:
+    """Load the compiled kernels, so that the first run is not timed with them."""
+    mesh, settings = example2()
+    solve(mesh, settings=replace(settings, steps=1))

@@ -1,0 +1,79 @@
+"""Hidden surfaces by the painter's algorithm: what is far is painted first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from typing import NamedTuple
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from .colours import rgba
+from .output import matplotlib_module
+from .visibility import in_sight
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Layer", "discs", "face_nearness", "layer", "paint", "segments"]
+
+
+PIECES = 4  # that an edge is cut into where it may be hidden in part
+
+
+class Layer(NamedTuple):
+    """Polygons of one kind; of equally near ones, those of later layers are painted later."""
+
+    polygons: FloatArray  # (k, c, 2) corners on the sheet [L]
+    nearness: FloatArray  # (k,) larger is nearer [L]
+    fill: FloatArray  # (k, 4) colours
+    edge: FloatArray  # (k, 4) colours
+    width: FloatArray  # (k,) of the edges [pt]
+
+
+def layer(polygons: FloatArray, nearness: FloatArray, fill: Union[str, FloatArray], edge: Union[str, FloatArray], width: float) -> Layer:
+    """Return a layer from colours that are given once or for every polygon."""
+    k = len(polygons)
+    fill, edge = (rgba(colour) if isinstance(colour, str) else colour for colour in (fill, edge))
+    return Layer(polygons, nearness, np.broadcast_to(fill, (k, 4)), np.broadcast_to(edge, (k, 4)), np.full(k, float(width)))
+
+
+def paint(ax: Axes, layers: list[Layer]) -> None:
+    """Paint layers on axes, the farthest polygon first."""
+    polygons = [polygon for one in layers for polygon in one.polygons]
+    nearness, fill, edge, width = (np.concatenate([one[i] for one in layers]) for i in range(1, 5))
+    order = np.argsort(nearness, kind="stable")
+    collection = matplotlib_module("collections").PolyCollection(
+        [polygons[i] for i in order],
+        facecolors=fill[order],
+        edgecolors=edge[order],
+        linewidths=width[order],
+        joinstyle="round",
+        capstyle="round",
+    )
+    ax.add_collection(collection, autolim=False)
+
+
+def face_nearness(nearness: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the nearness of the middle of every face (m,)."""
+    return nearness[faces].mean(axis=1)
+
+
+def segments(corners: FloatArray, faces: IntArray, edges: IntArray, colour: str, width: float) -> Layer:
+    """Return what is in sight of edges ``(e, 2)`` between vertices ``(n, 3)`` on the sheet, as lines in front of everything."""
+    steps = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
+    ends = corners[edges]
+    cuts = ends[:, :1] * (1.0 - steps) + ends[:, 1:] * steps
+    pieces = np.stack([cuts[:, :-1], cuts[:, 1:]], axis=2).reshape(-1, 2, 3)
+    pieces = pieces[in_sight(pieces.mean(axis=1), corners, faces)]
+    return layer(pieces[..., :2], np.full(len(pieces), np.inf), "none", colour, width)
+
+
+def discs(corners: FloatArray, faces: IntArray, which: IntArray, radius: float, colour: str) -> Layer:
+    """Return discs of a radius [L] on those vertices that are in sight, in front of everything."""
+    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    seen = which[in_sight(corners[which], corners, faces)]
+    return layer(corners[seen, None, :2] + circle, np.full(len(seen), np.inf), colour, "white", 0.25)

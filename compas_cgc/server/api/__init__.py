@@ -1,0 +1,3 @@
+"""The job API over HTTP."""
+
+from __future__ import annotations

@@ -1,0 +1,191 @@
+"""JSON from outside: parsed with care, checked before anything is done with it.
+
+An array is a list, or packed: ``{"base64": ..., "type": "f8" or "i4", "shape": [...]}``, little-endian.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ..errors import BadRequest
+from ..errors import TooLarge
+from ..errors import Unprocessable
+from ..limits import Limits
+
+__all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole", "whole_text"]
+
+LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
+DIGITS = 300
+PACKED = {"f8": "<f8", "i4": "<i4"}
+
+
+def read_json(body: bytes, limits: Limits) -> object:
+    """Parse JSON.
+
+    Raises
+    ------
+    BadRequest
+        If it is not JSON in UTF-8, names NaN or Infinity, or is nested too deeply.
+    """
+    try:
+        if body.count(b"[") + body.count(b"{") > limits.containers:
+            raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
+        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=whole_text)
+        if b"\\u" in body:
+            json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise BadRequest("the JSON holds half a character (such as \\ud800 alone), which is no text; write it anew") from None
+    except UnicodeDecodeError:
+        raise BadRequest("the request is not text in UTF-8; send JSON") from None
+    except RecursionError:
+        raise BadRequest(f"the JSON is nested more than {limits.depth} deep") from None
+    except ValueError as error:
+        raise BadRequest(f"the request is not valid JSON: {str(error)[:120]}") from None
+    level = [value]
+    for _ in range(limits.depth):
+        level = [item for node in level for item in _items(node) if isinstance(item, (list, dict))]
+        if not level:
+            return value
+    raise BadRequest(f"the JSON is nested more than {limits.depth} deep")
+
+
+def _items(node: object) -> object:
+    return node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+
+
+def vertex_array(value: object, limits: Limits) -> FloatArray:
+    """Return vertices (n, 3) [L] of a list of triples of numbers, or of a packed array."""
+    if isinstance(value, dict):
+        value = _unpacked(value, "'vertices'")
+    elif not isinstance(value, list):
+        value = []
+    if not len(value):
+        raise Unprocessable("'vertices' must be a list of [x, y, z] with at least three of them")
+    if len(value) > limits.vertices:
+        raise TooLarge(f"the mesh has {len(value)} vertices, the server takes {limits.vertices}; use a coarser mesh")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iuf":
+        raise Unprocessable("'vertices' must be a list of [x, y, z], three numbers each")
+    array = array.astype(np.float64)
+    bad = ~(np.abs(array) <= LARGEST).all(axis=1)
+    if bad.any():
+        raise Unprocessable(
+            f"vertex {int(np.argmax(bad))} has a coordinate that is no finite number or larger than {LARGEST:g}; correct it"
+        )
+    return array
+
+
+def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int]]:
+    """Return faces, a list of lists or a packed array, as indices of `count` vertices."""
+    if isinstance(value, dict):
+        value = _unpacked(value, "'faces'")
+    elif not isinstance(value, list):
+        value = []
+    if not len(value):
+        raise Unprocessable("'faces' must be a list of lists of vertex numbers with at least one face")
+    if len(value) > limits.faces:
+        raise TooLarge(f"the mesh has {len(value)} faces, the server takes {limits.faces}; use a coarser mesh")
+    if isinstance(value, np.ndarray):
+        if value.ndim != 2 or value.shape[1] != 3:
+            raise Unprocessable("'faces' as a packed array must have the shape [m, 3]; send polygons as lists")
+        flat = value.ravel()
+    else:
+        wrong = next((i for i, face in enumerate(value) if not isinstance(face, list) or not 3 <= len(face) <= 1000), None)
+        if wrong is not None:
+            raise Unprocessable(f"face {wrong} must be a list of three or more vertex numbers")
+        try:
+            flat = np.array([v for face in value for v in face])
+        except ValueError:
+            flat = np.empty(0)
+    if flat.ndim != 1 or flat.dtype.kind not in "iu":
+        raise Unprocessable("'faces' must hold whole numbers only, the positions of vertices counted from 0")
+    if flat.min() < 0 or flat.max() >= count:
+        raise Unprocessable(f"a face names vertex {int(flat.max() if flat.max() >= count else flat.min())}; there are {count}, from 0 on")
+    return value
+
+
+def corner_counts(faces: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the corners of all faces in a row (k,), the number of each face's corners (m,), and of its different ones (m,)."""
+    packed_triangles = isinstance(faces, np.ndarray)
+    sizes = np.full(len(faces), 3) if packed_triangles else np.array([len(face) for face in faces])
+    flat = np.asarray(faces if packed_triangles else [v for face in faces for v in face], dtype=np.int64).ravel()
+    if (sizes == 3).all():
+        triangles = flat.reshape(-1, 3)
+        return flat, sizes, np.where((triangles != np.roll(triangles, 1, axis=1)).all(axis=1), 3, 2)
+    owner = np.repeat(np.arange(len(sizes)), sizes)
+    order = np.lexsort((flat, owner))
+    new = np.ones(len(flat), bool)
+    new[1:] = (np.diff(flat[order]) != 0) | (np.diff(owner) != 0)
+    return flat, sizes, np.bincount(owner[new], minlength=len(sizes))
+
+
+def packed(values: np.ndarray) -> dict:
+    """Return an array of numbers in packed form."""
+    kind = "i4" if values.dtype.kind in "iu" else "f8"
+    content = np.ascontiguousarray(values, dtype=PACKED[kind]).tobytes()
+    return {"base64": base64.b64encode(content).decode("ascii"), "type": kind, "shape": list(values.shape)}
+
+
+def _unpacked(value: dict, what: str) -> np.ndarray:
+    text, kind, shape = value.get("base64"), value.get("type"), value.get("shape")
+    good = isinstance(shape, list) and 0 < len(shape) < 3 and all(isinstance(k, int) and 0 <= k < 2**31 for k in shape)
+    if not isinstance(text, str) or kind not in PACKED or not good:
+        raise Unprocessable(f'{what} as a packed array must be {{"base64": ..., "type": "f8" or "i4", "shape": [...]}}')
+    try:
+        content = base64.b64decode(text, validate=True)
+    except (binascii.Error, ValueError):
+        raise Unprocessable(f"{what} is no valid base64") from None
+    array_kind = np.dtype(PACKED[kind])
+    if len(content) != array_kind.itemsize * math.prod(shape):
+        raise Unprocessable(f"{what} has {len(content)} bytes, not those of its shape {shape}")
+    return np.frombuffer(content, dtype=array_kind).reshape(shape)
+
+
+def check_size(vertices: int, faces: int, limits: Limits) -> None:
+    """Refuse a mesh of too many vertices or faces.
+
+    Raises
+    ------
+    TooLarge
+    """
+    if vertices > limits.vertices or faces > limits.faces:
+        most = f"{limits.vertices} and {limits.faces}"
+        raise TooLarge(f"the mesh has {vertices} vertices and {faces} faces, the server takes {most}; use a coarser mesh")
+
+
+def number(value: object, what: str) -> float:
+    """Return a finite number of moderate size."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise Unprocessable(f"{what} must be a number")
+    if not math.isfinite(value) or abs(value) > LARGEST:
+        raise Unprocessable(f"{what} must be a finite number, not larger than {LARGEST:g}")
+    return float(value)
+
+
+def whole(value: object, what: str) -> int:
+    """Return a whole number; 3.0 is one."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value or abs(value) > LARGEST or int(value) != value:
+        raise Unprocessable(f"{what} must be a whole number")
+    return int(value)
+
+
+def _refuse(name: str) -> None:
+    raise ValueError(f"{name} is no number in JSON")
+
+
+def whole_text(text: str) -> int:
+    """Return the number that some digits stand for, few enough for a finite float."""
+    if len(text) > DIGITS:
+        raise ValueError("a number has too many digits")
+    return int(text)

@@ -1,0 +1,141 @@
+"""The job API in the OpenAPI format."""
+
+from __future__ import annotations
+
+from ..._version import __version__
+from .formats import FORMATS
+from .mesh_files import KINDS
+from .schemas import BYTES
+from .schemas import JOB
+from .schemas import MODEL
+from .schemas import PROBLEM
+from .schemas import REQUEST
+
+__all__ = ["description"]
+
+_ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
+
+
+def description() -> dict:
+    """Return the description of the job API."""
+    job, model = "#/components/schemas/Job", "#/components/schemas/Model"
+    result = {"200": {"description": "the result", "content": {kind: {} for kind in dict.fromkeys(FORMATS.values())}}}
+    refusals = ("400", "401", "404", "409", "410", "413", "422", "429", "500", "504")
+    return {
+        "openapi": "3.1.0",
+        "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
+        "paths": {
+            "/health": {"get": _operation("Tell whether the server lives", {"200": _json({"type": "object"})})},
+            "/version": {"get": _operation("Name the program and its version", {"200": _json({"type": "object"})})},
+            "/api/v1/jobs": {
+                "get": _operation("List the newest jobs", {"200": _json({"type": "object", "required": ["jobs"]})}, "401"),
+                "post": {
+                    **_operation(
+                        "Submit a solve", {"202": _json({"type": "object", "required": ["id"]})}, "400", "401", "409", "413", "422", "429"
+                    ),
+                    "parameters": [
+                        {"name": "kind", "in": "query", "schema": {"enum": ["json", "3dm", "obj"]}},
+                        {
+                            "name": "options",
+                            "in": "query",
+                            "schema": {"type": "string"},
+                            "description": "for files: the other fields as JSON",
+                        },
+                    ],
+                    "requestBody": {
+                        "required": True,
+                        "content": {
+                            "application/json": {"schema": {"$ref": "#/components/schemas/Request"}},
+                            "application/octet-stream": {"schema": BYTES},
+                        },
+                    },
+                },
+            },
+            "/api/v1/jobs/{id}": {
+                "parameters": [_ID],
+                "get": {
+                    **_operation("Tell how a job is doing", {"200": _json({"$ref": job})}, "401", "404"),
+                    "parameters": [
+                        {
+                            "name": "wait",
+                            "in": "query",
+                            "schema": {"type": "number", "minimum": 0, "maximum": 25},
+                            "description": "seconds to wait for the end of the job",
+                        }
+                    ],
+                },
+                "delete": _operation("Stop a job and forget it", {"204": {"description": "forgotten"}}, "401", "404"),
+            },
+            "/api/v1/jobs/{id}/cancel": {
+                "parameters": [_ID],
+                "post": _operation("Stop a job", {"200": _json({"$ref": job})}, "401", "404"),
+            },
+            "/api/v1/jobs/{id}/result": {
+                "parameters": [_ID, {"name": "format", "in": "query", "schema": {"enum": list(FORMATS)}}],
+                "get": _operation("Return the result", result, "401", "404", "409", "410", "422"),
+                "post": {
+                    **_operation("Return the result beside what is in a .3dm file", result, *refusals),
+                    "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
+                },
+            },
+            "/api/v1/jobs/{id}/surface": {
+                "parameters": [_ID],
+                "get": _operation(
+                    "Return the moving vertices as little-endian float32",
+                    {
+                        "200": {"description": "vertices", "content": {"application/octet-stream": {}}},
+                        "204": {"description": "nothing moves: not yet, not any more, or the job was not submitted as live"},
+                    },
+                    "401",
+                    "404",
+                ),
+            },
+            "/api/v1/jobs/{id}/events": {
+                "parameters": [_ID],
+                "get": _operation(
+                    "Send states as they change",
+                    {"200": {"description": "events", "content": {"text/event-stream": {}}}},
+                    "401",
+                    "404",
+                    "429",
+                ),
+            },
+            "/api/v1/models": {
+                "parameters": [
+                    {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(KINDS)}},
+                    {"name": "name", "in": "query", "schema": {"type": "string"}, "description": "what to call the mesh"},
+                ],
+                "post": {
+                    **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
+                    "requestBody": {
+                        "required": True,
+                        "content": {"application/octet-stream": {"schema": BYTES}},
+                    },
+                },
+            },
+            "/api/v1/examples": {
+                "get": _operation("List the examples", {"200": _json({"type": "object", "required": ["examples"]})}, "401"),
+            },
+            "/api/v1/examples/{name}": {
+                "parameters": [{"name": "name", "in": "path", "required": True, "schema": {"type": "string"}}],
+                "get": _operation("Tell what is in an example", {"200": _json({"$ref": model})}, "401", "404", "429"),
+            },
+        },
+        "components": {
+            "schemas": {"Job": JOB, "Request": REQUEST, "Model": MODEL, "Problem": PROBLEM},
+            "securitySchemes": {
+                "bearer": {"type": "http", "scheme": "bearer"},
+                "compute": {"type": "apiKey", "in": "header", "name": "RhinoComputeKey"},
+            },
+        },
+        "security": [{}, {"bearer": []}, {"compute": []}],
+    }
+
+
+def _operation(summary: str, responses: dict, *problems: str) -> dict:
+    problem = _json({"$ref": "#/components/schemas/Problem"}, "a sentence that says what is wrong")
+    return {"summary": summary, "responses": {**responses, **dict.fromkeys(problems, problem)}}
+
+
+def _json(schema: dict, text: str = "done") -> dict:
+    return {"description": text, "content": {"application/json": {"schema": schema}}}

@@ -1,0 +1,196 @@
+"""The job API, health, version and their description."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from threading import BoundedSemaphore
+from typing import Optional
+
+from flask import Blueprint
+from flask import Response
+from flask import current_app
+from flask import g
+from flask import request
+from flask import url_for
+
+from ..._version import __version__
+from ..errors import BadRequest
+from ..errors import Busy
+from ..errors import Unprocessable
+from .blocking_calls import by_clerk
+from .blocking_calls import jobs
+from .decoding import read_json
+from .formats import FORMATS
+from .formats import beside
+from .formats import encoded
+from .mesh_files import KINDS
+from .openapi import description
+from .options import OPTIONS
+from .options import read_asked
+from .replies import respond
+from .requests import accept
+from .status import status
+
+__all__ = ["api"]
+
+api = Blueprint("api", __name__)
+LONGEST_WAIT = 25.0  # seconds
+SMALL = 2**19  # bytes of a result, some 4,000 vertices
+
+
+@api.get("/health")
+def health() -> Response:
+    """Tell at once whether the server and its workers live."""
+    executor = jobs().executor
+    workers = executor.health() if hasattr(executor, "health") else {}
+    return respond({"status": "starting" if workers.get("starting") == workers.get("workers", -1) else "ok", **workers})
+
+
+@api.get("/version")
+def version() -> Response:
+    """Name the program and its version."""
+    return respond({"name": "compas_cgc", "version": __version__, "api": 1, "instance": current_app.config["INSTANCE"]})
+
+
+@api.get("/openapi.json")
+def openapi() -> Response:
+    """Describe the job API."""
+    return respond(description())
+
+
+@api.post("/api/v1/jobs")
+def submit() -> Response:
+    """Accept a job."""
+    started = time.perf_counter()
+    limits = current_app.config["LIMITS"]
+    body = request.get_data(cache=False)
+    kind = request.args.get("kind", "json")
+    if kind == "json":
+        value = read_json(body, limits)
+        kind, kept = accept(value, limits)
+        options, id = {"name": value.get("name", "")}, value.get("id")
+    elif kind in KINDS:
+        kept = body
+        options, id = _file_options(body)
+    else:
+        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
+    if id is not None and not isinstance(id, str):
+        raise Unprocessable("'id' must be a text")
+    g.spent = {"check": time.perf_counter() - started}
+    job, _ = jobs().submit(kind, kept, options, id, request.remote_addr or "")
+    address = url_for("api.show", id=job.id)
+    links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
+    return respond(links, 202, {"Location": address})
+
+
+def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
+    """Return what the query asks of an uploaded mesh."""
+    limits = current_app.config["LIMITS"]
+    if not body:
+        raise BadRequest("the request is empty; send the bytes of the file")
+    text = request.args.get("options", "{}")
+    options = read_json(text.encode(), limits)
+    if not isinstance(options, dict) or set(options) - set(OPTIONS):
+        raise Unprocessable(f"'options' must be a JSON object of {', '.join(OPTIONS)}")
+    read_asked(options, None, limits)
+    return options, options.pop("id", None)
+
+
+@api.get("/api/v1/jobs")
+def show_all() -> Response:
+    """List the newest jobs."""
+    return respond({"jobs": [status(job) for job in jobs().list()]})
+
+
+@api.get("/api/v1/jobs/<id>")
+def show(id: str) -> Response:
+    """Tell how a job is doing, with ``wait`` as soon as it is over or after so many seconds."""
+    seconds = min(request.args.get("wait", 0.0, type=float), LONGEST_WAIT)
+    # Who finds no seat is answered at once and asks again.
+    if seconds > 0 and _seats().acquire(blocking=False):
+        try:
+            return respond(status(jobs().wait(id, seconds)))
+        finally:
+            _seats().release()
+    return respond(status(jobs().get(id)))
+
+
+@api.get("/api/v1/jobs/<id>/result")
+def result(id: str) -> Response:
+    """Return the result of a job in one of the formats."""
+    name = request.args.get("format", "arrays")
+    if name not in FORMATS:
+        raise Unprocessable(f"'format' must be one of {', '.join(FORMATS)}")
+    content = jobs().result(id)
+    started = time.perf_counter()
+    # What is small is quicker here than there and back.
+    small = name == "packed" or (name not in KINDS and len(content) < SMALL)
+    answer = Response(encoded(name, content) if small else by_clerk(encoded, name, content), mimetype=FORMATS[name])
+    if name in KINDS:
+        answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
+    g.spent = {"encode": time.perf_counter() - started}
+    return answer
+
+
+@api.post("/api/v1/jobs/<id>/result")
+def result_beside(id: str) -> Response:
+    """Return the result of a job in the .3dm file that is sent."""
+    if request.args.get("format", "3dm") != "3dm":
+        raise Unprocessable("'format' must be 3dm, as only a .3dm holds more than the mesh")
+    source = request.get_data(cache=False)
+    if not source:
+        raise BadRequest("the request is empty; send the bytes of the .3dm file")
+    content = by_clerk(beside, jobs().result(id), source)
+    return Response(content, mimetype=KINDS["3dm"], headers={"Content-Disposition": 'attachment; filename="result.3dm"'})
+
+
+@api.get("/api/v1/jobs/<id>/surface")
+def surface(id: str) -> Response:
+    """Return the present vertices of a running live job as little-endian float32."""
+    content = jobs().surface(id)
+    if content is None:
+        # Not yet, not any more, or not asked for: nothing that a client that looks on could avoid.
+        return Response(status=204)
+    return Response(content, mimetype="application/octet-stream")
+
+
+@api.post("/api/v1/jobs/<id>/cancel")
+def cancel(id: str) -> Response:
+    """Stop a job."""
+    return respond(status(jobs().cancel(id)))
+
+
+@api.delete("/api/v1/jobs/<id>")
+def delete(id: str) -> Response:
+    """Stop a job and forget it."""
+    jobs().delete(id)
+    return Response(status=204)
+
+
+@api.get("/api/v1/jobs/<id>/events")
+def events(id: str) -> Response:
+    """Send the states of a job as they change."""
+    engine, seats = jobs(), _seats()
+    engine.get(id)
+    if not seats.acquire(blocking=False):
+        raise Busy("too many event streams are open; ask for the status of the job instead")
+
+    def stream() -> Iterator[str]:
+        for job in engine.follow(id):
+            if job is None:
+                yield ": still here\n\n"
+                continue
+            kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
+            yield f"event: {kind}\ndata: {json.dumps(status(job), ensure_ascii=False)}\n\n"
+
+    answer = Response(stream(), mimetype="text/event-stream")
+    # Called in the end, even when the stream was never begun.
+    answer.call_on_close(seats.release)
+    return answer
+
+
+def _seats() -> BoundedSemaphore:
+    """Return the seats for requests that hold a thread while they wait for a job."""
+    return current_app.extensions["seats"]

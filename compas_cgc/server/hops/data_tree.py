@@ -1,0 +1,173 @@
+"""Values on the wire of Hops, in both directions."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from decimal import Decimal
+from typing import Optional
+
+import numpy as np
+
+from ..api.decoding import LARGEST
+from ..api.decoding import number
+from ..api.decoding import whole
+from ..api.decoding import whole_text
+from ..errors import TooLarge
+from ..errors import Unprocessable
+from .schema import RESULT_TYPES
+from .schema import Endpoint
+from .schema import Input
+
+__all__ = ["double_text", "entry", "finite_items", "read_values", "text_text"]
+
+
+def read_values(endpoint: Endpoint, values: object) -> dict:
+    """Return the inputs of a request by name; geometry stays as it came.
+
+    Raises
+    ------
+    Unprocessable
+        With a sentence that names the input.
+    """
+    if not isinstance(values, list) or not all(isinstance(item, dict) for item in values):
+        raise Unprocessable("'values' must be a list of inputs")
+    trees = {str(item.get("ParamName")).lower(): item.get("InnerTree") for item in values}
+    return {own.name: _input(own, trees.get(own.name.lower())) for own in endpoint.inputs}
+
+
+def _input(own: Input, tree: object) -> object:
+    items = _items(own.name, tree)
+    if not items:
+        if own.many and own.optional:
+            return []
+        if own.default is None:
+            raise Unprocessable(f"input '{own.name}' is empty; connect a {own.kind.lower()} to it")
+        return own.default
+    if not own.many:
+        return _read(own, items[0])
+    if len(items) > own.most:
+        raise TooLarge(f"input '{own.name}' has {len(items)} items, the server takes {own.most}; connect fewer")
+    return [_read(own, item) for item in items]
+
+
+def _items(name: str, tree: object) -> list[dict]:
+    """Return the items of all branches in the order of their paths."""
+    if tree is None:
+        return []
+    if not isinstance(tree, dict) or not all(isinstance(branch, list) for branch in tree.values()):
+        raise Unprocessable(f"input '{name}' must be a tree of lists")
+    items = [item for path in sorted(tree, key=lambda path: _path(name, path)) for item in tree[path]]
+    if not all(isinstance(item, dict) for item in items):
+        raise Unprocessable(f"input '{name}' must hold items with 'data'")
+    full = [item for item in items if item.get("data") is not None]
+    if full and len(full) < len(items):
+        # Without it the others would belong to other points than they were drawn for.
+        raise Unprocessable(f"input '{name}' has {len(items) - len(full)} empty items (null); remove them with Clean Tree")
+    return full
+
+
+def _path(name: str, text: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part[:20]) for part in text.strip("{} ").split(";") if part.strip())
+    except ValueError:
+        raise Unprocessable(f"input '{name}' has a branch {text!r:.40} that is no path") from None
+
+
+def _read(own: Input, item: dict) -> object:
+    data = item["data"]
+    what = f"input '{own.name}'"
+    if own.kind == "Text":
+        return _text(data, what)
+    if isinstance(data, str):
+        try:
+            data = json.loads(data.lower() if own.kind == "Boolean" else data, parse_constant=lambda name: math.nan, parse_int=whole_text)
+        except (ValueError, RecursionError):
+            raise Unprocessable(f"{what} cannot be read as a {own.kind.lower()}; connect a {own.kind.lower()} to it") from None
+    if own.kind == "Number":
+        value: object = number(data, what)
+    elif own.kind == "Integer":
+        value = whole(data, what)
+    elif own.kind == "Boolean":
+        if not isinstance(data, bool):
+            raise Unprocessable(f"{what} must be true or false")
+        return data
+    elif own.kind == "Point":
+        return _point(data, what)
+    else:
+        if not isinstance(data, dict):
+            raise Unprocessable(f"{what} must be a {own.kind.lower()}")
+        return data
+    if (own.low is not None and value < own.low) or (own.high is not None and value > own.high):
+        raise Unprocessable(f"{what} must be between {own.low:g} and {own.high:g}, not {value:g}")
+    return value
+
+
+def _text(data: object, what: str) -> str:
+    if not isinstance(data, str):
+        return json.dumps(data)
+    try:
+        inner = json.loads(data, parse_int=whole_text)
+    except (ValueError, RecursionError):
+        inner = data
+    text = inner if isinstance(inner, str) else data
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise Unprocessable(f"{what} holds half a character, which is no text; write it anew") from None
+    return text
+
+
+def _point(data: object, what: str) -> tuple[float, float, float]:
+    try:
+        own = {str(name).lower(): value for name, value in data.items()}
+        return tuple(number(own[axis], f"{axis} of a point of {what}") for axis in "xyz")
+    except (AttributeError, KeyError):
+        raise Unprocessable(f"{what} must hold points with X, Y and Z") from None
+
+
+def entry(name: str, kind: str, items: Iterable[object]) -> dict:
+    """Return an output: one branch of items, each a text that Hops reads right in every culture.
+
+    Parameters
+    ----------
+    name
+        Of the output.
+    kind
+        Grasshopper's name of the type.
+    items
+        Numbers, truths, texts, or geometry as text.
+    """
+    write = {"Number": double_text, "Integer": str, "Boolean": lambda value: "true" if value else "false", "Text": text_text}.get(kind, str)
+    data = [{"type": RESULT_TYPES[kind], "data": write(item)} for item in items]
+    return {"ParamName": name, "InnerTree": {"{0}": data} if data else {}}
+
+
+def double_text(value: float) -> str:
+    """Return a finite number as text without a decimal point, which Hops would read by the user's culture: 0.25 is 25E-2."""
+    sign, digits, exponent = Decimal(repr(float(value))).as_tuple()
+    text = "".join(map(str, digits))
+    trimmed = text.rstrip("0")
+    exponent += len(text) - len(trimmed)
+    if not trimmed:
+        return "0"
+    if 0 < exponent <= 15 - len(trimmed):
+        trimmed, exponent = trimmed + "0" * exponent, 0
+    return f"{'-' * sign}{trimmed}" + (f"E{exponent}" if exponent else "")
+
+
+def text_text(value: str) -> str:
+    """Return a text as it is, in quotes when newer Hops would take it for a number, a truth or nothing."""
+    try:
+        scalar = not isinstance(json.loads(value), (dict, list))
+    except (ValueError, RecursionError):
+        scalar = False
+    return f'"{value}"' if scalar and not value.startswith('"') else value
+
+
+def finite_items(values: np.ndarray) -> tuple[list[float], Optional[str]]:
+    """Return all the numbers, or none of them and why when some are not finite: a shorter list would be out of step."""
+    if np.isfinite(values).all() and (np.abs(values) <= LARGEST**3).all():
+        return values.tolist(), None
+    return [], "some vertices have no finite curvature, so none are put out; check the mesh for degenerate faces"

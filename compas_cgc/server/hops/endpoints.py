@@ -1,0 +1,108 @@
+"""The functions that Hops finds on the server."""
+
+from __future__ import annotations
+
+from .schema import Endpoint
+from .schema import Input
+from .schema import Output
+
+__all__ = ["ENDPOINTS"]
+
+
+def _icon(path: str, colour: str = "#b5482f") -> str:
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
+        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>'
+    )
+
+
+MOST = 5000  # curves or points that are sought on the mesh one by one
+MESH = Input("Mesh", "M", "Mesh", "Start mesh; its normals point to where a surface of positive K rises.")
+K = Input("K", "K", "Number", "Gaussian curvature asked for, in 1 / (model unit)².", low=-1e9, high=1e9)
+SURFACE = Output("Mesh", "M", "Mesh", "Surface, coloured by the error of K: blue too small, red too large.")
+INFO = Output("Info", "I", "Text", "How the solve ended, and what the server did to the input.")
+ERROR = Output("Error", "E", "Number", "Largest error of K, in 1 / (model unit)².")
+
+SOLVE_INPUTS = (
+    MESH,
+    Input("Supports", "P", "Point", "Points at the vertices that stay. Nothing: the whole edge stays.", many=True, optional=True),
+    Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, most=MOST, optional=True),
+    Input("K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, most=MOST, low=-1e9, high=1e9),
+    Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, most=MOST, optional=True),
+    Input("Method", "Me", "Text", "auto, flow, newton or projection. Defaults to auto.", default="auto"),
+    Input("S", "S", "Number", "Creases of the flow follow by this factor. Defaults to 0.8.", default=0.8, low=0.0, high=1.0),
+    Input("Delay", "D", "Integer", "First steps in which the creases of the flow wait. Defaults to 0.", default=0, low=0, high=100000),
+    Input(
+        "Tolerance", "T", "Number", "Largest error against the largest K. Defaults to 0: the method's own.", default=0.0, low=0.0, high=1.0
+    ),
+)
+
+ENDPOINTS = {
+    endpoint.uri: endpoint
+    for endpoint in (
+        Endpoint(
+            "cgc/dome",
+            "CGC Dome",
+            "Find the surface of constant Gaussian curvature over the edge of a mesh, which stays where it is.",
+            _icon("M3 18C3 8 21 8 21 18M3 18H21M12 10.5V18"),
+            (MESH, K),
+            (SURFACE, INFO, ERROR),
+        ),
+        Endpoint(
+            "cgc/solve",
+            "CGC Solve",
+            "Find the surface whose Gaussian curvature is the number asked for in each region between creases.",
+            _icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
+            SOLVE_INPUTS,
+            (SURFACE, INFO, ERROR),
+        ),
+        Endpoint(
+            "cgc/flow",
+            "CGC Flow",
+            "Take some steps of the Gaussian curvature flow with the edge fixed; feed the result back to watch it move.",
+            _icon("M3 19C8 19 8 13 12 13S16 7 21 7M17 4L21 7L18 11"),
+            (MESH, K, Input("Steps", "N", "Integer", "Steps to take. Defaults to 10.", default=10, low=1, high=10000)),
+            (SURFACE, INFO, ERROR),
+        ),
+        Endpoint(
+            "cgc/analyse",
+            "CGC Analyse",
+            "Measure the curvature of a mesh at its vertices, inside of its edge.",
+            _icon("M4 20V10M10 20V4M16 20V13M21 20H3", "#2b7bba"),
+            (
+                MESH,
+                Input("Target", "T", "Number", "K that the colours are measured against. Defaults to 0.", default=0.0, low=-1e9, high=1e9),
+            ),
+            (
+                Output("Mesh", "M", "Mesh", "The mesh, coloured by K - Target: blue too small, red too large, grey on the edge."),
+                Output("K", "K", "Number", "Gaussian curvature of every vertex, 0 on the edge, in 1 / (model unit)²."),
+                Output("H", "H", "Number", "Mean curvature of every vertex, 0 on the edge, in 1 / (model unit)."),
+                Output("Info", "I", "Text", "Report."),
+            ),
+        ),
+        Endpoint(
+            "cgc/submit",
+            "CGC Submit",
+            "Start a solve that may take long and go on working; CGC Fetch brings the result.",
+            _icon("M12 20V6M6 11L12 5L18 11"),
+            SOLVE_INPUTS,
+            (Output("Job", "J", "Text", "Name of the job, for CGC Fetch."),),
+        ),
+        Endpoint(
+            "cgc/fetch",
+            "CGC Fetch",
+            "Bring the result of a job, or how far it is.",
+            _icon("M12 4V18M6 13L12 19L18 13"),
+            (
+                Input("Job", "J", "Text", "Job of CGC Submit."),
+                Input("Tick", "T", "Integer", "Any number that changes, from a Timer or a slider, to ask again. Defaults to 0.", default=0),
+            ),
+            (
+                Output("Mesh", "M", "Mesh", "Surface, when it is done."),
+                Output("Done", "D", "Boolean", "Whether it is done."),
+                Output("Progress", "P", "Number", "Part of the steps taken, 0 to 1."),
+                INFO,
+            ),
+        ),
+    )
+}

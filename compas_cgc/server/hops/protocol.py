@@ -1,0 +1,81 @@
+"""The outside of a request: which function, in what units, whatever client wrote it."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from urllib.parse import urlsplit
+
+from ..api.decoding import read_json
+from ..errors import BadRequest
+from ..errors import NotFound
+from ..limits import Limits
+from .endpoints import ENDPOINTS
+
+__all__ = ["context_of", "known", "read_body", "uri_of"]
+
+
+def read_body(content: bytes, limits: Limits) -> dict:
+    """Return the request; one enclosing list is allowed.
+
+    Raises
+    ------
+    BadRequest
+        If it is no JSON object.
+    """
+    value = read_json(content, limits)
+    if isinstance(value, list) and len(value) == 1:
+        value = value[0]
+    if not isinstance(value, dict):
+        raise BadRequest("the request must be a JSON object with 'pointer' and 'values'")
+    return value
+
+
+def uri_of(body: dict) -> str:
+    """Return the function that a request names; an address in it is taken apart, never followed.
+
+    Raises
+    ------
+    NotFound
+        With what there is.
+    """
+    pointer, algo = body.get("pointer"), body.get("algo")
+    if pointer is None and isinstance(algo, str):
+        try:
+            pointer = base64.b64decode(algo[:400], validate=True).decode()
+        except (binascii.Error, ValueError):
+            pointer = None
+    if not isinstance(pointer, str) or not pointer:
+        raise NotFound(f"the request names no function; there are {', '.join(ENDPOINTS)}")
+    return known(_path(pointer))
+
+
+def known(path: str) -> str:
+    """Return the function at a path.
+
+    Raises
+    ------
+    NotFound
+        With what there is.
+    """
+    uri = path.strip("/").lower()
+    if uri not in ENDPOINTS:
+        raise NotFound(f"there is no function {uri[:60]!r}; there are {', '.join(ENDPOINTS)}")
+    return uri
+
+
+def context_of(body: dict) -> dict:
+    """Return units and tolerance of the document [L], ``""`` and 0 where they are unknown."""
+    units, tolerance = body.get("modelunits"), body.get("absolutetolerance")
+    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    return {
+        "modelunits": units[:40] if isinstance(units, str) and units.isascii() else "",
+        "absolutetolerance": float(tolerance) if number and 0 < tolerance < 1e12 else 0.0,
+    }
+
+
+def _path(pointer: str) -> str:
+    try:
+        return urlsplit(pointer).path if "://" in pointer else pointer.split("?")[0]
+    except ValueError:
+        return pointer

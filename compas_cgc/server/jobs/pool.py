@@ -1,0 +1,249 @@
+"""Warm worker processes behind the interface of :class:`concurrent.futures.Executor`."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import threading
+import time
+from collections import deque
+from concurrent.futures import Executor
+from multiprocessing import connection
+from typing import Callable
+from typing import Optional
+
+from .future import Task
+from .future import TaskError
+from .future import TaskStopped
+from .future import WorkerDied
+from .worker import run_tasks
+from .worker_handle import Slot
+
+__all__ = ["WorkerPool"]
+
+TICK = 0.02  # seconds between two looks at wishes and limits
+FAIR = 5.0  # seconds after which a task is no longer overtaken
+FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
+
+log = logging.getLogger(__name__)
+
+
+class WorkerPool(Executor):
+    """Spawned processes that each run one task at a time.
+
+    A process that ends (a crash, a lack of memory, a kill) fails its own task only and is
+    replaced. A task that does not end when asked to is ended with its process.
+
+    Parameters
+    ----------
+    workers
+        Number of processes.
+    warm_up
+        Function called in every process before its first task.
+    grace
+        Seconds between the wish to stop and force.
+    """
+
+    def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0):
+        self._context = multiprocessing.get_context("spawn")
+        self._warm_up = warm_up
+        self._grace = grace
+        self._waiting: deque[Task] = deque()
+        self._change = threading.Condition()
+        self._closed = False
+        self._failed_starts = 0
+        self.replaced = 0
+        self._slots = [Slot() for _ in range(workers)]
+        self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, function: Callable, *args: object, **kwargs: object) -> Task:
+        """Queue a call; `function` must be importable by the workers."""
+        return self.start(function, args, kwargs)
+
+    def start(
+        self,
+        function: Callable,
+        args: tuple = (),
+        kwargs: Optional[dict] = None,
+        on_progress: Optional[Callable[[object], object]] = None,
+        time_limit: Optional[float] = None,
+        urgent: bool = False,
+    ) -> Task:
+        """Queue a call with a listener for its reports and a limit on its running time in seconds, an urgent one before others."""
+        task = Task((function, args, kwargs or {}), on_progress, time_limit)
+        task.urgent = urgent
+        with self._change:
+            if self._closed:
+                raise RuntimeError("the pool is closed, no task can be started")
+            self._waiting.insert(self._place(task), task)
+            self._change.notify_all()
+        return task
+
+    def _place(self, task: Task) -> int:
+        """Return the place of a task in the queue: an urgent one goes before those that have not waited long."""
+        if not task.urgent:
+            return len(self._waiting)
+        ahead = [i for i, other in enumerate(self._waiting) if other.urgent or task.since - other.since > FAIR]
+        return max(ahead, default=-1) + 1
+
+    def health(self) -> dict:
+        """Count workers by what they do, and the tasks that wait."""
+        states = [slot.state for slot in self._slots]
+        counts = {name: states.count(name) for name in ("starting", "idle", "busy")}
+        return {"workers": len(states), **counts, "waiting": len(self._waiting), "replaced": self.replaced}
+
+    def processes(self) -> list[int]:
+        """Return the process ids of the workers."""
+        return [slot.process.pid for slot in self._slots if slot.process is not None and slot.process.is_alive()]
+
+    def wait_until_ready(self, timeout: Optional[float] = None) -> bool:
+        """Wait until every worker has started."""
+        with self._change:
+            return self._change.wait_for(lambda: all(slot.state in ("idle", "busy") for slot in self._slots), timeout)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes; running tasks are ended unless `wait` is set and `cancel_futures` is not."""
+        with self._change:
+            if wait and not cancel_futures:
+                self._change.wait_for(lambda: not self._waiting and all(slot.state != "busy" for slot in self._slots))
+            self._closed = True
+            left = list(self._waiting)
+            self._waiting.clear()
+            self._change.notify_all()
+        for task in left:
+            task.cancel()
+        if wait:
+            for thread in self._threads:
+                thread.join()
+
+    # ------------------------------------------------------------------
+    # One thread per worker
+    # ------------------------------------------------------------------
+
+    def _keep(self, slot: Slot) -> None:
+        """Keep a worker running and fed until the pool is closed."""
+        while not self._closed:
+            if self._started(slot):
+                self._failed_starts = 0
+                self._feed(slot)
+            elif not self._closed:
+                self._give_up_some()
+            slot.end()
+        slot.state = "closed"
+
+    def _started(self, slot: Slot) -> bool:
+        try:
+            return self._start(slot)
+        except OSError as error:
+            # What ended the last worker, a lack of memory, may keep the next from being born for a while.
+            log.error("a worker cannot be started: %s", error)
+            return False
+
+    def _start(self, slot: Slot) -> bool:
+        slot.state = "starting"
+        slot.line, theirs = self._context.Pipe()
+        slot.flag = self._context.RawValue("b", 0)
+        slot.process = self._context.Process(target=run_tasks, args=(theirs, slot.flag, self._warm_up), daemon=True)
+        slot.process.start()
+        theirs.close()
+        while not self._closed:
+            if slot.line in connection.wait([slot.line, slot.process.sentinel], TICK):
+                try:
+                    slot.line.recv()
+                    return True
+                except (EOFError, OSError):
+                    return False
+            if not slot.process.is_alive():
+                return False
+        return False
+
+    def _give_up_some(self) -> None:
+        self._failed_starts += 1
+        log.error("a worker ended before it was ready (%d in a row)", self._failed_starts)
+        if self._failed_starts >= FAILED_STARTS:
+            with self._change:
+                left = list(self._waiting)
+                self._waiting.clear()
+            for task in left:
+                if task.set_running_or_notify_cancel():
+                    task.set_exception(WorkerDied("the workers of the server do not start; its log says why"))
+            time.sleep(1.0)
+
+    def _feed(self, slot: Slot) -> None:
+        """Run tasks until the process is gone."""
+        while True:
+            with self._change:
+                slot.state = "idle"
+                self._change.notify_all()
+                while not self._waiting and not self._closed and slot.process.is_alive():
+                    self._change.wait(0.5)
+                if self._closed or not slot.process.is_alive():
+                    return
+                task = self._waiting.popleft()
+                if not task.set_running_or_notify_cancel():
+                    continue
+                slot.state = "busy"
+            if not self._run(slot, task):
+                self.replaced += 1
+                return
+
+    def _run(self, slot: Slot, task: Task) -> bool:
+        """Run a task; tell whether the process is still there."""
+        slot.flag.value = 0
+        started = time.monotonic()
+        try:
+            slot.line.send(task.call)
+            task.call = None
+        except Exception as error:
+            task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.obituary()))
+            return slot.process.is_alive()
+        while True:
+            if self._closed:
+                _fail(task, TaskStopped("the server was stopped"))
+                return False
+            now = time.monotonic()
+            if task.time_limit is not None and now - started > task.time_limit:
+                task.stop(f"it took longer than the {task.time_limit:g} seconds allowed", self._grace)
+            if task.stop_reason is not None:
+                slot.flag.value = 1
+                if not task.done() and now - task.stop_time > min(task.patience, self._grace):
+                    # Whoever waits is told; the worker has some more time, as a new one would have to warm up.
+                    task.set_exception(TaskStopped(task.stop_reason))
+                if now - task.stop_time > self._grace:
+                    slot.end()
+                    return False
+            if slot.line not in connection.wait([slot.line, slot.process.sentinel], TICK) and slot.process.is_alive():
+                continue
+            try:
+                # What was sent before the end of the process can still be read.
+                kind, content = slot.line.recv() if slot.line.poll() else ("gone", None)
+            except (EOFError, OSError):
+                kind, content = "gone", None
+            if kind == "gone":
+                slot.process.join(1.0)
+                log.error("worker %s: %s", slot.process.pid, slot.obituary())
+                _fail(task, WorkerDied(slot.obituary()))
+                return False
+            if kind == "progress":
+                _tell(task, content)
+                continue
+            if kind == "error":
+                _fail(task, TaskError(*content))
+            elif not task.done():
+                task.set_result(content)
+            return True
+
+
+def _fail(task: Task, error: Exception) -> None:
+    if not task.done():
+        task.set_exception(error)
+
+
+def _tell(task: Task, progress: object) -> None:
+    if task.on_progress is not None and not task.done():
+        try:
+            task.on_progress(progress)
+        except Exception:
+            log.exception("a listener to a task failed")

@@ -1,0 +1,89 @@
+"""Newton's method with damping that keeps a convex surface convex."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from .system import Shape
+from .system import Step
+from .system import System
+
+__all__ = ["at_rounding", "damped_newton"]
+
+ARMIJO = 1e-4  # part of the expected decrease of the residual that a step must bring
+CRAWL = 0.25  # damping factor of a step that is short
+PATIENCE = 10  # short steps in a row that lead nowhere
+WORTHWHILE = 0.1  # factor on the residual that makes a step with old factors pay
+ROUNDING = 10.0  # residuals of so many rounding errors are zero
+
+
+def damped_newton(system: System, shape: Shape, tolerance: float, shortest: float) -> Generator[Step, None, bool]:
+    """Yield Newton's steps until the residuals are below the tolerance, and return True.
+
+    Return False when no step makes them smaller, or only ever shorter ones do.
+
+    The derivative is exact, the unknowns are moves along the present normals. A step is
+    halved while it does not lessen the norm of the residuals, or while it turns a vertex
+    inside out that is convex and to stay so (K̄ > 0, H > 0): beyond that the equation is
+    not elliptic any more. The last step is repeated with the same factors as long as it
+    gains, down to rounding.
+
+    Parameters
+    ----------
+    system
+        The problem.
+    shape
+        The first shape.
+    tolerance
+        Largest residual to stop at [rad].
+    shortest
+        Smallest damping factor.
+
+    Raises
+    ------
+    SingularMatrixError
+        If the equations have no solution to first order.
+    """
+    crawled = 0
+    while shape.largest > tolerance:
+        J = system.equations.jacobian(shape.vertices, shape.normal)
+        move = system.solver.factorise(J).solve(-shape.residual)
+        step = _shortened(system, shape, move, shortest)
+        crawled = crawled + 1 if step is None or step.length < CRAWL else 0
+        if step is None or crawled > PATIENCE:
+            return False
+        shape = _repeated(system, step.shape, tolerance)
+        yield step._replace(shape=shape)
+    return True
+
+
+def at_rounding(system: System, shape: Shape) -> bool:
+    """Return whether the residuals are what rounding the coordinates leaves."""
+    return bool((np.abs(shape.residual) <= ROUNDING * system.rounding_floor(shape)).all())
+
+
+def _shortened(system: System, shape: Shape, move: FloatArray, shortest: float) -> Optional[Step]:
+    norm = np.linalg.norm(shape.residual)
+    convex = (system.targets > 0) & (shape.mean > 0)
+    length, trials = 1.0, 1
+    while length >= shortest:
+        there = system.moved(shape, length * move, shape.normal)
+        lessened = np.linalg.norm(there.residual) <= (1 - ARMIJO * length) * norm
+        if lessened and (there.mean[convex] > 0).all():
+            return Step(there, length, trials)
+        length, trials = length / 2, trials + 1
+    return None
+
+
+def _repeated(system: System, shape: Shape, tolerance: float) -> Shape:
+    """Return the shape after steps with the factors at hand, for as long as they pay."""
+    while shape.largest > 0:
+        there = system.moved(shape, system.solver.solve(-shape.residual), shape.normal)
+        if not there.largest < (WORTHWHILE if shape.largest > tolerance else 0.5) * shape.largest:
+            return shape
+        shape = there
+    return shape

@@ -1,0 +1,82 @@
+"""How a solve ended, in one sentence for the designer."""
+
+from __future__ import annotations
+
+import math
+from typing import Union
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+
+from ...model.problem import Frame
+from .feasibility import Overload
+from .system import System
+
+__all__ = ["message"]
+
+
+def message(status: str, cause: Union[str, Overload], steps: int, max_error: float, system: System, frame: Frame, dents: int) -> str:
+    """Return the sentence.
+
+    Parameters
+    ----------
+    status
+        One of :data:`compas_cgc.model.result.STATUSES`.
+    cause
+        What the solver noticed where it did not converge.
+    steps
+        Steps taken.
+    max_error
+        Largest |K - K̄| of the shape that is returned [1/L^2], in model units.
+    system
+        The problem.
+    frame
+        From the units of the system to those of the model.
+    dents
+        Vertices of a mostly convex surface that bend the other way.
+    """
+    reached = f"largest |K - K̄| {max_error:.3g}"
+    taken = "1 step" if steps == 1 else f"{steps} steps"
+    if status == "converged":
+        bent = f"; {dents} vertices are dented, another start may give a smoother surface" if dents else ""
+        return f"converged in {taken}: {reached}{bent}"
+    if status == "cancelled":
+        return f"cancelled after {taken}: {reached}"
+    if status == "step_limit":
+        return f"not converged in {taken}: {reached}; allow more steps"
+    if isinstance(cause, Overload):
+        K, area = cause.curvature / frame.scale**2, cause.area * frame.scale**2
+        return (
+            f"no convex surface spans this plane boundary with K̄ = {K:.3g}: K̄ times the plan area {area:.3g} "
+            f"must stay below π; ask for less than {math.pi / area:.3g}"
+        )
+    return f"{status} after {taken}: {_advice(cause, system)}; the best shape on the way is returned, {reached}"
+
+
+def _advice(cause: str, system: System) -> str:
+    if (system.targets < 0).any():
+        return "K̄ < 0 somewhere, where K along the normals alone cannot be solved for; use method 'projection', with some edge free"
+    if cause == "singular":
+        loose = _held_nowhere(system)
+        if loose >= 0:
+            return f"the part of the mesh around vertex {loose} is held nowhere; fix some of its vertices"
+        return "the equations have no solution near this shape; try a smaller K̄, or a start without flat or folded faces"
+    if (system.targets == 0).any():
+        return "regions of K̄ = 0 need a start that is bent already, or creases around them; else use method 'projection'"
+    if cause == "start":
+        return "this start is too far from the target; start from a better shape, or let the solve find its own"
+    return "the target is probably more than this boundary can carry; try a smaller K̄, or a boundary without inward corners"
+
+
+def _held_nowhere(system: System) -> int:
+    """Return a vertex of a part of the mesh without any vertex that is held, or -1."""
+    F, asked = system.problem.faces, system.problem.asked
+    pattern = system.equations.pattern
+    count, part = connected_components(pattern.matrix(np.ones(pattern.size)), directed=False)
+    part_of = np.full(len(asked), -1)
+    part_of[system.asked] = part
+    held = np.zeros(count, bool)
+    mixed = ~asked[F].all(axis=1)
+    labels = part_of[F[mixed]].max(axis=1)
+    held[labels[labels >= 0]] = True
+    return -1 if held.all() else int(system.asked[np.flatnonzero(~held[part])[0]])

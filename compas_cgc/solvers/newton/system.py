@@ -1,0 +1,103 @@
+"""The curvature equations of one problem, with one unknown per vertex where K is asked for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...discrete import _kernels
+from ...discrete.arrays import FloatArray
+from ...discrete.evaluation import Measure
+from ...discrete.jacobian import CurvatureEquations
+from ...linalg import LinearSolver
+from ...linalg import linear_solver
+from ...model.problem import CGCProblem
+
+__all__ = ["Shape", "Step", "System"]
+
+EPS = np.finfo(np.float64).eps
+
+
+class Shape(NamedTuple):
+    """A surface as Newton's method sees it, at the k vertices where K is asked for."""
+
+    vertices: FloatArray  # (n, 3) all coordinates [L]
+    residual: FloatArray  # (k,) defect_i - K̄_i A_i [rad]
+    curvature: FloatArray  # (k,) K of Eq. 10 [1/L^2]
+    mean: FloatArray  # (k,) mean curvature, positive where convex towards the normal [1/L]
+    area: FloatArray  # (k,) A_i [L^2]
+    normal: FloatArray  # (k, 3) n_i of Eq. 13
+    energy: float  # Φ [L]
+
+    @property
+    def largest(self) -> float:
+        """Largest residual [rad]; infinite when one is not a number."""
+        largest = float(np.abs(self.residual).max(initial=0.0))
+        return largest if np.isfinite(largest) else np.inf
+
+
+class Step(NamedTuple):
+    """One step and where it led."""
+
+    shape: Shape
+    length: float  # damping factor, 1 for a whole step
+    trials: int  # factors tried
+
+
+class System:
+    """What stays the same from step to step: sparsity, order of elimination, measures.
+
+    Parameters
+    ----------
+    problem
+        In its local frame.
+    backend
+        See :func:`compas_cgc.linalg.linear_solver`.
+
+    Raises
+    ------
+    MeshError
+        If K is asked for where no closed ring of faces measures it.
+    """
+
+    def __init__(self, problem: CGCProblem, backend: str):
+        self.problem = problem
+        self.asked = np.flatnonzero(problem.asked)
+        self.targets = problem.targets[self.asked]
+        self.scale = problem.target_scale
+        self.equations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
+        self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
+        self.measures = Measure(problem.vertices, problem.faces, problem.face_targets())
+
+    def measure(self, vertices: FloatArray) -> Shape:
+        """Return the measures of a shape with vertices (n, 3)."""
+        here = self.measures(vertices)
+        K, A, N = here.curvature[self.asked], here.area[self.asked], here.normal[self.asked]
+        vectors = _kernels.mean_curvature_vectors(vertices, self.problem.faces)[self.asked]
+        with np.errstate(all="ignore"):
+            H = -0.5 * np.einsum("ij,ij->i", vectors, N) / A
+        return Shape(vertices, (K - self.targets) * A, K, H, A, N, here.energy)
+
+    def moved(self, shape: Shape, lengths: FloatArray, directions: FloatArray) -> Shape:
+        """Return the shape with its vertices moved by lengths (k,) [L] along unit directions (k, 3)."""
+        vertices = shape.vertices.copy()
+        vertices[self.asked] += lengths[:, None] * directions
+        return self.measure(vertices)
+
+    def errors(self, shape: Shape) -> tuple[float, float]:
+        """Return the largest |K - K̄| and the norm κ of Eq. 30."""
+        error = shape.curvature - self.targets
+        if not error.size:
+            return 0.0, 0.0
+        return float(np.abs(error).max()), float(np.linalg.norm(error))
+
+    def dents(self, shape: Shape) -> int:
+        """Return how many vertices bend the other way than most, of those where K̄ > 0."""
+        inwards = int((shape.mean[self.targets > 0] < 0).sum())
+        return min(inwards, int((self.targets > 0).sum()) - inwards)
+
+    def rounding_floor(self, shape: Shape) -> FloatArray:
+        """Return how far rounding the coordinates moves each residual (k,) [rad]."""
+        J = abs(self.equations.jacobian(shape.vertices))
+        return EPS * (2 * np.pi + J @ np.abs(shape.vertices[self.asked]).ravel())

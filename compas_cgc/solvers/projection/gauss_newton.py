@@ -1,0 +1,104 @@
+"""Gauss-Newton with least-norm steps and backtracking, straight or in stages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete import face_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from .iterate import Point
+from .system import System
+
+__all__ = ["Taken", "descend", "in_stages"]
+
+SHORTEST = 2.0**-10  # part of a step below which the search gives up
+DECREASE = 0.1  # part of the expected decrease that a step must bring
+PATIENCE = 12  # steps within which the merit must fall
+SLOW = 0.9  # to this part of what it was
+TURN = 0.5  # cosine of the angle that a face may turn by in a step
+SHARPEST = 0.0  # cosine of the sharpest fold that a step may make
+LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
+STAGE = 0.25  # first part of the way to the targets
+SHORTEST_STAGE = 1 / 128
+STAGE_STEPS = 6
+STAGE_GOAL = 0.05  # what a stage leaves of its merit
+
+
+class Taken(NamedTuple):
+    """A step that was taken."""
+
+    vertices: FloatArray  # (n, 3)
+    length: float  # part of the full step
+    trials: int
+
+
+def descend(system: System, equations: CurvatureEquations, start: Point, slow: float = SLOW) -> Iterator[Taken]:
+    """Take steps from a start for as long as a few of them bring the merit down to the part `slow`.
+
+    The linear systems are solved as loosely as quadratic convergence allows
+    (Eisenstat and Walker, doi:10.1137/0917003).
+    """
+    here, kept = start, None
+    merits = [here.merit]
+    tolerance = LOOSEST
+    while here.merit > 0.0:
+        step, kept = system.step(here, equations, tolerance, kept)
+        found = _line_search(system, equations, here, step) if np.isfinite(step).all() else None
+        if found is None:
+            return
+        there, length, trials = found
+        tolerance = min(LOOSEST, max(TIGHTEST, (there.merit / here.merit) ** 2))
+        here = there
+        merits.append(here.merit)
+        yield Taken(here.vertices, length, trials)
+        if len(merits) > PATIENCE and merits[-1] > slow * merits[-1 - PATIENCE]:
+            return
+
+
+def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterator[Taken]:
+    """Take steps to targets that go from the curvature of the start to the targets asked for (n,)."""
+    rows = system.rows
+    before = targets.copy()
+    residual, areas = system.equations(np.zeros_like(targets)).measure(start)
+    before[rows] = residual / areas
+    done, stage, vertices = 0.0, STAGE, start
+    while done < 1.0 and stage >= SHORTEST_STAGE:
+        goal = min(1.0, done + stage)
+        equations = system.equations(before + goal * (targets - before))
+        point = system.at(vertices, equations)
+        wanted, reached = STAGE_GOAL * point.merit, False
+        for count, taken in enumerate(descend(system, equations, point)):
+            yield taken
+            reached = system.at(taken.vertices, equations).merit <= wanted
+            if reached or count + 1 == STAGE_STEPS:
+                break
+        if reached:
+            done, vertices, stage = goal, taken.vertices, 2 * stage
+        else:
+            stage /= 4
+    if done == 1.0:
+        equations = system.equations(targets)
+        yield from descend(system, equations, system.at(vertices, equations))
+
+
+def _line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
+    """Return the first of the halved steps that makes the merit smaller without a sharp fold."""
+    length, trials = 1.0, 0
+    normals = face_normals(here.vertices, system.faces)
+    folds = np.minimum(system.folds(normals), SHARPEST)
+    while length >= SHORTEST:
+        trials += 1
+        vertices = here.vertices + length * step
+        turned = face_normals(vertices, system.faces)
+        upright = np.einsum("ij,ij->i", normals, turned) >= TURN
+        if upright[system.sound].all() and (system.folds(turned) >= folds).all():
+            there = system.at(vertices, equations)
+            if there.merit <= (1.0 - DECREASE * length) * here.merit:
+                return there, length, trials
+        length /= 2
+    return None

@@ -1,0 +1,50 @@
+"""A shape on the way, and what it lacks."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from .vectors import norm
+
+__all__ = ["ON", "Point"]
+
+ON = 1e-12  # distance from a constraint, in the local frame, that is rounding
+TINY = 1e-100  # area that keeps the error of a vertex without any a number
+
+
+class Point(NamedTuple):
+    """A shape with what is missing from what is asked of it."""
+
+    vertices: FloatArray  # (n, 3)
+    residual: FloatArray  # (k,) defect_i - K̄_i A_i at the vertices with an equation [rad]
+    areas: FloatArray  # (k,) A_i
+    gap: FloatArray  # (n,) distance from fulfilling the constraints
+    merit: float  # norm of residuals and gaps, which the line search makes smaller
+
+    @property
+    def error(self) -> FloatArray:
+        """|K - K̄| at the vertices with an equation (k,)."""
+        return np.abs(self.residual) / np.maximum(self.areas, TINY)
+
+    @property
+    def max_error(self) -> float:
+        """Largest |K - K̄|."""
+        return float(self.error.max(initial=0.0))
+
+    @property
+    def error_norm(self) -> float:
+        """Norm of K - K̄, κ of Eq. 30."""
+        return norm(self.error)
+
+    @property
+    def badness(self) -> tuple[bool, float]:
+        """What to compare shapes by: constraints before curvature."""
+        return bool((self.gap > ON).any()), self.error_norm
+
+    def fulfils(self, goal: float, floor: FloatArray) -> bool:
+        """Return whether everything is reached: |K - K̄| to the goal, or residuals to their floor (k,) [rad]."""
+        reached = np.abs(self.residual) <= np.maximum(goal * self.areas, floor)
+        return bool(reached.all()) and not self.badness[0]

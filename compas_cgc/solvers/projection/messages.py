@@ -1,0 +1,65 @@
+"""One sentence on how a projection ended."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ...discrete.arrays import FloatArray
+from .iterate import Point
+from .system import System
+
+__all__ = ["cause", "enclosed_negative", "message"]
+
+ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
+
+
+def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str) -> str:
+    """Return the sentence for a status; errors and goal are largest |K - K̄|."""
+    reached = f"largest |K - K̄| {error:.3g}"
+    if status == "converged":
+        return f"converged in {steps} steps: {reached}" + (", the rounding of this mesh" if error > goal else "")
+    if status == "cancelled":
+        return f"cancelled after {steps} steps: {reached}"
+    if error > start_error:
+        reached += f", more than the {start_error:.3g} of the start"
+    if status == "step_limit":
+        return f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps"
+    return f"{status}: {why}; the best shape is returned, {reached}"
+
+
+def cause(point: Point, system: System, targets: FloatArray) -> str:
+    """Return why nothing better than this was reached, and what to do about it."""
+    if not len(system.columns):
+        return "no vertex may move; free some"
+    vertex = int(np.argmax(point.gap))
+    if point.gap[vertex] > ASTRAY:
+        return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
+    if enclosed_negative(system, targets):
+        return "a region of negative K needs some free edge"
+    if not system.sound.all():
+        a, b, c = system.faces[np.argmin(system.sound)].tolist()
+        return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
+    return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
+
+
+def enclosed_negative(system: System, targets: FloatArray) -> bool:
+    """Return whether a region of negative K̄ has fixed vertices all around it."""
+    negative = system.rows[targets[system.rows] < 0]
+    if not len(negative):
+        return False
+    F, n = system.faces, len(targets)
+    asked = np.zeros(n, bool)
+    asked[system.rows] = True
+    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    inside = asked[u] & asked[v]
+    joined = sparse.csr_matrix((np.ones(np.count_nonzero(inside)), (u[inside], v[inside])), shape=(n, n))
+    _, region = connected_components(joined, directed=False)
+    loose = np.zeros(n, bool)
+    loose[system.columns] = True
+    loose &= ~asked
+    touched = np.zeros(n, bool)
+    for a, b in ((u, v), (v, u)):
+        touched[region[a[asked[a] & loose[b]]]] = True
+    return bool((~touched[region[negative]]).any())

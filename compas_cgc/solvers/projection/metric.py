@@ -1,0 +1,113 @@
+"""The fairness metric: how much a move of the vertices costs."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ...discrete import edge_faces
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...linalg import factorise
+
+__all__ = ["Metric", "bending_matrix"]
+
+SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean counts as if they were larger
+
+
+def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bool_], crease_stiffness: float) -> sparse.csr_matrix:
+    r"""Return the bending energy of a move, per coordinate.
+
+    Every hinge, an edge between two faces, costs :math:`3 (k \cdot u)^2 / (A_1 + A_2)`, where
+    ``k . u`` is its length times the jump of u's slope across it. Linear moves cost
+    nothing, and a free edge may turn freely, which the square of a cotangent Laplacian would
+    not let it. What a bend costs depends on the layout of the mesh by a factor, of no
+    consequence for a metric.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    creases
+        ``(n,)`` vertices on creases; an edge between two of them is a crease.
+    crease_stiffness
+        Factor on the hinges of creases.
+
+    Returns
+    -------
+    csr_matrix
+        ``(n, n)`` symmetric, positive semidefinite [1/L^2].
+
+    References
+    ----------
+    Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for inextensible
+    surfaces*, SGP 2006, doi:10.2312/SGP/SGP06/227-230.
+    """
+    edges = edge_faces(faces)
+    u, v, left, right = edges[edges[:, 3] >= 0].T
+    ends = u + v
+    p, q = faces[left].sum(axis=1) - ends, faces[right].sum(axis=1) - ends
+    along = vertices[v] - vertices[u]
+    double_p, cot_up, cot_vp = _cotangents(vertices, along, u, v, p)
+    double_q, cot_uq, cot_vq = _cotangents(vertices, along, u, v, q)
+    area = 0.5 * (double_p + double_q)
+    area = np.maximum(area, SLENDER * area.mean()) if len(area) else area
+    stiffness = np.where(creases[u] & creases[v], crease_stiffness, 1.0)
+    weight = np.sqrt(3.0 * stiffness / area)
+    values = weight * np.array([cot_vp + cot_vq, cot_up + cot_uq, -(cot_up + cot_vp), -(cot_uq + cot_vq)])
+    rows = np.tile(np.arange(len(u)), 4)
+    jumps = sparse.csr_matrix((values.ravel(), (rows, np.concatenate([u, v, p, q]))), shape=(len(u), len(vertices)))
+    return (jumps.T @ jumps).tocsr()
+
+
+def _cotangents(vertices: FloatArray, along: FloatArray, u: IntArray, v: IntArray, apex: IntArray) -> tuple[FloatArray, ...]:
+    """Return twice the area of the faces u-v-apex and the cotangents of their angles at u and v."""
+    side = vertices[apex] - vertices[u]
+    double = np.linalg.norm(np.cross(along, side), axis=1)
+    safe = np.maximum(double, SLENDER * double.mean()) if len(double) else double
+    dot = np.einsum("ij,ij->i", along, side)
+    square = np.einsum("ij,ij->i", along, along)
+    return double, dot / safe, (square - dot) / safe
+
+
+class Metric:
+    """The cost ½ dxᵀ W dx of a move in the directions that constraints leave free.
+
+    Parameters
+    ----------
+    scalar
+        ``(c, c)`` W of one coordinate, symmetric and positive definite.
+    basis
+        ``(3c, q)`` free directions in the columns, or ``None`` where all are free.
+    """
+
+    def __init__(self, scalar: sparse.csr_matrix, basis: Optional[sparse.csr_matrix] = None):
+        self.scalar = scalar
+        self.basis = basis
+        # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
+        self._factor = factorise(scalar if basis is None else _on_span(scalar, basis), symmetric=True, refine=False)
+
+    def solve(self, gradient: FloatArray) -> FloatArray:
+        """Return the move (q,) whose metric product with any other is that of the gradient (q,)."""
+        if self.basis is None:
+            return self._factor.solve(gradient.reshape(-1, 3)).ravel()
+        return self._factor.solve(gradient)
+
+    def fairest(self, move: FloatArray) -> FloatArray:
+        """Return the cheapest of all moves that differ from one (3c,) by free directions only."""
+        cost = (self.scalar @ move.reshape(-1, 3)).ravel()
+        return move - self.basis @ self.solve(self.basis.T @ cost)
+
+    def reduced(self, directions: sparse.csr_matrix) -> sparse.csr_matrix:
+        """Return W on the span of the columns of `directions` (q, p)."""
+        return _on_span(self.scalar, directions if self.basis is None else self.basis @ directions)
+
+
+def _on_span(scalar: sparse.csr_matrix, directions: sparse.csr_matrix) -> sparse.csr_matrix:
+    coordinates = (directions.tocsr()[x::3] for x in range(3))
+    return sum(part.T @ scalar @ part for part in coordinates).tocsr()

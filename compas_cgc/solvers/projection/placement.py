@@ -1,0 +1,160 @@
+"""In which directions the vertices may move, and how far they are from where they must be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import ProblemError
+from ...model.constraints import Placing
+from ...model.constraints import indices
+from .symmetry import Image
+
+__all__ = ["Freedoms", "Places"]
+
+SAME = 1e-9  # squared sine of the angle below which two directions count as one
+ASTRAY = 1e-6  # how far a fixed vertex may be from where it must be, in units of the model
+
+
+class Freedoms(NamedTuple):
+    """What constraints leave of the moves of the movable vertices."""
+
+    basis: Optional[sparse.csr_matrix]  # (3c, q) free directions, None for all
+    owner: IntArray  # (q,) the vertex that a direction belongs to, and its images
+    gap: Optional[FloatArray]  # (c, 3) moves onto the constraints, None without any
+
+    def across(self, normals: FloatArray) -> sparse.csr_matrix:
+        """Return (q, p) the free direction nearest to the normals (3c,), one for every vertex that has any."""
+        part = normals if self.basis is None else self.basis.T @ normals
+        _, first, group = np.unique(self.owner, return_index=True, return_inverse=True)
+        length = np.sqrt(np.bincount(group, part**2))
+        part = part / np.where(length > SAME, length, 1.0)[group]
+        part[first[length <= SAME]] = 1.0
+        return sparse.csr_matrix((part, (np.arange(len(part)), group)), shape=(len(part), len(first)))
+
+
+class Places:
+    """The constraints on places, gathered vertex by vertex.
+
+    A symmetry makes one unknown of a vertex and all its images: the first of them stands
+    for the others and takes on their constraints, as they look from its place.
+
+    Parameters
+    ----------
+    start
+        ``(n, 3)`` coordinates of the start.
+    movable
+        ``(n,)`` vertices that may move at all.
+    constraints
+        Constraints that place vertices.
+    symmetries
+        Symmetries of the start, the identity first.
+
+    Raises
+    ------
+    ProblemError
+        If a constraint names a vertex that is not there or that is fixed elsewhere.
+    """
+
+    def __init__(self, start: FloatArray, movable: NDArray[np.bool_], constraints: Sequence[Placing], symmetries: Sequence[Image]):
+        n = len(start)
+        self.start = start
+        self.movable = movable
+        self.constraints = [(indices(constraint.vertices, n), constraint) for constraint in constraints]
+        self.symmetries = symmetries
+        self.trivial = not constraints and len(symmetries) == 1
+        self.head = np.arange(n)
+        self.turn, self.shift = np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3))
+        for image in symmetries[1:]:
+            new = np.flatnonzero(np.arange(n) < self.head[image.to])
+            later = image.to[new]
+            self.head[later], self.turn[later], self.shift[later] = new, image.turn, image.shift
+        self._refuse_astray()
+
+    def gap(self, vertices: FloatArray) -> FloatArray:
+        """Return how far every vertex of a shape (n, 3) is from fulfilling its constraints (n,)."""
+        gap = np.zeros(len(vertices))
+        if len(self.symmetries) > 1:
+            gap = np.linalg.norm(self._symmetric(vertices) - vertices, axis=1)
+        for at, constraint in self.constraints:
+            gap[at] = np.maximum(gap[at], np.linalg.norm(constraint.feet(vertices[at]).points - vertices[at], axis=1))
+        return gap
+
+    def freedoms(self, vertices: FloatArray) -> Freedoms:
+        """Return what may move at a shape (n, 3)."""
+        columns = np.flatnonzero(self.movable)
+        if self.trivial:
+            return Freedoms(None, np.repeat(columns, 3), None)
+        goal = self._symmetric(vertices)
+        free, direction, shift = self._solve(*self._conditions(goal), goal)
+        goal = self._from_heads(goal + shift)
+        heads = self.head[columns]
+        live = np.zeros(len(vertices), bool)
+        live[heads] = True
+        number = np.full(free.shape, -1)
+        owned = free & live[:, None]
+        number[owned] = np.arange(np.count_nonzero(owned))
+        place, k = np.nonzero(free[heads])
+        moves = np.einsum("pxy,py->px", self.turn[columns[place]], direction[heads[place], :, k])
+        rows = 3 * place[:, None] + np.arange(3)
+        columns_of = np.repeat(number[heads[place], k], 3)
+        shape = (3 * len(columns), int(np.count_nonzero(owned)))
+        basis = sparse.csr_matrix((moves.ravel(), (rows.ravel(), columns_of)), shape=shape)
+        return Freedoms(basis, np.nonzero(owned)[0], (goal - vertices)[columns])
+
+    def _symmetric(self, vertices: FloatArray) -> FloatArray:
+        """Return the nearest symmetric shape (n, 3)."""
+        back = [(vertices[image.to] - image.shift) @ image.turn for image in self.symmetries]
+        return self._from_heads(np.mean(back, axis=0))
+
+    def _from_heads(self, points: FloatArray) -> FloatArray:
+        return np.einsum("nxy,ny->nx", self.turn, points[self.head]) + self.shift
+
+    def _conditions(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the sums at the heads of projectors (n, 3, 3) onto, and of pulls (n, 3) along, the directions that are bound."""
+        bound, pull = np.zeros((len(vertices), 3, 3)), np.zeros((len(vertices), 3))
+        if len(self.symmetries) > 1:
+            bound[~self.movable] = np.eye(3)
+            pull[~self.movable] = (self.start - vertices)[~self.movable]
+        for at, constraint in self.constraints:
+            feet = constraint.feet(vertices[at])
+            bound[at] += feet.normal
+            pull[at] += np.einsum("kxy,ky->kx", feet.normal, feet.points - vertices[at])
+        if len(self.symmetries) == 1:
+            return bound, pull
+        total, toward = np.zeros_like(bound), np.zeros_like(pull)
+        np.add.at(total, self.head, np.einsum("nyx,nyz,nzw->nxw", self.turn, bound, self.turn))
+        np.add.at(toward, self.head, np.einsum("nyx,ny->nx", self.turn, pull))
+        for image in self.symmetries[1:]:
+            itself = np.flatnonzero(image.to == np.arange(len(vertices)))
+            stay = np.eye(3) - image.turn
+            total[itself] += stay.T @ stay
+            toward[itself] += (image.shift - vertices[itself] @ stay.T) @ stay
+        return total, toward
+
+    def _solve(self, bound: FloatArray, pull: FloatArray, vertices: FloatArray) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
+        """Return which directions (n, 3, 3) are free (n, 3), and the shortest moves that fulfil the conditions (n, 3)."""
+        n = len(vertices)
+        free, direction, shift = np.ones((n, 3), bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3))
+        at = np.flatnonzero(bound.any(axis=(1, 2)))
+        value, vector = np.linalg.eigh(bound[at])
+        held = value > SAME
+        along = np.einsum("nxk,nx->nk", vector, pull[at])
+        shift[at] = np.einsum("nxk,nk->nx", vector, np.where(held, along / np.where(held, value, 1.0), 0.0))
+        free[at], direction[at] = ~held, vector
+        return free, direction, shift
+
+    def _refuse_astray(self) -> None:
+        gap = np.where(self.movable, 0.0, self.gap(self.start))
+        if (gap > ASTRAY).any():
+            vertex = int(np.argmax(gap))
+            raise ProblemError(
+                [f"vertex {vertex} is fixed away from where a constraint wants it; free it, or take it out of the constraint"]
+            )

@@ -1,0 +1,169 @@
+"""The equations, freedoms and metric of one problem, built once."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+
+from ...discrete import edge_faces
+from ...discrete import face_areas
+from ...discrete import vertex_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.topology import closed_vertices
+from ...model.constraints import Constraint
+from ...model.constraints import Held
+from ...model.constraints import Mirror
+from ...model.constraints import Placing
+from ...model.constraints import indices
+from ...model.problem import CGCProblem
+from .fairness import Fairness
+from .iterate import Point
+from .least_norm import Preconditioner
+from .least_norm import least_norm
+from .metric import Metric
+from .placement import Places
+from .settings import ProjectionSettings
+from .symmetry import images
+from .symmetry import keep_faces
+from .vectors import norm
+
+__all__ = ["Kept", "System"]
+
+EPS = float(np.finfo(float).eps)
+SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
+STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
+SETTLING = 5  # moves that bring a shape onto curved constraints
+
+
+class Kept(NamedTuple):
+    """A preconditioner, for the next steps in the same metric."""
+
+    metric: Metric
+    preconditioner: Optional[Preconditioner]
+
+
+class System:
+    """One problem in its local frame, ready to be solved for any targets.
+
+    Parameters
+    ----------
+    problem
+        The problem in its local frame.
+    settings
+        Parameters.
+    constraints
+        Constraints in the local frame.
+
+    Raises
+    ------
+    ProblemError
+        If a constraint cannot be.
+    """
+
+    def __init__(self, problem: CGCProblem, settings: ProjectionSettings, constraints: Sequence[Constraint]):
+        V, F = problem.vertices, problem.faces
+        self.faces = np.ascontiguousarray(F[problem.real_faces])
+        areas = face_areas(V, self.faces)
+        self.size = math.sqrt(float(areas.sum()))
+        self.sound = areas > SOUND * areas.mean()
+        edges = edge_faces(self.faces)
+        hinges = edges[edges[:, 3] >= 0, 2:]
+        self._hinges = np.ascontiguousarray(hinges[self.sound[hinges].all(axis=1)].T)
+        movable = _movable(problem, self.faces, constraints)
+        self.columns = np.flatnonzero(movable)
+        self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
+        edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
+        symmetries = images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
+        self.places = Places(V, movable, [constraint for constraint in constraints if isinstance(constraint, Placing)], symmetries)
+        # Mirrored equations say the same twice, which makes the systems singular.
+        self._leading = np.arange(len(self.rows))
+        if len(symmetries) > 1 and keep_faces(F, symmetries):
+            self._leading = np.unique(self.places.head[self.rows], return_index=True)[1]
+        self.fairness = Fairness(problem, self.faces, self.columns, self.size, settings, constraints)
+        self._equations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
+        valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
+        self.floor = EPS * (8.0 + 2.0 * valence)  # rounding of a sum of angles (k,) [rad]
+
+    def equations(self, targets: FloatArray) -> CurvatureEquations:
+        """Return the equations for targets (n,)."""
+        equations = copy.copy(self._equations)
+        equations.targets = np.ascontiguousarray(targets)
+        return equations
+
+    def smoother(self, factor: float) -> System:
+        """Return the same system with another smoothness."""
+        system = copy.copy(self)
+        system.fairness = self.fairness.smoother(factor)
+        return system
+
+    def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
+        """Return what is missing at a shape (n, 3)."""
+        residual, areas = equations.measure(vertices)
+        gap = self.places.gap(vertices)
+        return Point(vertices, residual, areas, gap, math.hypot(norm(residual), norm(gap) / self.size))
+
+    def step(self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]) -> tuple[FloatArray, Kept]:
+        """Return the least-norm step (n, 3), and what to keep for the next one."""
+        freedoms = self.places.freedoms(point.vertices)
+        metric, basis = self.fairness.metric(freedoms), freedoms.basis
+        J, right = self._jacobian(point, equations), -point.residual
+        if basis is not None:
+            onto = self.fairness.fairest(freedoms)
+            right = (right - J @ onto)[self._leading]
+            J = (J[self._leading] @ basis).tocsr()
+
+        def across() -> sparse.csr_matrix:
+            return freedoms.across(vertex_normals(point.vertices, self.faces)[self.columns].ravel())
+
+        preconditioner = kept.preconditioner if kept is not None and kept.metric is metric else None
+        move, preconditioner = least_norm(J, right, metric, across, tolerance, EPS, preconditioner)
+        if basis is not None:
+            move = onto + basis @ move
+        return self._full(move), Kept(metric, preconditioner)
+
+    def settled(self, vertices: FloatArray) -> FloatArray:
+        """Return a shape (n, 3) moved onto the constraints, by fair moves."""
+        for _ in range(SETTLING):
+            freedoms = self.places.freedoms(vertices)
+            if freedoms.gap is None or np.abs(freedoms.gap).max(initial=0.0) <= EPS:
+                break
+            vertices = vertices + self._full(self.fairness.fairest(freedoms))
+        return vertices
+
+    def folds(self, normals: FloatArray) -> FloatArray:
+        """Return the cosine of the angle between the unit normals (m, 3) on the two sides of inner edges."""
+        left, right = self._hinges
+        return np.einsum("ij,ij->i", np.take(normals, left, axis=0), np.take(normals, right, axis=0))
+
+    def rounding(self, point: Point, equations: CurvatureEquations) -> FloatArray:
+        """Return what rounding of the angles and of the coordinates leaves of the residuals (k,) [rad]."""
+        slope = np.asarray(abs(self._jacobian(point, equations)).sum(axis=1)).ravel()
+        return self.floor + EPS * slope * np.abs(point.vertices[self.columns]).max(initial=0.0)
+
+    def _jacobian(self, point: Point, equations: CurvatureEquations) -> sparse.csr_matrix:
+        J = equations.jacobian(point.vertices)
+        # What a face without area says of the angles around it means nothing.
+        J.data[~(np.abs(J.data) < STEEPEST / self.size)] = 0.0
+        return J
+
+    def _full(self, move: FloatArray) -> FloatArray:
+        full = np.zeros((len(self.places.start), 3))
+        full[self.columns] = move.reshape(-1, 3)
+        return full
+
+
+def _movable(problem: CGCProblem, faces: np.ndarray, constraints: Sequence[Constraint]) -> np.ndarray:
+    used = np.zeros(len(problem.vertices), bool)
+    used[faces.ravel()] = True
+    movable = problem.movable & used
+    for constraint in constraints:
+        if isinstance(constraint, Held):
+            movable[indices(constraint.vertices, len(movable))] = False
+    return movable

@@ -1,0 +1,242 @@
+"""The command line as a user meets it: real processes, real files."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc.cli import main
+from compas_cgc.cli.progress import ProgressBar
+from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.model.result import SolveState
+
+ROOT = Path(__file__).parents[2]
+ROOFS = ROOT / "examples"
+
+
+def command(*arguments, **options):
+    """Run ``compas-cgc`` as a process of its own."""
+    words = [sys.executable, "-m", "compas_cgc", *map(str, arguments)]
+    return subprocess.run(words, capture_output=True, text=True, encoding="utf-8", cwd=ROOT, **options)
+
+
+def call(*arguments):
+    """Run ``compas-cgc`` in this process, which is quicker."""
+    return main([str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def dome(tmp_path):
+    """Return a mesh file that is solved in a moment."""
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+    mesh.set_supports("boundary")
+    path = tmp_path / "dome.json"
+    mesh.to_json(path)
+    return path
+
+
+def test_the_main_job_as_the_readme_says(tmp_path):
+    out, report = tmp_path / "roof.3dm", tmp_path / "report.json"
+    done = command("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01", "--target", "4=0.04", "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert "converged" in done.stdout and done.stderr == ""
+    written = json.loads(report.read_text(encoding="utf-8"))
+    assert written["status"] == "converged"
+    assert [region["target"] for region in written["regions"]] == [0.01] * 4 + [0.04] + [0.01] * 4
+    assert max(region["max_error"] for region in written["regions"]) <= 1e-6 * 0.04
+
+    import rhino3dm
+
+    model = rhino3dm.File3dm.Read(str(out))
+    (layer,) = [layer.Index for layer in model.Layers if layer.FullPath == "CGC Result::Mesh"]
+    (mesh,) = [item.Geometry for item in model.Objects if item.Attributes.LayerIndex == layer]
+    vertices = np.array([(p.X, p.Y, p.Z) for p in mesh.Vertices.ToPoint3dArray()])
+    faces = np.array([mesh.Faces[i][:3] for i in range(len(mesh.Faces))])
+    K = gaussian_curvature(vertices, faces)
+    inner = np.abs(vertices[:, :2] - 7.5).max(axis=1) < 2.0
+    assert K[inner] == pytest.approx(np.full(inner.sum(), 0.04), rel=1e-6)
+    assert model.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Meters
+
+
+def test_a_curved_crease_and_a_boundary_of_points(tmp_path):
+    out = tmp_path / "leaf.3dm"
+    assert call("solve", ROOFS / "curved_crease.3dm", "-o", out, "--target", "0.005") == 0
+    again = tmp_path / "again.3dm"
+    assert call("solve", out, "-o", again, "--target", "0.005") == 0, "a result must itself be a valid input"
+
+
+@pytest.mark.parametrize("suffix", ["3dm", "obj", "ply", "off", "stl", "json"])
+def test_every_format_goes_out_and_comes_in_again(dome, tmp_path, suffix, capsys):
+    out = tmp_path / f"roof.{suffix}"
+    assert call("solve", dome, "-o", out, "--target", "0.01") == 0
+    assert "converged" in capsys.readouterr().out
+    back = tmp_path / "back.json"
+    supports = [] if suffix in ("3dm", "json") else ["--supports", "boundary"]
+    # The surface is solved already, to the digits that the format keeps.
+    assert call("solve", out, "-o", back, "--target", "0.01", *supports) == 0
+    assert "in 0 steps" in capsys.readouterr().out
+
+
+def test_strategies_and_flip(tmp_path, capsys):
+    heights = {}
+    for name, options in {"s": ["--s", "0.5"], "delay": ["--delay", "5"], "flip": ["--flip", "--s", "0.5"]}.items():
+        out = tmp_path / f"{name}.json"
+        assert call("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.005", *options) == 0
+        z = [CGCMesh.from_json(out).vertex_coordinates(v)[2] for v in CGCMesh.from_json(out).vertices()]
+        heights[name] = max(z, key=abs)
+    assert heights["flip"] == pytest.approx(-heights["s"], rel=0.05)
+    assert heights["s"] != heights["delay"]
+
+
+def test_a_pipe_gets_no_progress_and_a_terminal_does():
+    state = SolveState(5, 10, 1.0, 0.1, 0.01, 0.1, 1, 0.2, np.zeros((1, 3)))
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    for stream, shows in ((io.StringIO(), False), (Terminal(), True)):
+        bar = ProgressBar(stream)
+        bar(state)
+        assert ("step 5 of at most 10, largest error 0.01" in stream.getvalue()) is shows
+        bar.close()
+        assert stream.getvalue().endswith("\r") is shows
+
+
+# ----------------------------------------------------------------------
+# What goes wrong
+# ----------------------------------------------------------------------
+
+
+def test_a_solve_that_does_not_converge_keeps_the_old_file(dome, tmp_path, capsys):
+    out = tmp_path / "roof.json"
+    out.write_text("precious")
+    assert call("solve", dome, "-o", out, "--target", "0.01", "--method", "flow", "--steps", "5") == 1
+    said = capsys.readouterr()
+    assert "not converged in 5 steps" in said.err and "roof.unfinished.json" in said.err
+    assert out.read_text() == "precious"
+    assert CGCMesh.from_json(tmp_path / "roof.unfinished.json").number_of_vertices() == 100
+
+
+def test_too_much_curvature_is_refused_with_the_number(dome, tmp_path, capsys):
+    out = tmp_path / "roof.json"
+    assert call("solve", dome, "-o", out, "--target", "0.05") == 2
+    said = capsys.readouterr().err
+    assert said.startswith("compas-cgc: the target 0.05 is more than this boundary can carry") and "0.0387" in said
+    assert not out.exists()
+
+
+REFUSED = [
+    (["solve", "missing.3dm", "-o", "out.3dm", "--target", "1"], "missing.3dm"),
+    (["solve", "DOME", "-o", "out.xyz", "--target", "0.01"], ".xyz"),
+    (["solve", "DOME", "-o", "out.json", "--target", "much"], "--target must be a number or REGION=NUMBER"),
+    (["solve", "DOME", "-o", "out.json", "--target", "7=0.01"], "there is no region 7"),
+    (["solve", "DOME", "-o", "out.json"], "no target is set"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "9"], "name it with --method"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "0.5", "--method", "newton"], "strategies of the flow, not of newton"),
+    (["solve", "GARBAGE", "-o", "out.json", "--target", "0.01"], "garbage.3dm"),
+    (["solve", "EMPTY", "-o", "out.json", "--target", "0.01"], "empty.obj"),
+    (["example", "4", "--variant", "z"], "Example 4 has no variant 'z'"),
+]
+
+
+@pytest.mark.parametrize("words, sentence", REFUSED, ids=[sentence for _, sentence in REFUSED])
+def test_bad_input_ends_in_one_sentence(dome, tmp_path, monkeypatch, capsys, words, sentence):
+    (tmp_path / "garbage.3dm").write_bytes(b"3D Geometry File Format        2" + bytes(range(256)) * 4)
+    (tmp_path / "empty.obj").write_text("")
+    monkeypatch.chdir(tmp_path)
+    before = sorted(path.name for path in tmp_path.iterdir())
+    places = {"DOME": str(dome), "GARBAGE": "garbage.3dm", "EMPTY": "empty.obj"}
+    assert call(*[places.get(word, word) for word in words]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("compas-cgc: ") and sentence in said and "Traceback" not in said
+    assert len(said.strip().splitlines()) == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent to a process group there")
+def test_control_c_keeps_the_last_good_state(tmp_path):
+    # Large enough to be still at work when the signal comes.
+    mesh = CGCMesh.from_meshgrid(dx=60, nx=60)
+    mesh.set_supports("boundary")
+    mesh.to_json(tmp_path / "large.json")
+    out = tmp_path / "roof.json"
+    words = [sys.executable, "-m", "compas_cgc", "solve", tmp_path / "large.json", "-o", out, "--target", "0.0003"]
+    words += ["--method", "flow", "--steps", "1000000"]
+    words += ["--tolerance", "0", "--report", tmp_path / "report.json"]
+    process = subprocess.Popen(list(map(str, words)), cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while process.poll() is None and time.monotonic() < deadline:
+        time.sleep(1.5)
+        os.kill(process.pid, signal.SIGINT)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            continue
+    said = process.communicate()[1]
+    assert process.returncode == 130, said
+    assert "Traceback" not in said
+    if "cancelled" in said:
+        assert (tmp_path / "roof.unfinished.json").exists()
+    assert not out.exists()
+
+
+# ----------------------------------------------------------------------
+# Examples and reproduction
+# ----------------------------------------------------------------------
+
+
+def test_an_example_writes_meshes_pictures_and_a_record(tmp_path, capsys):
+    assert call("example", "4", "--variant", "a", "--out", tmp_path) == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    expected = {"_record.json", ".3dm", ".obj", ".json", "_shape.png", "_history.png"}
+    assert names == {f"example4_a{ending}" for ending in expected}
+    record = json.loads((tmp_path / "example4_a_record.json").read_text(encoding="utf-8"))
+    assert record["vertices"] == record["paper"]["vertices"] == 324
+    assert record["max_error"] < 1e-6 and len(record["history"]["energy"]) == 200
+    assert CGCMesh.from_json(tmp_path / "example4_a.json").regions()
+
+
+def test_reproduce_sets_the_papers_tables_beside_ours(tmp_path, capsys):
+    assert call("reproduce", "--out", tmp_path, "--no-pictures") == 0
+    page = (tmp_path / "tables.md").read_text(encoding="utf-8")
+    for published in ("117.8", "111.5", "273.0", "488.5", "963.8", "870.0", "7.15e-08", "2.15e-09", "3.80e-07", "4.11e-04", "3.268e-03"):
+        assert published in page
+    tables = json.loads((tmp_path / "tables.json").read_text(encoding="utf-8"))
+    assert len(tables["curves"]) == 6 and len(tables["surfaces"]) == 13 and set(tables["table2"]) == {"5", "10", "15", "20"}
+    assert page in capsys.readouterr().out
+
+
+def test_check_says_what_a_file_holds_and_what_is_missing(tmp_path, capsys):
+    before = (ROOFS / "nine_regions.3dm").read_bytes()
+    assert call("check", ROOFS / "nine_regions.3dm") == 2
+    said = capsys.readouterr().out
+    assert "4 vertices are supports" in said and "9 regions:" in said
+    assert said.splitlines()[-1].startswith("- no target is set") and "--target K" in said
+    assert (ROOFS / "nine_regions.3dm").read_bytes() == before
+    out = tmp_path / "roof.3dm"
+    assert call("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01") == 0
+    capsys.readouterr()
+    assert call("check", out) == 0
+    assert "nothing stands in the way of a solve" in capsys.readouterr().out
+
+
+def test_layers_of_other_names_are_read(tmp_path, capsys):
+    out = tmp_path / "roof.3dm"
+    words = ["solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01"]
+    assert call(*words, "--layer", "supports=Supports", "--layer", "mesh=Mesh", "--layer", "creases=None") == 0
+    assert "4 supports, 0 creases" in capsys.readouterr().out
+    assert call(*words, "--layer", "walls=Supports") == 2
+    assert "--layer must be ROLE=NAME" in capsys.readouterr().err

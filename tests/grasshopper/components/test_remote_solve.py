@@ -1,0 +1,205 @@
+"""Solve and Server against a real server: a solve there, progress, cancel, and a server that is lost and comes back."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import FlowSettings
+from compas_cgc.grasshopper.components import server as server_component
+from compas_cgc.grasshopper.runtime import server_process as serving
+from compas_cgc.grasshopper.runtime.address import Address
+from compas_cgc.grasshopper.runtime.local_solve import Question
+from compas_cgc.grasshopper.runtime.local_solve import local_job
+from compas_cgc.grasshopper.runtime.remote_solve import request_body
+from compas_cgc.solvers.projection import AtHeight
+
+from ...support.gh_stand_ins import place
+from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.server_process import free_port
+from ...support.server_process import running_server
+from .test_solve import dome
+from .test_solve import endless
+from .test_solve import memory_of
+from .test_solve import until_done
+
+pytestmark = pytest.mark.usefixtures("rhino")
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory):
+    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", workers=1) as found:
+        yield found
+
+
+def states(running):
+    return {job["id"]: job["state"] for job in running.client.jobs()}
+
+
+def here(mesh, settings=None):
+    return local_job(Question(mesh, settings))(lambda progress: False)
+
+
+def test_the_server_gives_what_this_process_gives(running):
+    placed = place("Solve")
+    outs = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
+    assert outs[0]["status"] == "running" and outs[-1]["status"] == "converged" and not placed.component.balloons
+    own = here(dome())
+    assert [list(p) for p in outs[-1]["mesh"].Vertices] == own.mesh.arrays()[0].tolist(), "bit by bit"
+    assert "max error" in outs[-1]["report"] and len(place("History").run(result=outs[-1]["result"])["energy"]) == len(
+        own.history["energy"]
+    )
+
+
+def test_creases_strategies_and_dummies_arrive_there(running):
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    mesh.set_supports("corners")
+    mesh.set_creases([[7 * i + 3 for i in range(7)]])
+    mesh.set_target(0.02)
+    plain = request_body(Question(mesh))["bytes"]
+    assert b'"creases": [[3, 10]' in plain and b'"dtype"' not in plain
+    single, ringed = mesh.copy(), mesh.copy()
+    single.set_strategy(s=0.5)
+    ringed.add_dummy_ring()
+    for question in (mesh, single, ringed):
+        out = until_done(place("Solve"), cgc_mesh=question, run=True, server=Address(running.url))[-1]
+        assert out["status"] == "converged" and out["cgc_mesh"].creases() == mesh.creases()
+        assert out["cgc_mesh"].arrays()[0].tolist() == here(question).mesh.arrays()[0].tolist()
+
+
+def test_settings_and_constraints_go_along(running):
+    placed = place("Solve")
+    inputs = dict(cgc_mesh=dome(), run=True, server=running.url)
+    assert until_done(placed, settings=FlowSettings(steps=5, finish=False), **inputs)[-1]["status"] == "step_limit"
+    before = len(states(running))
+    out = until_done(placed, constraints=[AtHeight([44], 1.0)], **inputs)[-1]
+    assert out["status"] == "converged" and len(states(running)) == before + 1
+    assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_refusal_of_the_server_is_a_red_balloon(running):
+    placed = place("Solve")
+    assert until_done(placed, cgc_mesh=dome(K=0.5), run=True, server=running.url)[-1]["status"] == "refused"
+    assert "more than this boundary can carry" in placed.said("Error")[0]
+    huge = FlowSettings(steps=10**9)
+    assert until_done(placed, cgc_mesh=dome(), settings=huge, run=True, server=running.url)[-1]["status"] == "refused"
+    assert "the server takes at most" in placed.said("Error")[0]
+
+
+def busy():
+    question = endless()
+    return dict(cgc_mesh=question["cgc_mesh"], settings=FlowSettings(steps=100000, tolerance=0.0, finish=False))
+
+
+def wait_until(true, seconds=20.0):
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_a_newer_input_cancels_the_job_on_the_server(running):
+    placed = place("Solve")
+    placed.run(run=True, server=running.url, **busy())
+    wait_until(lambda: "running" in states(running).values())
+    (job,) = [id for id, state in states(running).items() if state == "running"]
+    done = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
+    assert done[-1]["status"] == "converged" and states(running)[job] == "cancelled"
+
+
+def test_reset_cancels_the_job_on_the_server(running):
+    placed = place("Solve")
+    placed.run(run=True, server=running.url, **busy())
+    wait_until(lambda: "running" in states(running).values())
+    wait_until(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
+    placed.run(reset=True)
+    wait_until(lambda: "running" not in states(running).values())
+
+
+def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
+    monkeypatch.setattr("compas_cgc.grasshopper.runtime.remote_solve.AGAIN", 0.1)
+    placed, port = place("Solve"), free_port()
+    question = busy()
+    url = f"http://127.0.0.1:{port}"
+    inputs = dict(run=True, server=url, **question)
+    placed.run(**inputs)
+    memory = memory_of(placed)
+    wait_until(lambda: memory.work.progress.note)
+    assert placed.run(**inputs)["status"] == "running" and placed.component.Message == "waiting"
+    assert "start one with: compas-cgc serve; trying again" in placed.said("Warning")[0]
+    with running_server(tmp_path / "first.sqlite", workers=1, port=port):
+        wait_until(lambda: memory.work.progress.step > 0)
+        assert placed.run(**inputs)["status"] == "running" and not placed.component.balloons
+    wait_until(lambda: memory.work.progress.note)
+    # Another server knows nothing of the job and gets it again.
+    with running_server(tmp_path / "second.sqlite", workers=1, port=port) as second:
+        wait_until(lambda: "running" in states(second).values())
+        assert memory.work.running
+        placed.run(reset=True)
+        wait_until(lambda: "running" not in states(second).values())
+
+
+# ----------------------------------------------------------------------
+# The component Server
+# ----------------------------------------------------------------------
+
+
+def settled(placed, **inputs):
+    out = placed.run(**inputs)
+    end = time.monotonic() + 60
+    while placed.component.document.scheduled:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+        placed.component.document.tick()
+        out = placed.run(**inputs)
+    return out
+
+
+def test_a_server_that_runs_is_found_and_left_alone(running):
+    placed = place("Server")
+    out = settled(placed, run=True, url=running.url)
+    assert out["server"] == Address(running.url) and out["url"] == running.url and out["status"].endswith("it ran before")
+    assert place("Solve").run(cgc_mesh=dome(), run=False, server=out["server"])["status"] == "waiting"
+    assert settled(placed, run=False, url=running.url)["status"] == "not running"
+    assert running.client.health()["status"] == "ok"
+
+
+def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
+    placed, url = place("Server"), f"http://127.0.0.1:{free_port()}"
+    first = placed.run(run=True, url=url, python=sys.executable)
+    assert first["server"] is None and placed.component.Message == "starting"
+    out = settled(placed, run=True, url=url, python=sys.executable)
+    assert out["status"].endswith("started here") and placed.component.Message == "running"
+    process = server_component._MEMORIES[str(placed.component.InstanceGuid)].work.outcome.process
+    assert until_done(place("Solve"), cgc_mesh=dome(), run=True, server=out["server"])[-1]["status"] == "converged"
+    assert settled(placed, run=False, url=url)["status"] == "not running"
+    assert process.wait(20) is not None
+
+
+@pytest.mark.parametrize(
+    "inputs, sentence",
+    [
+        ({"url": "http://127.0.0.1:PORT", "python": "/nowhere/python"}, "cannot be run"),
+        ({"url": "http://127.0.0.1:PORT", "python": sys.executable, "key": "short"}, "the server did not start"),
+        ({"url": "http://cgc.invalid:7331"}, "only one on this machine can be started"),
+    ],
+)
+def test_a_server_that_cannot_start_says_why(inputs, sentence):
+    placed = place("Server")
+    inputs["url"] = inputs["url"].replace("PORT", str(free_port()))
+    out = settled(placed, run=True, **inputs)
+    assert out["server"] is None and sentence in placed.said("Error")[0] and placed.component.Message == "not running"
+    placed.run(run=False)
+
+
+def test_inside_rhino_a_python_must_be_named(monkeypatch):
+    monkeypatch.setattr(serving.sys, "executable", "C:/Program Files/Rhino 8/System/Rhino.exe")
+    placed = place("Server")
+    settled(placed, run=True, url=f"http://127.0.0.1:{free_port()}")
+    assert "Rhino itself cannot run one" in placed.said("Error")[0]
+    placed.run(run=False)

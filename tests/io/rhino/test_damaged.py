@@ -1,0 +1,105 @@
+"""Damaged Rhino files: a sentence each, no traceback, no hang, nothing overwritten."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from compas_cgc.errors import CGCError
+from compas_cgc.errors import FileError
+from compas_cgc.io.rhino import read_model
+from compas_cgc.io.rhino.archive import read_archive
+
+from ...support.rhino_models import Sketch
+from ...support.rhino_models import corners_of
+from ...support.rhino_models import quads
+from ...support.rhino_models import row
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Return the bytes of a sound file."""
+    sketch = Sketch()
+    vertices, faces = quads(8, 8.0)
+    sketch.mesh(vertices + 1 / 3, faces, "CGC::Mesh", {"K": "0.02"})
+    sketch.points(vertices[corners_of(8)] + 1 / 3, "CGC::Supports")
+    sketch.curve(vertices[row(8, 3)] + 1 / 3, "CGC::Creases")
+    return sketch.save(tmp_path_factory.mktemp("sound") / "a.3dm").read_bytes()
+
+
+def mutated(data, seed):
+    """Return a file cut short, with bytes changed, with a stretch blotted out, or with a stretch lost."""
+    random = np.random.default_rng(seed)
+    broken = bytearray(data)
+    at = int(random.integers(len(data)))
+    kind = seed % 4
+    if kind == 0:
+        return bytes(broken[:at])
+    if kind == 1:
+        for place in random.integers(len(data), size=random.integers(1, 9)):
+            broken[place] ^= int(random.integers(1, 256))
+    elif kind == 2:
+        length = int(random.integers(1, 200))
+        broken[at : at + length] = bytes([255 if random.random() < 0.5 else 0]) * len(broken[at : at + length])
+    else:
+        del broken[at : at + int(random.integers(1, 400))]
+    return bytes(broken)
+
+
+@pytest.mark.parametrize("seed", range(52))
+def test_a_mutated_file_is_refused_in_a_sentence_or_read(whole, tmp_path, seed):
+    path = tmp_path / "roof.3dm"
+    path.write_bytes(mutated(whole, seed))
+    try:
+        model = read_model(path)
+    except CGCError as refusal:
+        assert "roof.3dm" in str(refusal) and "\n" not in str(refusal) and str(refusal).count(";") >= 1
+    else:
+        # The damage hit nothing that is read: all of the mesh is there.
+        assert len(model.vertices) == 81 and len(model.faces) == 128
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.9, 0.99])
+def test_a_file_cut_short_is_never_read_in_part(whole, tmp_path, share):
+    path = tmp_path / "roof.3dm"
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(FileError, match="empty|not a Rhino file|not complete"):
+        read_archive(path)
+
+
+def test_a_file_of_rhino_1_cannot_be_told_whole_and_is_refused(whole, tmp_path):
+    path = tmp_path / "old.3dm"
+    path.write_bytes(whole[:24] + b"       1" + whole[32:])
+    with pytest.raises(FileError, match="Rhino 1; open it in a newer Rhino"):
+        read_archive(path)
+
+
+@pytest.mark.parametrize("end", ["crash", "hang", "no process"])
+def test_what_kills_or_stops_the_reader_is_reported(whole, tmp_path, monkeypatch, end):
+    path = tmp_path / "roof.3dm"
+    path.write_bytes(whole)
+    real = subprocess.run
+
+    def run(command, timeout, **options):
+        if end == "no process":
+            raise OSError("not allowed")
+        code = "import os; os.abort()" if end == "crash" else "import time; time.sleep(60)"
+        return real([sys.executable, "-c", code], timeout=0.2 if end == "hang" else timeout, **options)
+
+    monkeypatch.setattr("compas_cgc.io.rhino.archive.subprocess.run", run)
+    if end == "no process":
+        assert len(read_archive(path).Objects) == 6
+    else:
+        with pytest.raises(FileError, match="is damaged; open it in Rhino"):
+            read_archive(path)
+
+
+def test_inside_rhino_no_second_rhino_is_started(whole, tmp_path, monkeypatch):
+    path = tmp_path / "roof.3dm"
+    path.write_bytes(whole)
+    monkeypatch.setattr(sys, "executable", "/Applications/Rhinoceros")
+    monkeypatch.setattr("compas_cgc.io.rhino.archive.subprocess.run", None)
+    assert len(read_archive(path).Objects) == 6

@@ -1,0 +1,103 @@
+"""A mesh from curves alone."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete import face_areas
+from compas_cgc.errors import FileError
+from compas_cgc.errors import MeshError
+from compas_cgc.io.rhino import read_model
+
+from ...support.rhino_models import Sketch
+from ...support.rhino_models import point3d
+
+SQUARE = np.array([[0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0], [0, 0, 0]], float)
+
+
+@pytest.fixture
+def mesher():
+    pytest.importorskip("compas_cgal")
+    pytest.importorskip("shapely")
+    from compas_cgc.meshing.outline import mesh_from_outline
+
+    return mesh_from_outline
+
+
+def regular(made):
+    """Return the part of the inner vertices that has valence 6, and the smallest angle in degrees."""
+    faces = made.faces
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    inner = ~boundary_vertices(made.vertices, faces)
+    P = made.vertices[faces]
+    sides = [P[:, (k + 1) % 3] - P[:, k] for k in range(3)]
+    units = [side / np.linalg.norm(side, axis=1, keepdims=True) for side in sides]
+    cosines = [-np.einsum("ij,ij->i", a, b) for a, b in zip(units, units[1:] + units[:1])]
+    return np.mean(np.bincount(edges.ravel(), minlength=len(made.vertices))[inner] == 6), np.degrees(np.arccos(np.max(cosines)))
+
+
+def test_a_square_with_crossing_creases_and_a_hole(mesher):
+    angle = np.linspace(0, 2 * np.pi, 100)
+    hole = np.column_stack([7.5 + np.cos(angle), 7.5 + np.sin(angle), 0 * angle])
+    hole[-1] = hole[0]
+    creases = [np.array([[-3, 4.1, 0], [13, 4.1, 0]], float), np.array([[3.2, 0, 0], [3.2, 10, 0]])]
+    made = mesher(SQUARE, [hole], creases, 0.5, 1e-6)
+    area = face_areas(made.vertices, made.faces).sum()
+    assert area == pytest.approx(100 - np.pi, rel=2e-3)
+    share, smallest = regular(made)
+    assert share > 0.85 and smallest > 20
+    edges = {tuple(sorted(e)) for f in made.faces.tolist() for e in zip(f, f[1:] + f[:1])}
+    assert all(tuple(sorted(pair)) in edges for path in made.creases for pair in zip(path[:-1], path[1:]))
+    on_first = {v for path in made.creases for v in path if abs(made.vertices[v, 1] - 4.1) < 1e-9}
+    assert made.vertices[list(on_first), 0].min() == 0.0 and made.vertices[list(on_first), 0].max() == 10.0
+
+
+def test_heights_of_the_curves_are_met_and_smooth_between(mesher):
+    raised = SQUARE + [0, 0, 1] * SQUARE[:, :1]
+    made = mesher(raised, [], [], 1.0, 1e-6)
+    assert np.abs(made.vertices[:, 2] - made.vertices[:, 0]).max() < 0.3
+    rim = boundary_vertices(made.vertices, made.faces)
+    assert np.allclose(made.vertices[rim, 2], made.vertices[rim, 0], atol=1e-9)
+
+
+def test_an_outline_on_the_mesh_layer_with_holes_and_creases(mesher, tmp_path):
+    sketch = Sketch()
+    sketch.curve(SQUARE, "CGC::Mesh")
+    sketch.curve(rhino3dm.Circle(point3d((3, 7, 0)), 1.0).ToNurbsCurve(), "CGC::Mesh")
+    sketch.curve([[5, -1, 0], [5.5, 11, 0]], "CGC::Creases")
+    sketch.points(SQUARE[:4], "CGC::Supports")
+    path = sketch.save(tmp_path / "a.3dm")
+    with pytest.raises(FileError, match="no mesh in the file.*--edge-length"):
+        read_model(path)
+    model = read_model(path, edge_length=0.8)
+    mesh = model.to_cgcmesh()
+    assert len(mesh.regions()) == 2 and len(mesh.supports()) == 4 and len(mesh.boundary_loops()) == 2
+    assert model.faces[:, 0].size and not any("left out: the layer" in note for note in model.notes)
+
+
+def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path):
+    sketch = Sketch()
+    sketch.curve([[2, 2, 0], [6, 2, 0], [6, 6, 0], [2, 6, 0], [2, 2, 0]])
+    sketch.curve(SQUARE)
+    model = read_model(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
+    assert len(model.to_cgcmesh().regions()) == 2 and not model.problems
+
+
+def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
+    bow = np.array([[0, 0, 0], [5, 5, 0], [5, 0, 0], [0, 5, 0], [0, 0, 0]], float)
+    with pytest.raises(MeshError, match="do not bound an area"):
+        mesher(bow, [], [], 0.5, 1e-6)
+    with pytest.raises(MeshError, match="above zero"):
+        mesher(SQUARE, [], [], 0.0, 1e-6)
+    sketch = Sketch()
+    sketch.curve(SQUARE[:-1], "CGC::Mesh")
+    with pytest.raises(FileError, match="is not closed; close it"):
+        read_model(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
+    monkeypatch.setitem(sys.modules, "compas_cgal.triangulation", None)
+    with pytest.raises(MeshError, match=r"pip install 'compas_cgc\[mesher\]'"):
+        mesher(SQUARE, [], [], 1.0, 1e-6)

@@ -1,0 +1,396 @@
+"""A Rhino file comes in: the layers of the convention, and files without any."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc.errors import FileError
+from compas_cgc.errors import ProblemError
+from compas_cgc.io.rhino import constraints_of
+from compas_cgc.io.rhino import describe
+from compas_cgc.io.rhino import read_model
+from compas_cgc.io.rhino import write_model
+from compas_cgc.model.constraints import OnCurve
+
+from ...support.rhino_models import ORIGINS
+from ...support.rhino_models import Sketch
+from ...support.rhino_models import corners_of
+from ...support.rhino_models import point3d
+from ...support.rhino_models import quads
+from ...support.rhino_models import row
+from ...support.shapes import grid
+
+N = 9
+
+
+@pytest.fixture
+def sketch():
+    return Sketch()
+
+
+def plan(width=float(N), origin=(0.0, 0.0, 0.0)):
+    vertices, faces = quads(N, width)
+    return vertices + np.array(origin), faces
+
+
+def said(model, *words):
+    """Tell whether a note has all of the words."""
+    return any(all(word in note for word in words) for note in model.notes)
+
+
+# ----------------------------------------------------------------------
+# Without layers
+# ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("origin", ORIGINS)
+@pytest.mark.parametrize("units", ["Meters", "Millimeters"])
+def test_a_file_without_layers_mesh_points_and_curves(tmp_path, origin, units):
+    sketch = Sketch(units)
+    vertices, faces = plan(origin=origin)
+    sketch.mesh(vertices, faces)
+    sketch.points(vertices[corners_of(N)[:2]])
+    sketch.cloud(vertices[corners_of(N)[2:]])
+    sketch.curve(vertices[row(N, 3)][[0, -1]])
+    sketch.dot("K=0,03", vertices[0] + [0.5, 0.5, 0])
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert model.vertices.tobytes() == vertices.tobytes()
+    assert model.supports.tolist() == sorted(corners_of(N)) and list(model.creases) == [row(N, 3)]
+    assert model.units == units and model.tolerance == 1e-3 and not model.problems
+    mesh = model.to_cgcmesh()
+    assert mesh.attributes["units"] == units and [mesh.region_target(r) for r in range(2)] == [0.03, None]
+    assert said(model, "region 1", "no target")
+
+
+def test_of_several_meshes_the_first_is_taken_and_the_others_named(sketch, tmp_path):
+    first = sketch.mesh(*plan())
+    sketch.mesh(*plan(3.0))
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert said(model, first, "1 more not", "CGC::Mesh")
+    assert said(model, "no support")
+
+
+def test_hidden_things_are_left_out(sketch, tmp_path):
+    sketch.mesh(*plan(3.0), visible=False)
+    sketch.mesh(*plan())
+    sketch.points([[50, 50, 50]], visible=False)
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert np.ptp(model.vertices[:, 0]) == N and not model.problems and said(model, "2 hidden")
+
+
+# ----------------------------------------------------------------------
+# The convention
+# ----------------------------------------------------------------------
+
+
+def test_the_layers_of_the_convention_in_capitals_or_not(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "cgc::mesh::roof")
+    sketch.points(vertices[corners_of(N)], "cgc::SUPPORTS")
+    sketch.curve(vertices[row(N, 3)], "cgc::Creases::main", {"S": "0.5", "E": "4"})
+    sketch.dot("0.02", [0.4, 4, 0], "cgc::Targets")
+    sketch.points([[6, 4, 0]], "cgc::Targets", {"k": "-0.5"})
+    sketch.curve(vertices[row(N, 6)], "cgc::Constraints")
+    sketch.curve([[0, 0, 9], [9, 9, 9]], "Sketches")
+    sketch.points([[4, 4, 4]])
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert not model.problems and len(model.creases) == 1 and len(model.supports) == 4
+    mesh = model.to_cgcmesh()
+    assert [mesh.region_target(r) for r in range(2)] == [0.02, -0.5]
+    assert mesh.vertex_s(row(N, 3)[4]) == 0.5 and mesh.vertex_e(row(N, 3)[4]) == 4 and mesh.vertex_s(0) is None
+    (constraint,) = constraints_of(mesh)
+    assert isinstance(constraint, OnCurve) and constraint.vertices == row(N, 6) and not constraint.closed
+    assert said(model, "1 curve, 1 point", "not read")
+
+
+def test_constraints_besides_the_curvature(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    ring = [vertices[v] for v in (22, 24, 44, 42, 22)]
+    sketch.curve(ring, "CGC::Constraints")
+    sketch.curve(vertices[row(N, 7)], "CGC::Constraints", {"keep": "yes"})
+    sketch.points([vertices[55] + [0, 0, 3.5]], "CGC::Constraints")
+    sketch.points([vertices[57]], "CGC::Constraints", {"Keep": "yes"})
+    (beside,) = sketch.points([vertices[55] + [0.4, 0, 3.5]], "CGC::Constraints")
+    away = sketch.curve([[0, 0, 5], [9, 9, 5]], "CGC::Constraints")
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert [name in problem for name, problem in zip((beside, away), model.problems)] == [True, True]
+    mesh = replace(model, problems=()).to_cgcmesh()
+    write_model(tmp_path / "b.3dm", mesh)
+    for again in (mesh, read_model(tmp_path / "b.3dm").to_cgcmesh()):
+        found = {}
+        for constraint in constraints_of(again):
+            found.setdefault(type(constraint).__name__, []).append(constraint)
+        (curve,), (height,) = found["OnCurve"], found["AtHeight"]
+        assert curve.closed and len(curve.vertices) == 8 and (height.vertices, height.height) == ([55], 3.5)
+        assert {v for held in found["Held"] for v in held.vertices} == {57, *row(N, 7)}
+
+
+def test_targets_on_the_mesh_its_layer_and_in_dots(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh", {"K": "0.01"})
+    sketch.curve(vertices[row(N, 3)], "CGC::Creases")
+    sketch.dot("roof over the hall\nK = 4e-2", [6, 4, 80], "CGC::Targets")
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    mesh = model.to_cgcmesh()
+    assert [mesh.region_target(r) for r in range(2)] == [0.01, 0.04], "a dot goes before the mesh"
+
+    sketch = Sketch()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    sketch.file.Layers[sketch.on("CGC::Mesh").LayerIndex].SetUserString("K", "0.07")
+    assert read_model(sketch.save(tmp_path / "b.3dm")).to_cgcmesh().region_target(0) == 0.07
+
+
+def test_several_meshes_on_the_layer_become_one(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh", {"K": "1"})
+    sketch.mesh(vertices + [0, N, 0], faces[:, ::-1], "CGC::Mesh", {"K": "2"})
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert len(model.vertices) == (N + 1) * (2 * N + 1) and said(model, "1 piece") and said(model, "turned over")
+
+
+def test_supports_along_curves(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    rim = [vertices[v] for v in (0, N, (N + 1) ** 2 - 1, N * (N + 1), 0)]
+    sketch.curve(rim, "CGC::Supports")
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert len(model.supports) == 4 * N and not model.problems
+
+
+def test_own_layer_names_by_argument_and_in_a_file_beside(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "Roof::Shell")
+    sketch.points(vertices[corners_of(N)[:1]], "Columns")
+    sketch.points(vertices[corners_of(N)[1:]], "Walls")
+    sketch.points([[3, 3, 3]], "Furniture")
+    path = sketch.save(tmp_path / "a.3dm")
+    names = {"mesh": "Roof", "supports": ["Columns", "Walls"]}
+    assert len(read_model(path, names).supports) == 4
+    path.with_suffix(".toml").write_text('[layers]\nmesh = "Roof"\nsupports = ["Columns", "Walls"]\n', encoding="utf-8")
+    assert len(read_model(path).supports) == 4
+    assert len(read_model(path, {"supports": "Columns"}).supports) == 1, "the argument goes before the file"
+    for text, words in (
+        ('[layers]\nroof = "A"', "no role 'roof'"),
+        ("[layers", "TOML"),
+        ("[layers]\nmesh = 3", "not 3"),
+        ("layers = 3", "table"),
+    ):
+        path.with_suffix(".toml").write_text(text, encoding="utf-8")
+        with pytest.raises(FileError, match=words):
+            read_model(path)
+
+
+# ----------------------------------------------------------------------
+# Meshes as Rhino makes them
+# ----------------------------------------------------------------------
+
+
+def test_unwelded_mixed_and_single_precision_far_from_the_origin(sketch, tmp_path):
+    vertices, faces = plan(origin=(5000.1, 5000.0, 0.0))
+    loose = vertices[faces].reshape(-1, 3)
+    own = np.arange(len(loose)).reshape(-1, 4).tolist()
+    own[7] = own[7][::-1]
+    own[9:10] = [own[9][:3], [own[9][2], own[9][3], own[9][0]]]
+    name = sketch.mesh(loose, own, single=True)
+    sketch.points(vertices[corners_of(N)])
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert len(model.vertices) == (N + 1) ** 2 and len(model.faces) == 2 * N * N and len(model.supports) == 4
+    for words in (["welded"], ["quads"], ["2 faces were turned"], [name, "seven digits", "far from the origin"]):
+        assert said(model, *words), words
+    assert model.to_cgcmesh().check() == ["no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"]
+
+
+def test_normals_that_point_down_are_said(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces[:, ::-1])
+    assert said(read_model(sketch.save(tmp_path / "a.3dm")), "normals point down")
+
+
+def test_a_brep_without_a_mesh_says_how_to_make_one(sketch, tmp_path):
+    box = rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(point3d((0, 0, 0)), point3d((1, 1, 1)))))
+    sketch.file.Objects.AddBrep(box, sketch.on("CGC::Mesh"))
+    with pytest.raises(FileError, match="Brep .* on layer 'CGC::Mesh' is no mesh; run Rhino's command Mesh"):
+        read_model(sketch.save(tmp_path / "a.3dm"))
+
+
+MESHED_BREP = """
+import os, sys, rhino3dm
+box = rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(1, 1, 1))))
+meshes = []
+for i in range(len(box.Faces)):
+    face, mesh = box.Faces[i], rhino3dm.Mesh()
+    u, v = face.Domain(0), face.Domain(1)
+    for a, b in ((u.T0, v.T0), (u.T1, v.T0), (u.T1, v.T1), (u.T0, v.T1)):
+        p = face.PointAt(a, b)
+        mesh.Vertices.Add(p.X, p.Y, p.Z)
+    mesh.Faces.AddFace(0, 1, 2, 3)
+    face.SetMesh(mesh, rhino3dm.MeshType.Render)
+    meshes.append(mesh)
+file = rhino3dm.File3dm()
+file.Objects.AddBrep(box)
+file.Write(sys.argv[1], 7)
+os._exit(0)
+"""
+
+
+def test_a_brep_with_a_render_mesh_is_accepted(tmp_path):
+    # In a process that ends at once: rhino3dm frees a mesh twice that was given to a Brep.
+    path = tmp_path / "a.3dm"
+    subprocess.run([sys.executable, "-c", MESHED_BREP, str(path)], check=True)
+    model = read_model(path)
+    assert len(model.vertices) == 8 and len(model.faces) == 12 and said(model, "is no mesh")
+    corners = model.vertices[model.faces]
+    volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+    assert abs(volume) == pytest.approx(1.0)
+
+
+# ----------------------------------------------------------------------
+# Curves of all kinds
+# ----------------------------------------------------------------------
+
+
+def bent(n=24, radius=10.0):
+    """Return a sector of a ring whose middle row lies on an arc."""
+    vertices, faces = grid(n, 1.0)
+    angle, r = vertices[:, 0] * np.pi / 2, radius + 4 * (vertices[:, 1] - 0.5)
+    return np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * r]), faces
+
+
+@pytest.mark.parametrize("kind", ["arc", "nurbs", "interpolated", "polycurve", "polyline"])
+def test_a_curve_of_any_kind_along_a_bent_row_of_edges(sketch, tmp_path, kind):
+    n, radius = 24, 10.0
+    vertices, faces = bent(n, radius)
+    path = [i * (n + 1) + n // 2 for i in range(n + 1)]
+    middle, end = vertices[path[n // 2]], vertices[path[-1]]
+    arc = rhino3dm.Arc(point3d(vertices[path[0]]), point3d(middle), point3d(end))
+    if kind == "arc":
+        curve = rhino3dm.NurbsCurve.CreateFromArc(arc)
+        sketch.file.Objects.AddArc(arc)
+    elif kind == "nurbs":
+        curve = rhino3dm.NurbsCurve.CreateFromArc(arc)
+    elif kind == "interpolated":
+        # Straight between the vertices, with the parameter running unevenly.
+        curve = rhino3dm.NurbsCurve.Create(False, 1, [point3d(vertices[v]) for v in path])
+    elif kind == "polycurve":
+        curve = rhino3dm.PolyCurve()
+        half = rhino3dm.Arc(point3d(vertices[path[0]]), point3d(vertices[path[n // 4]]), point3d(middle))
+        curve.Append(half)
+        for a, b in zip(path[n // 2 : -1], path[n // 2 + 1 :]):
+            curve.Append(rhino3dm.Line(point3d(vertices[a]), point3d(vertices[b])))
+    else:
+        curve = vertices[path]
+    sketch.mesh(vertices, faces)
+    if kind != "arc":
+        sketch.curve(curve)
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert [sorted(found) for found in model.creases] == [path] and not said(model, "does not follow")
+
+
+def test_a_crease_that_does_not_follow_edges_is_traced_or_cut(sketch, tmp_path):
+    sketch.mesh(*plan())
+    circle = rhino3dm.Circle(point3d((4.6, 4.4, 0)), 2.7)
+    name = sketch.curve(circle.ToNurbsCurve(), "Creases")
+    path = sketch.save(tmp_path / "a.3dm")
+    traced = read_model(path)
+    assert said(traced, name, "'Creases'", "best path of edges", "of a mean edge")
+    assert len(traced.to_cgcmesh().regions()) == 2 and len(traced.vertices) == (N + 1) ** 2
+    cut = read_model(path, crease="split")
+    assert said(cut, name, "was split along", "new vertices") and len(cut.to_cgcmesh().regions()) == 2
+    (loop,) = cut.creases
+    away = np.linalg.norm(cut.vertices[loop] - [4.6, 4.4, 0], axis=1) - 2.7
+    assert np.abs(away).max() < 1e-3
+    with pytest.raises(ValueError, match="trace, split"):
+        read_model(path, crease="bend")
+
+
+def test_creases_that_cross_touch_the_boundary_and_close(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces)
+    sketch.curve([[3, 0, 0], [3, 9, 0]])
+    sketch.curve([[0, 6, 0], [9, 6, 0]])
+    sketch.curve([[5, 2, 0], [7, 2, 0], [7, 4, 0], [5, 4, 0], [5, 2, 0]])
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert not model.problems and len(model.to_cgcmesh().regions()) == 5
+
+
+def test_split_creases_cross_each_other(sketch, tmp_path):
+    sketch.mesh(*plan())
+    sketch.curve([[-1, 2.2, 0], [10, 6.7, 0]])
+    sketch.curve([[2.3, -1, 0], [6.6, 10, 0]])
+    sketch.points([[4, 4, 0]])
+    model = read_model(sketch.save(tmp_path / "a.3dm"), crease="split")
+    assert not model.problems and len(model.to_cgcmesh().regions()) == 4
+    assert np.array_equal(model.vertices[model.supports[0]], [4, 4, 0]), "a support is not moved onto a crease"
+
+
+# ----------------------------------------------------------------------
+# What does not fit
+# ----------------------------------------------------------------------
+
+
+def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    (far,) = sketch.points([vertices[3] + [0, 0, 0.25]], "CGC::Supports")
+    loose = sketch.curve([[40, 0, 0], [50, 0, 0]], "CGC::Supports")
+    away = sketch.curve([[0, 0, 30], [9, 9, 30]], "CGC::Creases")
+    wordy = sketch.dot("high", [1, 1, 0], "CGC::Targets")
+    one, two = sketch.dot("K=1", [2, 2, 0], "CGC::Targets"), sketch.dot("K=2", [7, 7, 0], "CGC::Targets")
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    problems = list(model.problems)
+    expected = {
+        far: ["'CGC::Supports'", "0.25 m away", "snap"],
+        loose: ["'CGC::Supports'", "no vertex"],
+        away: ["'CGC::Creases'", "nowhere along the mesh"],
+        wordy: ["'CGC::Targets'", "write K=0.03"],
+        two: [one, "same region", "delete one"],
+    }
+    for name, words in expected.items():
+        (sentence,) = [problem for problem in problems if name in problem and not (name == one and two in problem)]
+        assert all(word in sentence for word in words), sentence
+    with pytest.raises(ProblemError) as refusal:
+        model.to_cgcmesh()
+    assert refusal.value.problems == problems
+    text, listed = describe(model)
+    assert listed[: len(problems)] == problems and "1 region" in text and "tolerance 0.001 m" in text
+
+
+@pytest.mark.parametrize(
+    "vertices, faces, words",
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [], "has no faces"),
+        ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertex 2 has a coordinate that is no finite number"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]], "vertices that do not exist"),
+        ([[0, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 2]], "no face with three different corners"),
+    ],
+)
+def test_meshes_that_are_none(sketch, tmp_path, vertices, faces, words):
+    name = sketch.mesh(vertices, faces)
+    path = sketch.save(tmp_path / "a.3dm")
+    with pytest.raises(FileError, match=words) as refusal:
+        read_model(path)
+    assert str(path) in str(refusal.value) and (name in str(refusal.value) or "damaged" in str(refusal.value))
+
+
+def test_a_file_without_a_mesh(sketch, tmp_path):
+    sketch.points([[0, 0, 0]])
+    with pytest.raises(FileError, match="there is no mesh in the file"):
+        read_model(sketch.save(tmp_path / "a.3dm"))
+
+
+def test_a_moebius_strip_is_read_and_the_check_says_what_it_is(sketch, tmp_path):
+    angle = np.linspace(0, 2 * np.pi, 25)
+    rows = [
+        [(4 + w * np.cos(a / 2)) * np.cos(a), (4 + w * np.cos(a / 2)) * np.sin(a), w * np.sin(a / 2)] for a in angle for w in (-1, 0, 1)
+    ]
+    faces = [[3 * i + j, 3 * i + 3 + j, 3 * i + 4 + j, 3 * i + 1 + j] for i in range(24) for j in range(2)]
+    sketch.mesh(rows, faces)
+    model = read_model(sketch.save(tmp_path / "a.3dm"))
+    assert any("not orientable" in problem for problem in model.to_cgcmesh().check())

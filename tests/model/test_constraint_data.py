@@ -1,0 +1,69 @@
+"""Constraints as plain data: there and back, and what is wrong with them said."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compas_cgc.model.constraint_data import KINDS
+from compas_cgc.model.constraint_data import constraint_data
+from compas_cgc.model.constraint_data import constraint_of
+from compas_cgc.model.constraints import Constraint
+from compas_cgc.solvers.projection import AtHeight
+from compas_cgc.solvers.projection import Held
+from compas_cgc.solvers.projection import Mirror
+from compas_cgc.solvers.projection import Near
+from compas_cgc.solvers.projection import OnCurve
+from compas_cgc.solvers.projection import OnLine
+from compas_cgc.solvers.projection import OnPlane
+
+EACH = [
+    OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
+    AtHeight(np.array([3, 4]), 1.25),
+    OnLine([5], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
+    OnCurve([6, 7], np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]]), closed=False),
+    Held([8]),
+    Near([9, 10], weight=100.0),
+    Mirror([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+]
+
+
+def leaves(kind):
+    return [leaf for sub in kind.__subclasses__() for leaf in leaves(sub)] or [kind]
+
+
+def test_every_kind_has_a_name():
+    assert {type(constraint) for constraint in EACH} == set(KINDS.values()) == set(leaves(Constraint))
+
+
+@pytest.mark.parametrize("constraint", EACH, ids=lambda constraint: type(constraint).__name__)
+def test_there_and_back(constraint):
+    data = constraint_data(constraint)
+    again = constraint_of(json.loads(json.dumps(data)))
+    assert type(again) is type(constraint) and constraint_data(again) == data
+
+
+@pytest.mark.parametrize(
+    "data, part",
+    [
+        (3, "an object with a 'kind'"),
+        ({"kind": "magnet"}, "plane, height, line"),
+        ({"kind": ["plane"]}, "an object with a 'kind'"),
+        ({"kind": "held"}, "lacks a field; it has vertices"),
+        ({"kind": "held", "vertices": [0.5]}, "list of vertices"),
+        ({"kind": "held", "vertices": [1], "height": 3}, "has no 'height'"),
+        ({"kind": "height", "vertices": [1], "height": float("nan")}, "finite number"),
+        ({"kind": "height", "vertices": [1], "height": True}, "finite number"),
+        ({"kind": "plane", "vertices": [1], "point": [0, 0], "normal": [0, 0, 1]}, "three numbers"),
+        ({"kind": "plane", "vertices": [1], "point": [0, 0, 0], "normal": [0, 0, 0]}, "not all zero"),
+        ({"kind": "curve", "vertices": [1], "points": [[0, 0, 0]]}, "two or more different points"),
+        ({"kind": "curve", "vertices": [1], "points": 3}, "points of a constraint"),
+        ({"kind": "curve", "vertices": [1], "points": [[0, 0, 0], [1, 0, 0]], "closed": 1}, "true or false"),
+        ({"kind": "near", "vertices": [1], "weight": 0.0}, "weight"),
+    ],
+)
+def test_what_is_wrong_is_said(data, part):
+    with pytest.raises(ValueError, match=part):
+        constraint_of(data)

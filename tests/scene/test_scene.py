@@ -1,0 +1,141 @@
+"""CGC meshes as COMPAS scene objects, with stand-ins for the applications they are drawn in."""
+
+from __future__ import annotations
+
+import sys
+import types
+
+import numpy as np
+import pytest
+from compas.scene import MeshObject
+from compas.scene import Scene
+from compas.scene import context
+
+import compas_cgc.scene
+from compas_cgc import CGCMesh
+from compas_cgc.scene.figures import coloured
+from compas_cgc.scene.figures import figures
+
+from ..support.gh_stand_ins import Mesh
+from ..support.gh_stand_ins import Point3d
+from ..support.gh_stand_ins import PolylineCurve
+from ..support.gh_stand_ins import rhino  # noqa: F401
+
+pytestmark = pytest.mark.usefixtures("rhino")
+
+
+def folded_roof():
+    """Return a roof with a ridge, two supports at its ends, and a dummy ring."""
+    mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
+    for key in mesh.vertices():
+        x, y, _ = mesh.vertex_coordinates(key)
+        mesh.vertex_attribute(key, "z", 1 / 3 * (4 - (x - 2) ** 2))
+    mesh.set_creases([[5 * 2 + j for j in range(5)]])
+    mesh.set_supports([0, 24])
+    mesh.set_target(0.1)
+    mesh.add_dummy_ring()
+    return mesh
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """Register the scene objects and take them back afterwards."""
+    kept = {name: dict(types_) for name, types_ in context.ITEM_SCENEOBJECT.items()}
+    yield
+    context.ITEM_SCENEOBJECT.clear()
+    context.ITEM_SCENEOBJECT.update(kept)
+    for name in ("rhino", "grasshopper", "viewer"):
+        sys.modules.pop(f"compas_cgc.scene.{name}", None)
+
+
+def stand_in(monkeypatch, name, **names):
+    made = types.ModuleType(name)
+    made.__dict__.update(names)
+    monkeypatch.setitem(sys.modules, name, made)
+
+
+def added(mesh, where, **options):
+    return Scene(context=where).add(mesh, context=where, **options)
+
+
+def test_figures_are_those_of_the_surface():
+    mesh = folded_roof()
+    values = figures(mesh)
+    inner = np.isfinite(values["K"])
+    roles = mesh.without_dummies().vertices_role()
+    assert inner.tolist() == [role == "internal" for role in roles] and inner.any()
+    assert values["K"][inner] == pytest.approx(0.0, abs=1e-12), "a vault unrolls"
+    assert values["k_max"][inner] == pytest.approx(2 * values["H"][inner])
+    assert values["error"][inner] == pytest.approx(-0.1)
+    found = coloured(mesh, "error")
+    assert found.limit == pytest.approx(0.1) and (found.colours[inner] == found.colours[inner][0]).all()
+    assert found.colours[inner][0][2] > found.colours[inner][0][0], "too little is blue"
+    assert len({tuple(colour) for colour in found.colours[~inner].tolist()}) == 1, "grey where there is nothing to tell"
+    with pytest.raises(ValueError, match="show must be one of K, H"):
+        coloured(mesh, "curvature")
+
+
+def test_in_grasshopper(registered, monkeypatch):
+    stand_in(monkeypatch, "compas_ghpython.scene", MeshObject=MeshObject)
+    compas_cgc.scene.register_grasshopper()
+    mesh = folded_roof()
+    drawn = added(mesh, "Grasshopper", show_figure="error").draw()
+    assert [type(part) for part in drawn] == [Mesh, Point3d, Point3d, PolylineCurve]
+    assert [list(p) for p in drawn[0].Vertices] == mesh.arrays()[0].tolist(), "every digit, and no dummies"
+    assert drawn[0].VertexColors[6] == tuple(coloured(mesh, "error").colours[6].tolist())
+    assert len(drawn[3].points) == 5
+
+
+def test_in_rhino(registered, monkeypatch):
+    class RhinoMeshObject(MeshObject):
+        def compile_attributes(self, name):
+            return {"name": name}
+
+        def draw_vertices(self):
+            return [("point", key) for key in self.show_vertices]
+
+        def draw_edges(self):
+            return [("line", edge) for edge in self.show_edges]
+
+    document = []
+    objects = types.SimpleNamespace(AddMesh=lambda mesh, attributes: document.append((mesh, attributes)) or "mesh")
+    stand_in(monkeypatch, "scriptcontext", doc=types.SimpleNamespace(Objects=objects))
+    stand_in(monkeypatch, "compas_rhino.scene", RhinoMeshObject=RhinoMeshObject)
+    compas_cgc.scene.register_rhino()
+    drawn = added(folded_roof(), "Rhino", name="roof").draw()
+    assert drawn[0] == "mesh" and drawn[1:3] == [("point", 0), ("point", 24)] and len(drawn) == 3 + 4
+    assert document[0][1] == {"name": "roof"} and len(document[0][0].VertexColors) == 25
+
+
+def test_in_the_viewer(registered, monkeypatch):
+    class ViewerMeshObject(MeshObject):
+        def __init__(self, use_vertexcolors=None, show_points=None, pointsize=None, **options):
+            super().__init__(**options)
+            self.use_vertexcolors, self.show_points = use_vertexcolors, show_points
+
+    stand_in(monkeypatch, "compas_viewer")
+    stand_in(monkeypatch, "compas_viewer.scene", MeshObject=ViewerMeshObject)
+    compas_cgc.scene.register_viewer()
+    drawn = added(folded_roof(), "Viewer")
+    assert drawn.use_vertexcolors and drawn.show_points
+    points, colours, elements = drawn._read_points_data()
+    assert len(points) == len(colours) == 2 and elements == [[0], [1]]
+    points, colours, elements = drawn._read_lines_data()
+    assert len(elements) == 4 + 16 and len(points) == len(colours) == 40 and elements[-1] == [38, 39]
+
+
+def test_compas_is_told_what_each_registration_needs():
+    for function, name in (
+        (compas_cgc.scene.register_rhino, "Rhino"),
+        (compas_cgc.scene.register_grasshopper, "Grasshopper"),
+        (compas_cgc.scene.register_viewer, "compas_viewer"),
+    ):
+        found = function.__plugin_spec__
+        assert found["extension_point_url"].endswith("/factories/register_scene_objects") and found["requires"] == [name]
+
+
+def test_a_mesh_without_dummies_is_drawn_itself(registered, monkeypatch):
+    stand_in(monkeypatch, "compas_ghpython.scene", MeshObject=MeshObject)
+    compas_cgc.scene.register_grasshopper()
+    mesh = folded_roof().without_dummies()
+    assert added(mesh, "Grasshopper").mesh is mesh

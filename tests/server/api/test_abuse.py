@@ -1,0 +1,162 @@
+"""What should not happen to a server, and does: reused ids, full disks, shared stores, monstrous polygons."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import time
+
+import numpy as np
+import pytest
+
+from compas_cgc.errors import FileError
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
+from compas_cgc.server.jobs.store import Job
+from compas_cgc.server.jobs.store import Store
+from compas_cgc.server.limits import Limits
+
+from ...support.server_process import running_server
+from ...support.server_process import wait_for
+from ...support.shapes import grid
+
+ENDLESS = {"supports": "boundary", "targets": 0.5, "method": "flow", "settings": {"steps": 100000, "tolerance": 0.0, "finish": False}}
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with running_server(
+        tmp_path_factory.mktemp("abuse") / "jobs.sqlite", workers=1, limits={"containers": 20_000, "vertices": 3000}
+    ) as running:
+        yield running
+
+
+def refusal(server, **more):
+    vertices, faces = grid(4)
+    value = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
+    status, _, content = server.ask("POST", "/api/v1/jobs", json.dumps(value).encode())
+    return status, json.loads(content).get("message", "")
+
+
+def test_an_id_can_be_used_again_after_a_delete(server):
+    server.client.submit(*grid(20), id="the-same-id", **ENDLESS)
+    wait_for(lambda: server.client.poll("the-same-id")["iteration"] > 0)
+    server.client.delete("the-same-id")
+    server.client.submit(*grid(6), id="the-same-id", supports="boundary", targets=0.5)
+    assert server.client.poll("the-same-id", wait=20)["state"] == "succeeded"
+    assert len(server.client.result("the-same-id")["vertices"]) == 49
+
+
+def test_faces_and_constraints_of_odd_shapes_are_refused(server):
+    for faces in ([[0, 1, 2], [0, 1, [2]]], [[[0], [1], [2]]], [[0, 1, 2], [0, 1, None]]):
+        status, message = refusal(server, faces=faces)
+        assert status == 422 and "whole numbers only" in message
+    status, message = refusal(server, constraints=[{"kind": "height", "vertices": [10**30], "height": 1}])
+    assert status == 422 and "does not exist" in message
+    status, message = refusal(server, faces=[[0, 1, 2, 2], [3, 3, 4, 3]])
+    assert status == 422 and "faces 1 of the input" in message
+
+
+def test_monstrous_polygons_keep_nobody_waiting(server):
+    n = 900
+    angle = 2 * np.pi * np.arange(n) / n
+    rim = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]) * (1 + 0.3 * (np.arange(n) % 2))[:, None]
+    value = {"vertices": rim.tolist(), "faces": [list(range(n))], "supports": "boundary", "targets": 0.1}
+    ids = [json.loads(server.ask("POST", "/api/v1/jobs", json.dumps(value).encode())[2])["id"] for _ in range(5)]
+    assert server.client.health()["status"] == "ok"
+    for id in ids:
+        server.client.delete(id)
+    wait_for(lambda: server.client.health()["busy"] == 0)
+
+
+def test_a_flood_of_lists_is_refused_before_it_is_parsed(server):
+    status, _, content = server.ask("POST", "/solve", b"[" + b"{}," * 20_001 + b"{}]")
+    assert status == 413 and "more than 20000 lists and objects" in json.loads(content)["errors"][0]
+
+
+def test_files_have_the_limits_of_requests(server):
+    vertices, faces = grid(60)
+    lines = [f"v {x} {y} {z}\n" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist()]
+    id = server.client.submit_file("".join(lines).encode(), "obj", supports="boundary", targets=0.1)
+    status = server.client.poll(id, wait=20)
+    assert status["state"] == "failed" and "the mesh has 3721 vertices" in status["message"]
+
+
+def test_large_results_are_written_beside_a_busy_worker(server):
+    vertices, faces = grid(50, 9.0)
+    id = server.client.submit(vertices, faces, supports="boundary", targets=0.01)
+    assert server.client.poll(id, wait=30)["state"] == "succeeded"
+    busy = server.client.submit(*grid(20), **ENDLESS)
+    wait_for(lambda: server.client.poll(busy)["iteration"] > 0)
+    assert server.client.result(id, "3dm").startswith(b"3D Geometry File Format")
+    assert json.loads(server.client.result(id, "compas"))["dtype"].endswith("CGCMesh")
+    assert server.client.poll(busy)["state"] == "running"
+    server.client.delete(busy)
+
+
+def test_a_script_that_breaks_off_leaves_no_job_behind(server):
+    def interrupt(status):
+        if status["iteration"]:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        server.client.solve(*grid(20), on_progress=interrupt, interval=0.05, id="interrupted", **ENDLESS)
+    assert server.client.poll("interrupted", wait=5)["state"] == "cancelled"
+
+
+def test_a_store_belongs_to_one_server(tmp_path):
+    first = Store(tmp_path / "jobs.sqlite")
+    with pytest.raises(FileError, match="another server uses it"):
+        Store(tmp_path / "jobs.sqlite")
+    first.close()
+    Store(tmp_path / "jobs.sqlite").close()
+
+
+def test_a_damaged_store_is_named(tmp_path):
+    (tmp_path / "garbage.sqlite").write_bytes(b"not a store at all" * 200)
+    with sqlite3.connect(tmp_path / "other.sqlite") as base:
+        base.execute("CREATE TABLE jobs (id TEXT)")
+    (tmp_path / "folder.sqlite").mkdir()
+    for name in ("garbage", "other", "folder"):
+        with pytest.raises(FileError, match=f"{name}.sqlite.*move the file away"):
+            Store(tmp_path / f"{name}.sqlite")
+
+
+def test_the_newest_result_is_kept_whatever_the_clock_says(tmp_path):
+    store = Store(":memory:")
+    for k in range(4):
+        store.add(Job(f"job-{k}", "queued", time.time(), None, None, 0, "", "", "", {}, None, None), "arrays", {}, b"")
+        store.finish(f"job-{k}", "succeeded", "", {}, b"result")
+    store._base.execute("UPDATE jobs SET finished = finished + 3600 WHERE id != 'job-3'")
+    store.tidy(2, 10**6, 100, keep="job-3")
+    assert store.result("job-3") == b"result" and sum(store.result(f"job-{k}") is not None for k in range(3)) == 1
+
+
+def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
+    from concurrent.futures import ThreadPoolExecutor
+
+    from compas_cgc.server.api.requests import accept
+    from compas_cgc.server.jobs.engine import Jobs
+
+    def full(*args):
+        raise sqlite3.OperationalError("database or disk is full")
+
+    engine = Jobs(ThreadPoolExecutor(1), Store(":memory:"), Limits())
+    vertices, faces = grid(4)
+    monkeypatch.setattr(engine.store, "finish", full)
+    job, _ = engine.submit(
+        *accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
+    )
+    done = engine.wait(job.id, 20)
+    assert done.state == "failed" and "its disk may be full" in done.message
+    engine.close()
+
+
+def test_a_busy_server_says_so_to_hops(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"blocking": 0.7}) as busy:
+        busy.client.submit(*grid(20), **ENDLESS)
+        wait_for(lambda: busy.client.health()["busy"] == 1)
+        vertices, faces = grid(3)
+        mesh = json.dumps(mesh_from_arrays(vertices, faces).Encode())
+        values = [{"ParamName": "Mesh", "InnerTree": {"0": [{"data": mesh}]}}, {"ParamName": "K", "InnerTree": {"0": [{"data": 0.1}]}}]
+        status, _, content = busy.ask("POST", "/solve", json.dumps({"pointer": "cgc/dome", "values": values}).encode())
+        assert status == 504 and "all workers were busy for 0.7 seconds" in json.loads(content)["errors"][0]

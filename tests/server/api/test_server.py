@@ -1,0 +1,428 @@
+"""The job API over HTTP, with a real server: what it gives, and whom it refuses."""
+
+from __future__ import annotations
+
+import base64
+import http.client
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import compas
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc import CGCMesh
+from compas_cgc.client import Client
+from compas_cgc.client import Refused
+from compas_cgc.server import Limits
+from compas_cgc.server.api.openapi import description
+
+from ...support.rhino_models import dots_of
+from ...support.rhino_models import result_of
+from ...support.server_process import running_server
+from ...support.shapes import grid
+
+KEY = "a-key-for-tests"
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", KEY) as running:
+        yield running
+
+
+def ask(server, method, path, body=None, key=KEY, **headers):
+    """Return status, headers and body of one raw request."""
+    return server.ask(method, path, body, **{"RhinoComputeKey": key, **headers})
+
+
+def request(n=6, **more):
+    vertices, faces = grid(n)
+    return {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
+
+
+def endless(**more):
+    return request(20, method="flow", settings={"steps": 100000, "tolerance": 0.0}, **more)
+
+
+def post(server, value):
+    body = value if isinstance(value, bytes) else json.dumps(value).encode()
+    return ask(server, "POST", "/api/v1/jobs", body)
+
+
+def finished(server, id):
+    end = time.monotonic() + 20
+    while time.monotonic() < end:
+        status = server.client.poll(id)
+        if status["state"] in ("succeeded", "failed", "cancelled"):
+            return status
+        time.sleep(0.02)
+    raise AssertionError("the job does not end")
+
+
+def test_a_job_from_hand_in_to_every_format(server, tmp_path):
+    status, headers, content = post(server, request(name="roof"))
+    job = json.loads(content)
+    assert status == 202 and headers["Location"] == job["status_url"] and "check;dur=" in headers["Server-Timing"]
+    done = finished(server, job["id"])
+    assert (done["state"], done["progress"], done["name"]) == ("succeeded", 1.0, "roof")
+    arrays = server.client.result(job["id"])
+    assert arrays["status"] == "converged" and arrays["max_error"] < 1e-6 and len(arrays["report"]["regions"]) == 1
+    assert np.allclose([K for K in arrays["curvature"] if K is not None], 0.5)
+    mesh = compas.json_loads(server.client.result(job["id"], "compas").decode())
+    assert isinstance(mesh, CGCMesh) and np.array_equal(mesh.arrays()[0], arrays["vertices"])
+    from compas_cgc.io import read_mesh
+
+    for kind in ("3dm", "obj"):
+        path = tmp_path / f"roof.{kind}"
+        path.write_bytes(server.client.result(job["id"], kind))
+        assert np.allclose(sorted(map(tuple, read_mesh(path)[0].arrays()[0])), sorted(map(tuple, arrays["vertices"])))
+
+
+def test_a_compas_mesh_and_files_are_taken(server, tmp_path):
+    mesh = CGCMesh.from_meshgrid(dx=4, nx=6)
+    mesh.set_supports("corners")
+    mesh.set_creases([[7 * i + 3 for i in range(7)]])
+    mesh.set_target(0.01)
+    same = {"mesh": json.loads(compas.json_dumps(mesh))}
+    from compas_cgc.io import write_mesh
+
+    write_mesh(tmp_path / "roof.3dm", mesh)
+    jobs = [json.loads(post(server, same)[2])["id"], server.client.submit_file((tmp_path / "roof.3dm").read_bytes(), "3dm")]
+    for id in jobs:
+        assert finished(server, id)["state"] == "succeeded"
+    first, second = (server.client.result(id) for id in jobs)
+    assert first["creases"] and first["roles"].count("fixed") == 4 == second["roles"].count("fixed")
+    assert np.allclose(np.ptp(first["vertices"], axis=0), np.ptp(second["vertices"], axis=0))
+
+
+def test_packed_arrays_are_lists_in_fewer_bytes(server):
+    vertices, faces = grid(6)
+    server.client.submit(vertices, faces, supports="boundary", targets=0.5, id="packed-0001")
+    plain = server.client.result(finished(server, "packed-0001")["id"])
+    _, _, answer = post(server, request(id="packed-0002"))
+    id = finished(server, json.loads(answer)["id"])["id"]
+    _, _, content = ask(server, "GET", f"/api/v1/jobs/{id}/result?format=arrays")
+    _, _, packed = ask(server, "GET", f"/api/v1/jobs/{id}/result?format=packed")
+    lists = json.loads(content)
+    for name in ("vertices", "faces", "curvature", "targets", "roles", "creases"):
+        assert plain[name] == lists[name], name
+    assert len(packed) < len(content)
+
+
+@pytest.mark.parametrize(
+    "more, part",
+    [
+        ({"base64": "!", "type": "f8", "shape": [1, 3]}, "no valid base64"),
+        ({"base64": "", "type": "f4", "shape": [0, 3]}, "as a packed array must be"),
+        ({"base64": "AAAA", "type": "f8", "shape": [1, 3]}, "not those of its shape"),
+        ({"base64": "", "type": "f8", "shape": [-1, 3]}, "as a packed array must be"),
+        ({"base64": "", "type": "f8", "shape": [0, 3]}, "at least three"),
+        ({"base64": base64.b64encode(np.full(9, np.nan).tobytes()).decode(), "type": "f8", "shape": [3, 3]}, "no finite number"),
+        ({"base64": base64.b64encode(np.zeros(6)).decode(), "type": "f8", "shape": [3, 2]}, "three numbers each"),
+    ],
+)
+def test_packed_arrays_are_read_with_suspicion(server, more, part):
+    status, _, answer = post(server, {**request(), "vertices": more})
+    assert status == 422 and part in json.loads(answer)["message"]
+
+
+def test_constraints_arrive(server, tmp_path):
+    vertices, faces = grid(8, 8.0)
+    middle = 40
+    raised = [{"kind": "height", "vertices": [middle], "height": 1.5}]
+    result = server.client.solve(vertices, faces, supports="corners", targets=0.01, constraints=raised)
+    assert result["status"] == "converged" and result["vertices"][middle][2] == pytest.approx(1.5, abs=1e-9)
+    for constraints, part in (
+        ([{"kind": "height", "vertices": [99], "height": 1.0}], "vertex 99"),
+        ([{"kind": "magnet"}], "plane, height"),
+        ({"kind": "held"}, "list of objects"),
+    ):
+        with pytest.raises(Refused, match=part):
+            server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=constraints)
+    with pytest.raises(Refused, match="only the method projection"):
+        server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=raised, method="newton")
+
+
+def test_degenerate_faces_are_named_before_anything_is_queued(server):
+    value = request()
+    value["faces"] += [[0, 1, 1]]
+    status, _, answer = post(server, value)
+    assert status == 422 and "faces 72 of the input have fewer than three" in json.loads(answer)["message"]
+
+
+def test_a_status_can_wait_for_the_end_of_the_job(server):
+    id = server.client.submit(*grid(12), supports="boundary", targets=0.5)
+    assert server.client.poll(id, wait=20)["state"] == "succeeded"
+    id = json.loads(post(server, endless())[2])["id"]
+    started = time.monotonic()
+    assert server.client.poll(id, wait=0.5)["state"] in ("queued", "running") and time.monotonic() - started >= 0.5
+    assert ask(server, "GET", f"/api/v1/jobs/{id}?wait=nan")[0] == ask(server, "GET", f"/api/v1/jobs/{id}?wait=-1")[0] == 200
+    server.client.delete(id)
+
+
+def test_a_result_goes_into_the_file_of_the_architect(server, tmp_path):
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.02)
+    mesh.to_3dm(tmp_path / "roof.3dm")
+    drawn = rhino3dm.File3dm.Read(str(tmp_path / "roof.3dm"))
+    drawn.Objects.AddTextDot("column by the neighbour", rhino3dm.Point3d(1, 2, 3))
+    drawn.Write(str(tmp_path / "roof.3dm"), 7)
+    content = (tmp_path / "roof.3dm").read_bytes()
+    id = finished(server, server.client.submit_file(content, "3dm"))["id"]
+    (tmp_path / "solved.3dm").write_bytes(server.client.result(id, "3dm", beside=content))
+    vertices, _, record = result_of(tmp_path / "solved.3dm")
+    assert np.array_equal(vertices, server.client.result(id)["vertices"]) and record["status"] == "converged"
+    assert "column by the neighbour" in dots_of(tmp_path / "solved.3dm")
+    for bad, status, part in ((b"not a file", 422, "3dm"), (b"", 400, "empty")):
+        with pytest.raises(Refused, match=part) as refusal:
+            server.client.result(id, "3dm", beside=bad)
+        assert refusal.value.status == status and str(tmp_path) not in str(refusal.value) and "tmp" not in str(refusal.value)
+    with pytest.raises(Refused, match="must be 3dm"):
+        server.client.result(id, "obj", beside=content)
+
+
+def test_damaged_files_fail_with_a_sentence_and_without_a_path(server):
+    for kind in ("3dm", "obj"):
+        status = finished(server, server.client.submit_file(b"not a file at all", kind))
+        assert status["state"] == "failed" and "upload" not in status["message"] and os.sep + "tmp" not in status["message"]
+
+
+def test_the_same_id_is_the_same_job(server):
+    first, again = (json.loads(post(server, request(id="my-roof-1"))[2])["id"] for _ in range(2))
+    assert first == again == "my-roof-1"
+    assert post(server, request(8, id="my-roof-1"))[0] == 409
+
+
+def test_events_arrive_while_it_solves_and_cancel_is_quick(server):
+    id = json.loads(post(server, endless(live=True))[2])["id"]
+    connection = http.client.HTTPConnection(server.url.split("//")[1], timeout=20)
+    connection.request("GET", f"/api/v1/jobs/{id}/events", headers={"Authorization": f"Bearer {KEY}"})
+    stream = connection.getresponse()
+    assert stream.getheader("Content-Type").startswith("text/event-stream")
+    seen = []
+    for line in stream:
+        if line.startswith(b"data: "):
+            seen.append(json.loads(line[6:]))
+            if sum(status["iteration"] > 0 for status in seen) == 2 and seen[-1]["state"] == "running":
+                status, _, surface = ask(server, "GET", f"/api/v1/jobs/{id}/surface")
+                assert status == 200 and len(surface) == 12 * 21**2
+                assert ask(server, "GET", f"/api/v1/jobs/{id}/result")[0] == 409
+                assert ask(server, "POST", f"/api/v1/jobs/{id}/cancel")[0] == 200
+        if seen and seen[-1]["state"] == "cancelled":
+            break
+    steps = [status["iteration"] for status in seen]
+    assert steps == sorted(steps) and steps[-1] > 0 and seen[-1]["message"].startswith("cancelled after")
+    connection.close()
+    assert ask(server, "DELETE", f"/api/v1/jobs/{id}")[0] == 204
+    assert ask(server, "GET", f"/api/v1/jobs/{id}")[0] == 404
+
+
+def test_health_answers_while_all_workers_are_busy(server):
+    ids = [json.loads(post(server, endless())[2])["id"] for _ in range(3)]
+    end = time.monotonic() + 10
+    while server.client.health()["busy"] < 2 and time.monotonic() < end:
+        time.sleep(0.01)
+    health = server.client.health()
+    assert health["status"] == "ok" and (health["busy"], health["waiting"]) == (2, 1)
+    for id in ids:
+        server.client.cancel(id)
+        assert finished(server, id)["state"] == "cancelled"
+
+
+def test_nothing_is_computed_without_the_key(server):
+    body = json.dumps(request()).encode()
+    for key in (None, "wrong", "ä"):
+        given = {"RhinoComputeKey": key.encode().decode("latin-1")} if key else {}
+        status, headers, content = ask(server, "POST", "/api/v1/jobs", body, None, **given)
+        assert status == 401 and "key is missing or wrong" in json.loads(content)["errors"][0]
+    assert ask(server, "POST", "/api/v1/jobs", body, None, Authorization=f"Bearer {KEY}")[0] == 202
+    assert ask(server, "GET", "/api/v1/jobs", key=None)[0] == 401
+    # Malformed as it is, nobody looks into it.
+    assert ask(server, "POST", "/solve", b"{", None)[0] == 401
+    for path in ("/health", "/version", "/openapi.json", "/", "/cgc/dome"):
+        assert ask(server, "GET", path, key=None)[0] == 200
+
+
+def test_other_hosts_and_other_pages_are_refused(server):
+    host = server.url.split("//")[1]
+    assert ask(server, "GET", "/health", Host="evil.example:80")[0] == 421
+    assert ask(server, "GET", "/health", Host="[broken")[0] in (400, 421)
+    for origin in ("https://evil.example", "null", "http://127.0.0.1:1"):
+        assert ask(server, "POST", "/solve", b"{}", Origin=origin)[0] == 403
+    status, headers, _ = ask(server, "GET", "/health", Origin=f"http://{host}")
+    assert status == 200 and "Access-Control-Allow-Origin" not in headers
+    assert headers["X-Content-Type-Options"] == "nosniff" and "default-src 'none'" in headers["Content-Security-Policy"]
+
+
+BAD = {
+    "no JSON": (b"{", 400, "not valid JSON"),
+    "no text": (b"\xff\xfe\x00", 400, "UTF-8"),
+    "nothing": (b"", 400, "not valid JSON"),
+    "NaN": (b'{"vertices": [[NaN, 0, 0]]}', 400, "NaN"),
+    "a nest": (b'{"settings": ' + 40 * b"[" + 40 * b"]" + b"}", 400, "nested more than 32"),
+    "a deep nest": (200_000 * b"[", 400, "JSON"),
+    "many digits": (b'{"targets": ' + 5000 * b"1" + b"}", 400, "digits"),
+    "a list": (b"[]", 422, "object"),
+    "an unknown field": (b'{"vertexes": []}', 422, "no field 'vertexes'"),
+    "no faces": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]]}', 422, "'faces'"),
+    "texts": (b'{"vertices": [["0","1","2"]], "faces": [[0,0,0]]}', 422, "three numbers"),
+    "ragged": (b'{"vertices": [[0,1],[0,1,2]], "faces": [[0,0,0]]}', 422, "three numbers"),
+    "infinite": (b'{"vertices": [[1e999,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
+    "too far": (b'{"vertices": [[1e300,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
+    "no such vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,3]]}', 422, "names vertex 3"),
+    "half a vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,1.5]]}', 422, "whole numbers"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_requests_are_refused_with_a_sentence(server, name):
+    body, expected, part = BAD[name]
+    status, headers, content = post(server, body)
+    answer = json.loads(content)
+    assert (status, headers["Content-Type"]) == (expected, "application/json")
+    assert part in answer["message"] and answer["errors"] == [answer["message"]] and answer["values"] == []
+
+
+@pytest.mark.parametrize(
+    "more, part",
+    [
+        ({"method": "magic"}, "'method' must be one of"),
+        ({"targets": [1.0]}, "1 numbers for 49"),
+        ({"targets": {"x": 1.0}}, "numbers of the regions"),
+        ({"targets": True}, "must be a number"),
+        ({"supports": [99]}, "names vertex 99"),
+        ({"supports": "everything"}, '"boundary" or "corners"'),
+        ({"creases": [[0, "1"]]}, "whole number"),
+        ({"settings": {"stepps": 1}}, "no setting 'stepps'"),
+        ({"settings": {"steps": 10}}, "name it with 'method'"),
+        ({"method": "flow", "settings": {"steps": 0}}, "steps must be"),
+        ({"method": "flow", "settings": {"steps": 10**9}}, "at most 100000 steps"),
+        ({"flip": 1}, "true or false"),
+        ({"id": "short"}, "8 to 64"),
+        ({"id": 5}, "'id' must be a text"),
+        ({"supports": None, "roles": ["fixed"]}, "one role per vertex"),
+        ({"mesh": {"dtype": "os/system", "data": {}}}, "COMPAS Mesh"),
+    ],
+)
+def test_wrong_fields_are_named(server, more, part):
+    status, _, content = post(server, request(**more))
+    assert status == 422 and part in json.loads(content)["message"]
+
+
+def test_meshes_that_cannot_be_solved_fail_with_the_reason(server):
+    one = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]], "supports": "boundary", "targets": 1.0}
+    for value, part in (
+        (one, "no internal vertex"),
+        (request(supports=[]), "no support"),
+        (request(creases=[[0, 48]]), "does not follow an edge"),
+    ):
+        status = finished(server, json.loads(post(server, value)[2])["id"])
+        assert status["state"] == "failed" and part in status["message"]
+
+
+def test_too_much_is_refused(server):
+    assert post(server, b" " * (Limits().body + 1))[0] == 413
+    many = b'{"vertices": [' + b"[0,0,0]," * Limits().vertices + b"[0,0,0]]}"
+    status, _, content = post(server, many)
+    assert status == 413 and "coarser" in json.loads(content)["message"]
+
+
+def test_other_addresses_answer_in_json_too(server):
+    for method, path, expected in (("GET", "/nothing", 404), ("PUT", "/health", 405), ("GET", "/api/v1/jobs/nobody-here", 404)):
+        status, headers, content = ask(server, method, path)
+        assert status == expected and headers["Content-Type"] == "application/json" and json.loads(content)["errors"]
+    assert ask(server, "GET", "/api/v1/jobs/nobody-here/result?format=exe")[0] == 422
+
+
+def test_the_description_names_what_is_served(server):
+    served = json.loads(ask(server, "GET", "/openapi.json")[2])
+    assert served == description()
+    for path, operations in served["paths"].items():
+        for method in set(operations) - {"parameters"}:
+            status, _, content = ask(server, method.upper(), path.replace("{id}", "nobody-here"), b"{}" if method == "post" else None)
+            assert str(status) in operations[method]["responses"], (method, path, status, content)
+
+
+def test_random_requests_never_make_the_server_fail(server):
+    random = np.random.default_rng(7)
+    good = json.dumps(request(2)).encode()
+    pieces = [b"null", b"-1", b"1e400", b"[]", b"{}", b'"x"', b"true", b"[[]]", b'"\\ud800"', b"0.5"]
+    for _ in range(150):
+        at = int(random.integers(len(good)))
+        cut = int(random.integers(1, 12))
+        piece = pieces[int(random.integers(len(pieces)))]
+        for path in ("/api/v1/jobs", "/solve"):
+            status, _, content = ask(server, "POST", path, good[:at] + piece + good[at + cut :])
+            assert status in (202, 400, 404, 422, 429), content
+            assert isinstance(json.loads(content), dict)
+
+
+def test_jobs_survive_a_kill_of_the_server(tmp_path):
+    store = tmp_path / "jobs.sqlite"
+    with running_server(store, workers=1) as first:
+        done = first.client.solve(*grid(6), supports="boundary", targets=0.5, id="done-before")
+        vertices, faces = grid(20)
+        first.client.submit(
+            vertices, faces, id="was-running", supports="boundary", targets=0.5, method="flow", settings={"steps": 400, "tolerance": 0.0}
+        )
+        ids = [first.client.submit(*grid(6), id=f"waiting-{k}", supports="boundary", targets=0.3) for k in range(3)]
+        first.process.kill()
+        first.process.wait(10)
+    with running_server(store, workers=1) as second:
+        assert second.client.result("done-before") == done
+        for id in ("was-running", *ids):
+            assert finished(second, id)["state"] == "succeeded"
+        assert second.client.result("was-running")["iterations"] >= 400
+
+
+def test_it_stops_quickly_whatever_is_under_way(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite") as running:
+        id = running.client.submit(*grid(20), **{name: value for name, value in endless().items() if name not in ("vertices", "faces")})
+        stream = http.client.HTTPConnection(running.url.split("//")[1], timeout=20)
+        stream.request("GET", f"/api/v1/jobs/{id}/events")
+        assert stream.getresponse().readline().startswith(b"event")
+        running.process.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
+        assert running.process.wait(2) == 0
+        stream.close()
+
+
+def test_it_does_not_open_to_a_network_without_a_key():
+    command = [sys.executable, "-m", "compas_cgc", "serve", "--host", "0.0.0.0", "--port", "0"]
+    bare = {name: value for name, value in os.environ.items() if name != "COMPAS_CGC_KEY"}
+    done = subprocess.run(command, capture_output=True, text=True, env=bare, timeout=30)
+    assert done.returncode == 2 and "needs a key" in done.stderr
+
+
+def test_a_port_in_use_is_said(server):
+    port = server.url.rsplit(":", 1)[1]
+    done = subprocess.run([sys.executable, "-m", "compas_cgc", "serve", "--port", port], capture_output=True, text=True, timeout=30)
+    assert done.returncode == 2 and "a server of compas_cgc" in done.stderr and "--port" in done.stderr
+
+
+def test_a_wrong_key_is_refused_to_the_client(server):
+    with pytest.raises(Refused, match="key is missing or wrong") as refusal:
+        Client(server.url, "nonsense", retries=0).jobs()
+    assert refusal.value.status == 401
+
+
+def test_a_pointer_is_never_followed(server):
+    for pointer in ("http://127.0.0.1:1/cgc/nothing", "file:///etc/passwd", "../../cgc/dome/x"):
+        body = json.dumps({"pointer": pointer, "values": []}).encode()
+        assert ask(server, "POST", "/solve", body)[0] == 404
+    algo = base64.b64encode(b"import os").decode()
+    assert ask(server, "POST", "/grasshopper", json.dumps({"pointer": None, "algo": algo, "values": []}).encode())[0] == 404
+
+
+def test_half_characters_are_no_text(server):
+    for value in (request(name="\ud800"), {"values": "\ud800"}):
+        status, _, content = post(server, json.dumps(value).encode())
+        assert status == 400 and "half a character" in json.loads(content)["message"]
+    status, _, content = post(server, json.dumps(request(name="\u00e9 \U0001f600")).encode())
+    assert status == 202 and finished(server, json.loads(content)["id"])["name"] == "\u00e9 \U0001f600"

@@ -1,0 +1,417 @@
+"""What goes wrong with a server in use: clients that hang up, too much at once, and processes that are killed.
+
+``KILLS=10`` kills more often than the few times of every day.
+"""
+
+from __future__ import annotations
+
+import http.client
+import json
+import os
+import random
+import re
+import signal
+import socket
+import sqlite3
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compas_cgc.client import Refused
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
+
+from ...support.hops_client import Hops
+from ...support.server_process import running_server
+from ...support.server_process import wait_for
+from ...support.shapes import grid
+
+KEY = "a-key-for-faults"
+KILLS = int(os.environ.get("KILLS", 2))
+
+
+def hops_body(name, n=6, K=0.01, **inputs):
+    """Return the body of a request of Hops that is not answered from what was kept."""
+    data = {"Mesh": mesh_from_arrays(*grid(n, 9.0)).Encode(), "K": K, **inputs}
+    values = [{"ParamName": own, "InnerTree": {"{0}": [{"data": value}]}} for own, value in data.items()]
+    return json.dumps({"pointer": f"cgc/{name}", "values": values}).encode()
+
+
+def endless_hops():
+    """Return a request that would take more than a minute: thousands of slow steps."""
+    return hops_body("flow", 60, Steps=10000)
+
+
+def job(n=6, **more):
+    vertices, faces = grid(n)
+    return {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
+
+
+def endless(**more):
+    return job(20, method="flow", settings={"steps": 100000, "tolerance": 0.0}, **more)
+
+
+def submit(server, value):
+    status, _, content = server.ask("POST", "/api/v1/jobs", json.dumps(value).encode())
+    return status, json.loads(content)
+
+
+def seconds_of(function):
+    started = time.monotonic()
+    found = function()
+    return time.monotonic() - started, found
+
+
+class Hanging:
+    """A request whose answer nobody waits for."""
+
+    def __init__(self, server, body, path="/solve", method="POST"):
+        host, port = server.address.split(":")
+        self.socket = socket.create_connection((host, int(port)), 30)
+        head = f"{method} {path} HTTP/1.1\r\nHost: {server.address}\r\nRhinoComputeKey: {server.key}\r\nContent-Length: {len(body)}\r\n\r\n"
+        self.socket.sendall(head.encode() + body)
+
+    def hang_up(self):
+        self.socket.close()
+
+
+# ----------------------------------------------------------------------
+# Clients that hang up, and solves that take too long
+# ----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def one_worker(tmp_path_factory):
+    """A server with one worker: whoever does not let go of it keeps all others waiting."""
+    with running_server(tmp_path_factory.mktemp("one") / "jobs.sqlite", KEY, workers=1) as running:
+        yield running
+
+
+def test_a_client_that_hangs_up_frees_the_worker_for_the_next(one_worker):
+    health = one_worker.client.health
+    workers = health()["replaced"]
+    request = Hanging(one_worker, endless_hops())
+    wait_for(lambda: health()["busy"] == 1)
+    # It is at its steps by now, and would be for a minute.
+    time.sleep(1.0)
+    assert health()["busy"] == 1
+    request.hang_up()
+    spent, (status, _, _) = seconds_of(lambda: one_worker.ask("POST", "/solve", hops_body("dome")))
+    assert status == 200 and spent < 2.0
+    assert health() == {**health(), "busy": 0, "idle": 1, "waiting": 0, "replaced": workers}, "stopped without force"
+
+
+def test_a_client_that_hangs_up_while_it_waits_its_turn_is_not_served(one_worker):
+    health = one_worker.client.health
+    first, second = Hanging(one_worker, endless_hops()), None
+    wait_for(lambda: health()["busy"] == 1)
+    second = Hanging(one_worker, endless_hops())
+    wait_for(lambda: health()["waiting"] == 1)
+    second.hang_up()
+    first.hang_up()
+    spent, (status, _, _) = seconds_of(lambda: one_worker.ask("POST", "/solve", hops_body("dome")))
+    assert status == 200 and spent < 2.5
+
+
+def test_many_that_hang_up_leave_nothing_behind(one_worker):
+    health = one_worker.client.health
+    for _ in range(2):
+        requests = [Hanging(one_worker, endless_hops()) for _ in range(8)]
+        wait_for(lambda: health()["waiting"] == 7)
+        for request in requests:
+            request.hang_up()
+        wait_for(lambda: (health()["busy"], health()["waiting"]) == (0, 0), 4.0, "solves of clients that are gone")
+
+
+def test_half_a_request_holds_no_worker(one_worker):
+    body = hops_body("dome")
+    half = Hanging(one_worker, b"", "/health", "GET")
+    for cut in (0, 1, len(body) // 2):
+        with socket.create_connection(one_worker.address.split(":"), 10) as connection:
+            connection.sendall(
+                f"POST /solve HTTP/1.1\r\nHost: {one_worker.address}\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body[:cut]
+            )
+        assert one_worker.ask("POST", "/solve", body)[0] == 200
+    half.hang_up()
+
+
+# ----------------------------------------------------------------------
+# Limits
+# ----------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def tight(tmp_path_factory):
+    """A server that takes little."""
+    limits = {"blocking": 1.0, "queue": 5, "per_client": 3, "body": 2**20, "depth": 12, "calls": 2}
+    with running_server(tmp_path_factory.mktemp("tight") / "jobs.sqlite", KEY, workers=1, limits=limits) as running:
+        yield running
+
+
+@pytest.fixture
+def tidy(tight):
+    yield tight
+    for status in tight.client.jobs():
+        tight.client.delete(status["id"])
+    wait_for(lambda: (tight.client.health()["busy"], tight.client.health()["waiting"]) == (0, 0))
+
+
+def test_a_solve_that_takes_too_long_is_stopped_and_the_sentence_says_what_to_do(tidy):
+    component = Hops(f"{tidy.url}/cgc/flow", key=KEY)
+    spent, (status, outputs, errors, _) = seconds_of(lambda: component.post(endless_hops()))
+    assert status == 504 and outputs == {} and 1.0 <= spent < 3.0
+    assert errors == ["the work was stopped after 1 seconds; use /cgc/submit and /cgc/fetch for long ones"]
+    spent, (status, _, _) = seconds_of(lambda: tidy.ask("POST", "/solve", hops_body("dome")))
+    assert status == 200 and spent < 2.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have only one address of their own")
+def test_the_queue_is_bounded_for_one_and_for_all(tidy):
+    def from_address(address, path, body):
+        connection = http.client.HTTPConnection(tidy.address, timeout=30, source_address=(address, 0))
+        connection.request("POST", path, body, {"RhinoComputeKey": KEY})
+        answer = connection.getresponse()
+        found = answer.status, answer.headers["Retry-After"], json.loads(answer.read())
+        connection.close()
+        return found
+
+    body = json.dumps(endless()).encode()
+    assert [from_address("127.0.0.1", "/api/v1/jobs", body)[0] for _ in range(3)] == [202, 202, 202]
+    status, again, found = from_address("127.0.0.1", "/api/v1/jobs", body)
+    assert (status, again) == (429, "1") and "this client has 3 unfinished jobs" in found["message"]
+    status, _, found = from_address("127.0.0.1", "/solve", hops_body("dome"))
+    assert status == 429 and found["errors"] == [found["message"]] and found["values"] == []
+    assert [from_address("127.0.0.2", "/api/v1/jobs", body)[0] for _ in range(2)] == [202, 202]
+    for path, content in (("/api/v1/jobs", body), ("/solve", hops_body("dome")), ("/solve", hops_body("submit"))):
+        status, _, found = from_address("127.0.0.3", path, content)
+        assert status == 429 and "the queue is full (5 jobs)" in found["errors"][0]
+
+
+def test_solves_that_are_waited_for_are_bounded_too(tidy):
+    waiting = [Hanging(tidy, endless_hops()) for _ in range(2)]
+    wait_for(lambda: tidy.client.health()["waiting"] == 1)
+    status, _, content = tidy.ask("POST", "/solve", hops_body("dome"))
+    assert status == 429 and "busy with other solves" in json.loads(content)["message"]
+    for request in waiting:
+        request.hang_up()
+
+
+@pytest.mark.parametrize("times", [1.01, 1.9, 3.0, 10.0])
+@pytest.mark.parametrize("path", ["/solve", "/api/v1/jobs", "/api/v1/jobs?kind=3dm"])
+def test_a_body_over_the_limit_is_refused_with_a_sentence(tidy, path, times):
+    spent, (status, headers, content) = seconds_of(lambda: tidy.ask("POST", path, b" " * int(times * 2**20)))
+    assert (status, headers["Content-Type"]) == (413, "application/json") and spent < 5.0
+    assert "use a coarser mesh" in json.loads(content)["errors"][0]
+    assert tidy.client.health()["status"] == "ok"
+
+
+def test_a_body_without_length_is_read_up_to_the_limit(tidy):
+    def pieces(content, size=5000):
+        return (content[i : i + size] for i in range(0, len(content), size))
+
+    assert tidy.ask("POST", "/solve", pieces(hops_body("dome")))[0] == 200
+    status, _, content = tidy.ask("POST", "/solve", pieces(b" " * int(1.5 * 2**20)))
+    assert status == 413 and "coarser" in json.loads(content)["message"]
+
+
+def test_json_nested_too_deeply_is_refused(tidy):
+    for body in (13 * b"[" + 13 * b"]", 100_000 * b'{"a":', 200_000 * b"[", b'{"values":' + 14 * b"[" + 14 * b"]" + b"}"):
+        for path in ("/solve", "/api/v1/jobs", "/io"):
+            status, _, content = tidy.ask("POST", path, body)
+            assert status == 400 and json.loads(content)["errors"]
+
+
+def test_a_mesh_over_the_limit_is_refused_before_it_is_decoded(one_worker):
+    import base64
+
+    encoded = mesh_from_arrays(*grid(6, 9.0)).Encode()
+    content = bytearray(base64.b64decode(encoded["data"]))
+    # The numbers of vertices and faces, as the archive has them.
+    assert np.frombuffer(content[57:65], "<i4").tolist() == [49, 72]
+    for counts in ((200_001, 72), (49, 400_001), (2**31 - 1, 2**31 - 1), (-1, 72)):
+        content[57:65] = np.array(counts, "<i4").tobytes()
+        data = {**encoded, "data": base64.b64encode(content).decode()}
+        spent, (status, _, answer) = seconds_of(lambda data=data: one_worker.ask("POST", "/solve", hops_body("dome", Mesh=data)))
+        assert status == 413 and spent < 1.0 and f"{counts[0]} vertices and {counts[1]} faces" in json.loads(answer)["errors"][0]
+
+
+def test_event_streams_are_bounded_and_given_back(one_worker):
+    id = submit(one_worker, endless())[1]["id"]
+    path = f"/api/v1/jobs/{id}/events"
+    for _ in range(20):
+        assert one_worker.ask("HEAD", path)[0] in (200, 405)
+    streams = [Hanging(one_worker, b"", path, "GET") for _ in range(16)]
+    for stream in streams:
+        assert stream.socket.recv(15).startswith(b"HTTP/1.1 200")
+    status, _, content = one_worker.ask("GET", path)
+    assert status == 429 and json.loads(content)["errors"]
+    spent, health = seconds_of(one_worker.client.health)
+    assert health["status"] == "ok" and spent < 1.0, "others are served meanwhile"
+    streams.pop().hang_up()
+
+    def again():
+        stream = Hanging(one_worker, b"", path, "GET")
+        answered = stream.socket.recv(15).startswith(b"HTTP/1.1 200")
+        stream.hang_up()
+        return answered
+
+    wait_for(again, what="the place of a stream that was closed")
+    one_worker.client.cancel(id)
+    for stream in streams:
+        stream.hang_up()
+    one_worker.client.delete(id)
+
+
+def test_the_time_of_a_job_is_bounded(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"seconds": 0.5}) as server:
+        id = submit(server, endless())[1]["id"]
+        wait_for(lambda: server.client.poll(id)["state"] == "failed", 5.0)
+        assert "0.5 seconds" in server.client.poll(id)["message"]
+
+
+# ----------------------------------------------------------------------
+# Processes that are killed
+# ----------------------------------------------------------------------
+
+KILLABLE = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="it looks for processes to kill in /proc")
+JOBS = {
+    "a-long-one": job(20, method="flow", settings={"steps": 1000, "tolerance": 0.0}),
+    "small-one": job(8),
+    "small-two": job(9, targets=0.3),
+    "small-three": job(7, targets=0.2, method="projection"),
+}
+
+
+def worker_of(server):
+    """Return the process id of the worker of a server that works at the moment."""
+
+    def ticks(path):
+        parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
+        return int(user) + int(system) if int(parent) == server.process.pid else None
+
+    def times():
+        found = {}
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                found[int(path.parent.name)] = ticks(path)
+            except OSError:
+                continue  # it has ended
+        return {pid: spent for pid, spent in found.items() if spent is not None}
+
+    before = times()
+    time.sleep(0.3)
+    return max((spent - before.get(pid, spent), pid) for pid, spent in times().items())[1]
+
+
+def figures(result):
+    """Return a result without what depends on the clock."""
+    return {name: value for name, value in result.items() if name not in ("id", "seconds", "name")}
+
+
+def check_store(store):
+    base = sqlite3.connect(store)
+    try:
+        assert base.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+    finally:
+        base.close()
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory):
+    """The results of the jobs when nothing is killed."""
+    with running_server(tmp_path_factory.mktemp("clean") / "jobs.sqlite", workers=1) as server:
+        for name, value in JOBS.items():
+            assert submit(server, {**value, "id": f"{name}-clean"})[0] == 202
+        wait_for(lambda: all(status["state"] == "succeeded" for status in server.client.jobs()), 60.0)
+        return {name: figures(server.client.result(f"{name}-clean")) for name in JOBS}
+
+
+@KILLABLE
+def test_jobs_outlive_kills_of_the_server_and_come_out_the_same(tmp_path, clean):
+    store, chance = tmp_path / "jobs.sqlite", random.Random(1)
+    for attempt in range(KILLS):
+        with running_server(store, workers=1) as server:
+            for name, value in JOBS.items():
+                assert submit(server, {**value, "id": f"{name}-{attempt}"})[0] == 202
+            if attempt % 2 == 0:
+                wait_for(lambda attempt=attempt: server.client.poll(f"a-long-one-{attempt}")["iteration"] > 0)
+            time.sleep(chance.uniform(0.0, 0.3))
+            server.process.kill()
+            server.process.wait(10)
+        check_store(store)
+    # Those of the last kill are finished now, those before it after the kill that followed theirs.
+    with running_server(store, workers=1) as server:
+        wait_for(lambda: all(status["state"] not in ("queued", "running") for status in server.client.jobs()), 60.0)
+        for attempt in range(KILLS):
+            for name in JOBS:
+                status = server.client.poll(f"{name}-{attempt}")
+                if status["state"] == "failed":
+                    assert re.match(r"the server ended \d times while this job ran", status["message"])
+                else:
+                    assert status["state"] == "succeeded"
+                    assert figures(server.client.result(status["id"])) == clean[name], (name, attempt)
+        assert server.client.poll(f"a-long-one-{KILLS - 1}")["state"] == "succeeded"
+    check_store(store)
+
+
+@KILLABLE
+def test_a_killed_worker_takes_only_its_own_job_with_it(tmp_path, clean):
+    store = tmp_path / "jobs.sqlite"
+    with running_server(store, workers=1) as server:
+        for attempt in range(KILLS):
+            for name, value in JOBS.items():
+                assert submit(server, {**value, "id": f"{name}-{attempt}"})[0] == 202
+            wait_for(lambda attempt=attempt: server.client.poll(f"a-long-one-{attempt}")["iteration"] > 0)
+            worker = worker_of(server)
+            os.kill(worker, signal.SIGKILL)
+            # What waits for a solve is told too.
+            wait_for(lambda attempt=attempt: server.client.poll(f"small-three-{attempt}")["state"] == "succeeded", 60.0)
+            status = server.client.poll(f"a-long-one-{attempt}")
+            assert status["state"] == "failed" and "killed by signal 9" in status["message"] and "submit the job again" in status["message"]
+            with pytest.raises(Refused, match="killed by signal 9"):
+                server.client.result(status["id"])
+            for name in ("small-one", "small-two", "small-three"):
+                assert figures(server.client.result(f"{name}-{attempt}")) == clean[name]
+            assert server.client.health() == {**server.client.health(), "replaced": attempt + 1, "idle": 1, "status": "ok"}
+        submit(server, {**JOBS["a-long-one"], "id": "once-again"})
+        wait_for(lambda: server.client.poll("once-again")["state"] == "succeeded", 60.0)
+        assert figures(server.client.result("once-again")) == clean["a-long-one"]
+    check_store(store)
+
+
+@KILLABLE
+def test_a_worker_killed_under_a_hops_component_is_told_to_it(one_worker):
+    import threading
+
+    component, told = Hops(f"{one_worker.url}/cgc/flow", key=KEY), []
+    caller = threading.Thread(target=lambda: told.append(component.post(endless_hops())))
+    caller.start()
+    wait_for(lambda: one_worker.client.health()["busy"] == 1)
+    worker = worker_of(one_worker)
+    os.kill(worker, signal.SIGKILL)
+    caller.join(10)
+    status, outputs, errors, _ = told[0]
+    assert status == 500 and outputs == {} and "killed by signal 9" in errors[0]
+    wait_for(lambda: one_worker.client.health()["idle"] == 1)
+    assert one_worker.ask("POST", "/solve", hops_body("dome"))[0] == 200
+
+
+@pytest.mark.parametrize(
+    "head, status",
+    [
+        (b"GET /health HTTP/1.1\r\nHost: x\r\nno header at all\r\n\r\n", 400),
+        (b"POST /solve HTTP/1.1\r\nHost: x\r\nContent-Length: many\r\n\r\n", 400),
+        (b"POST /solve HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nTransfer-Encoding: wrong\r\n\r\n", 501),
+        (b"GET /health HTTP/1.1\r\nHost: x\r\nX: " + b"x" * 400_000 + b"\r\n\r\n", 431),
+    ],
+)
+def test_what_is_no_http_is_answered_in_json(tidy, head, status):
+    host, port = tidy.address.split(":")
+    with socket.create_connection((host, int(port)), 20) as line:
+        line.sendall(head)
+        answer = http.client.HTTPResponse(line)
+        answer.begin()
+        found = json.loads(answer.read())
+    assert answer.status == status and "not as HTTP wants it" in found["message"] and found["values"] == []

@@ -1,0 +1,264 @@
+"""The job engine: worker processes that may die, jobs that may not."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from compas_cgc.server.api.requests import accept
+from compas_cgc.server.api.serialization import unpack
+from compas_cgc.server.api.tasks import warm_up
+from compas_cgc.server.errors import Busy
+from compas_cgc.server.errors import Conflict
+from compas_cgc.server.errors import Gone
+from compas_cgc.server.jobs.engine import Jobs
+from compas_cgc.server.jobs.future import TaskError
+from compas_cgc.server.jobs.future import TaskStopped
+from compas_cgc.server.jobs.future import WorkerDied
+from compas_cgc.server.jobs.pool import WorkerPool
+from compas_cgc.server.jobs.store import Store
+from compas_cgc.server.jobs.worker import report
+from compas_cgc.server.jobs.worker import stop_wanted
+from compas_cgc.server.limits import Limits
+
+from ...support.server_process import wait_for
+from ...support.shapes import grid
+
+
+def add(a, b):
+    return a + b
+
+
+def fail():
+    raise KeyError("lost")
+
+
+def sleep_until_told():
+    report("begun")
+    while not stop_wanted():
+        time.sleep(0.01)
+    return "stopped gently"
+
+
+def sleep_for_ever():
+    report("begun")
+    time.sleep(3600)
+
+
+def die():
+    os._exit(3)
+
+
+def body(n=6, **more):
+    vertices, faces = grid(n)
+    request = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
+    return accept(request, Limits())
+
+
+def endless(n=24):
+    return body(n, method="flow", settings={"steps": 100000, "tolerance": 0.0})
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with_two = WorkerPool(2, warm_up, grace=1.0)
+    assert with_two.wait_until_ready(120)
+    yield with_two
+    with_two.shutdown(cancel_futures=True)
+
+
+@pytest.fixture
+def jobs(pool):
+    class Borrowed:
+        """The shared pool; closing the jobs leaves it open."""
+
+        start = staticmethod(pool.start)
+
+        def shutdown(self, wait=True, cancel_futures=False):
+            pass
+
+    engine = Jobs(Borrowed(), Store(":memory:"), Limits(queue=6, per_client=4, results=3))
+    yield engine
+    for job in engine.list():
+        engine.cancel(job.id)
+    wait_for(lambda: all(job.over for job in engine.list()))
+    engine.close()
+
+
+def begun(pool, function):
+    seen = []
+    task = pool.start(function, on_progress=seen.append)
+    wait_for(lambda: seen)
+    return task
+
+
+def test_the_pool_is_an_executor(pool):
+    assert list(pool.map(add, [1, 2, 3], [10, 20, 30])) == [11, 22, 33]
+
+
+def test_an_exception_comes_back_with_the_name_of_its_class(pool):
+    with pytest.raises(TaskError, match="lost") as error:
+        pool.submit(fail).result(10)
+    assert error.value.kind == "KeyError" and "in fail" in error.value.trace
+
+
+def test_a_task_that_listens_is_stopped_without_force(pool):
+    before = pool.processes()
+    task = begun(pool, sleep_until_told)
+    task.stop()
+    assert task.result(5) == "stopped gently"
+    assert pool.processes() == before
+
+
+def test_a_task_that_does_not_listen_is_ended_and_its_worker_replaced(pool):
+    before = set(pool.processes())
+    task = begun(pool, sleep_for_ever)
+    task.stop("enough")
+    with pytest.raises(TaskStopped, match="enough"):
+        task.result(5)
+    wait_for(lambda: len(set(pool.processes()) - before) == 1)
+    assert pool.submit(add, 1, 1).result(60) == 2
+
+
+def test_a_time_limit_stops_a_task(pool):
+    assert pool.start(sleep_until_told, time_limit=0.1).result(5) == "stopped gently"
+
+
+def test_a_killed_worker_fails_its_own_task_only(pool):
+    pool.wait_until_ready(60)
+    victim, other = begun(pool, sleep_until_told), begun(pool, sleep_until_told)
+    dead = pool.submit(die)
+    victim.stop()
+    with pytest.raises(WorkerDied, match="exit code 3.*submit the job again"):
+        dead.result(10)
+    assert not other.done()
+    other.stop()
+    assert other.result(5) == "stopped gently"
+    assert pool.wait_until_ready(60)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
+    pool.wait_until_ready(60)
+    job, _ = jobs.submit(*endless())
+    wait_for(lambda: jobs.get(job.id).progress.get("step"))
+    (busy,) = (slot for slot in pool._slots if slot.state == "busy")
+    os.kill(busy.process.pid, signal.SIGKILL)
+    wait_for(lambda: jobs.get(job.id).over)
+    assert jobs.get(job.id).state == "failed" and "signal 9" in jobs.get(job.id).message
+
+
+def test_a_job_runs_and_keeps_its_result(jobs):
+    job, new = jobs.submit(*body(), id="roof-0001")
+    assert new and job.state == "queued"
+    wait_for(lambda: jobs.get(job.id).over)
+    done = jobs.get(job.id)
+    assert done.state == "succeeded" and "converged in" in done.message
+    result, findings = unpack(jobs.result(job.id))
+    assert result.converged and result.max_error < 1e-6
+    assert result.mesh.number_of_vertices() == 49 and findings["quality"]["faces"] == 72
+    assert jobs.submit(*body(), id="roof-0001") == (done, False)
+    with pytest.raises(Conflict, match="another request"):
+        jobs.submit(*body(7), id="roof-0001")
+
+
+def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
+    job, _ = jobs.submit(*endless())
+    states = []
+    for state in jobs.follow(job.id):
+        states.append(state)
+        if len(states) == 4:
+            assert jobs.cancel(job.id).id == job.id
+    steps = [state.progress["step"] for state in states if state.state == "running"]
+    assert steps == sorted(steps) and steps[-1] > 0
+    assert states[-1].state == "cancelled" and states[-1].message.startswith("cancelled after")
+    assert unpack(jobs.result(job.id))[0].status == "cancelled"
+
+
+def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
+    job, _ = jobs.submit(*body(targets=100.0))
+    wait_for(lambda: jobs.get(job.id).over)
+    assert jobs.get(job.id).state == "failed" and "more than this boundary can carry" in jobs.get(job.id).message
+
+
+def test_the_queue_is_bounded_for_one_and_for_all(jobs):
+    for _ in range(4):
+        jobs.submit(*endless(), client="a")
+    with pytest.raises(Busy, match="4 unfinished jobs"):
+        jobs.submit(*endless(), client="a")
+    for _ in range(2):
+        jobs.submit(*endless(), client="b")
+    with pytest.raises(Busy, match="queue is full"):
+        jobs.submit(*endless(), client="c")
+
+
+def test_old_results_make_room(jobs):
+    ids = []
+    for k in range(4):
+        ids.append(jobs.submit(*body(targets=0.1 + 0.1 * k))[0].id)
+        wait_for(lambda: jobs.get(ids[-1]).over)
+    with pytest.raises(Gone, match="submit the job again"):
+        jobs.result(ids[0])
+    assert jobs.result(ids[-1])
+
+
+def test_jobs_survive_the_server(tmp_path):
+    first = WorkerPool(1)
+    engine = Jobs(first, Store(tmp_path / "jobs.sqlite"))
+    running, _ = engine.submit(*endless(8))
+    waiting, _ = engine.submit(*body())
+    engine.close()
+    # A second server takes up what the first one left; any executor will do.
+    with ThreadPoolExecutor(1) as second:
+        store = Store(tmp_path / "jobs.sqlite")
+        assert [job.id for job in store.unfinished()] == [running.id, waiting.id]
+        store.delete(running.id)
+        engine = Jobs(second, store)
+        wait_for(lambda: engine.get(waiting.id).over)
+        assert engine.get(waiting.id).state == "succeeded"
+
+
+def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
+    store = Store(tmp_path / "jobs.sqlite")
+    with ThreadPoolExecutor(1) as executor:
+        engine = Jobs(executor, store)
+        job, _ = engine.submit(*body())
+        wait_for(lambda: engine.get(job.id).over)
+        # As if the server had been killed twice while it ran.
+        store.add(job._replace(id="deadly-one", state="running", attempts=2), body()[0], {}, body()[1])
+        again = Jobs(executor, store)
+    assert again.get("deadly-one").state == "failed" and "ended 2 times" in again.get("deadly-one").message
+
+
+def test_a_call_is_stopped_when_its_client_is_gone(jobs):
+    with pytest.raises(TimeoutError, match="gone"):
+        jobs.call(sleep_until_told, gone=lambda: True)
+    assert jobs.call(add, 2, 2) == 4
+
+
+def test_nobody_waits_long_for_a_task_that_was_cancelled(pool):
+    task = begun(pool, sleep_for_ever)
+    busy = set(pool.processes())
+    task.stop("it was cancelled")
+    with pytest.raises(TaskStopped, match="it was cancelled"):
+        task.result(timeout=0.6)
+    assert set(pool.processes()) == busy, "the worker has a second to end by itself"
+    wait_for(lambda: pool.health()["replaced"] and pool.health()["busy"] == 0)
+
+
+def test_who_is_waited_for_goes_before_all_but_those_who_wait_for_long():
+    ended = []
+    with WorkerPool(1, None, grace=1.0) as one:
+        blocking = begun(one, sleep_until_told)
+        tasks = {"old job": one.start(add, (1, 1))}
+        tasks["old job"].since -= 60
+        tasks.update({name: one.start(add, (1, 1), urgent=name[0] == "c") for name in ("job 1", "call 1", "job 2", "call 2")})
+        for name, task in tasks.items():
+            task.add_done_callback(lambda task, name=name: ended.append(name))
+        blocking.stop("go on")
+        wait_for(lambda: len(ended) == 5)
+    assert ended == ["old job", "call 1", "call 2", "job 1", "job 2"]

@@ -1,0 +1,440 @@
+"""The page for browsers: what is served to whom, what it is told of models, and the whole of it in a real browser."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc import CGCMesh
+from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.io import write_mesh
+from compas_cgc.server import Limits
+from compas_cgc.server import create_app
+from compas_cgc.server.page.preview import contents
+from compas_cgc.server.page.routes import FILES
+from compas_cgc.server.page.routes import STATIC
+
+from ...support.rhino_models import dots_of
+from ...support.rhino_models import result_of
+from ...support.server_process import running_server
+from ...support.server_process import wait_for
+
+KEY = "a-key-for-tests"
+CHROME = "text/html,application/xhtml+xml,application/xml;q=0.9,image/avif,*/*;q=0.8"
+OWN = [path for path in FILES.values() if path.suffix == ".js" and "vendor" not in path.parts]
+
+
+@pytest.fixture
+def make_client():
+    """Make test clients whose solves run in a thread."""
+    opened = []
+
+    def make(**options):
+        app = create_app(executor=ThreadPoolExecutor(1), **options)
+        opened.append(app)
+        return app.test_client()
+
+    yield make
+    for app in opened:
+        app.extensions["jobs"].close()
+
+
+@pytest.fixture
+def client(make_client):
+    return make_client()
+
+
+def nine_regions(K=0.01):
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+    mesh.set_supports("corners")
+    mesh.set_creases([[10 * i + k for i in range(10)] for k in (3, 6)] + [list(range(10 * k, 10 * k + 10)) for k in (3, 6)])
+    mesh.set_target(K)
+    mesh.set_target(2 * K, region=4)
+    return mesh
+
+
+def file_of(mesh, kind, tmp_path):
+    path = tmp_path / f"roof.{kind}"
+    write_mesh(path, mesh)
+    return path
+
+
+# ----------------------------------------------------------------------
+# Served
+# ----------------------------------------------------------------------
+
+
+def test_browsers_get_the_page_and_everybody_else_the_list_of_functions(client):
+    for accept in (CHROME, "text/html", "text/html;q=0.9,application/json;q=0.5"):
+        answer = client.get("/", headers={"Accept": accept})
+        assert answer.mimetype == "text/html" and answer.headers["Vary"] == "Accept" and b"<!doctype html>" in answer.data
+    lists = [client.get("/", headers={"Accept": kind} if kind else {}) for kind in (None, "*/*", "application/json", "text/plain, */*")]
+    assert all(answer.mimetype == "application/json" and answer.headers["Vary"] == "Accept" for answer in lists)
+    assert len({answer.data for answer in lists}) == 1 and lists[0].json[0]["Uri"].endswith("cgc/dome")
+
+
+def test_the_page_allows_nothing_but_its_own_files(client):
+    answer = client.get("/", headers={"Accept": CHROME})
+    policy = dict(part.strip().split(" ", 1) for part in answer.headers["Content-Security-Policy"].split(";"))
+    assert policy["default-src"] == "'none'" and policy["script-src"] == policy["style-src"] == policy["connect-src"] == "'self'"
+    text = answer.data.decode()
+    assert not re.search(r"<style|\sstyle=|\son\w+=|<script(?![^>]*\ssrc=)", text)
+    for name in re.findall(r'(?:src|href)="([^"]+)"', text):
+        found = client.get(name)
+        assert found.status_code == 200 and found.headers["X-Content-Type-Options"] == "nosniff", name
+    script = client.get("/page/main.js")
+    assert script.mimetype == "text/javascript" and script.headers["Cache-Control"] == "no-cache"
+    assert client.get("/page/main.js", headers={"If-None-Match": script.headers["ETag"]}).status_code == 304
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../routes.py", "%2e%2e/routes.py", "..%2froutes.py", "..\\routes.py", "/etc/passwd", "vendor/README.md", "vendor", "", "index.html"],
+)
+def test_other_files_are_not_opened(client, name):
+    answer = client.get(f"/page/{name}")
+    assert answer.status_code in (308, 404) and b"import" not in answer.data
+    assert answer.status_code == 308 or answer.json["errors"]
+
+
+def test_the_page_is_open_and_its_data_need_the_key(make_client):
+    client = make_client(key=KEY)
+    assert client.get("/", headers={"Accept": CHROME}).status_code == client.get("/page/main.js").status_code == 200
+    for ask in (
+        lambda **with_key: client.get("/api/v1/examples", **with_key),
+        lambda **with_key: client.get("/api/v1/examples/example2", **with_key),
+    ):
+        assert ask().status_code == 401 and ask(headers={"Authorization": f"Bearer {KEY}"}).status_code == 200
+    assert client.post("/api/v1/models?kind=obj", data=b"v 0 0 0").status_code == 401
+
+
+def test_scripts_import_what_is_there_and_keep_to_themselves():
+    for path in OWN:
+        text = path.read_text(encoding="utf-8")
+        for name in re.findall(r"from '([^']+)'", text):
+            assert (path.parent / name).resolve() in {file.resolve() for file in FILES.values()}, f"{path.name} imports {name}"
+        assert not re.search(r"\beval\b|new Function|innerHTML|https?://|console\.|localStorage", text), path.name
+        for kind, name in re.findall(r"(?<!\*/\n)^export (?:async )?(class|function\*?) (\w+)", text, re.MULTILINE):
+            raise AssertionError(f"{kind} {name} in {path.name} is not described")
+
+
+def test_what_is_taken_from_others_is_what_its_list_says():
+    folder = STATIC / "vendor"
+    rows = re.findall(r"^\| `(\S+)` \|.*\| `(\w{64})` \|( yes)? \|$", (folder / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert {name for name, _, _ in rows} == {
+        path.relative_to(folder).as_posix() for path in folder.rglob("*.*") if path.suffix != ".md"
+    } | {
+        "three/LICENSE",
+        "uplot/LICENSE",
+    }
+    for name, digest, patched in rows:
+        content = (folder / name).read_bytes().replace(b"\r\n", b"\n")
+        if patched:
+            content = content.replace(b"\n} from '../three.module.min.js';", b"\n} from 'three';")
+        assert hashlib.sha256(content).hexdigest() == digest, name
+
+
+# ----------------------------------------------------------------------
+# Models
+# ----------------------------------------------------------------------
+
+
+def test_a_file_is_told_as_it_is(client, tmp_path):
+    mesh = nine_regions()
+    found = client.post("/api/v1/models?kind=3dm&name=My roof", data=file_of(mesh, "3dm", tmp_path).read_bytes()).json
+    assert (found["name"], found["support_choice"], found["problems"], found["vertex_targets"]) == ("My roof", "file", [], None)
+    assert len(found["vertices"]) == 100 and len(found["faces"]) == len(found["regions"]) == 162
+    assert len(found["supports"]["file"]) == len(found["supports"]["corners"]) == 4 and len(found["supports"]["boundary"]) == 36
+    assert sorted(found["targets"]) == [0.01] * 8 + [0.02]
+    assert found["roles"].count("crease") == len({v for path in found["creases"] for v in path})
+
+
+def test_what_a_file_does_not_say_is_suggested(client, tmp_path):
+    found = client.post("/api/v1/models?kind=obj", data=file_of(CGCMesh.from_meshgrid(dx=8, nx=4), "obj", tmp_path).read_bytes()).json
+    assert found["supports"]["file"] == [] and found["support_choice"] == "boundary" and found["roles"].count("fixed") == 16
+    assert 0 < found["targets"][0] < np.pi / 64 and found["problems"] == []
+    assert sum("to begin with" in note for note in found["notes"]) == 2
+
+
+def test_targets_that_vary_are_kept_by_vertex(client, tmp_path):
+    mesh = CGCMesh.from_meshgrid(dx=8, nx=4)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    mesh.vertex_target(12, 0.02)
+    found = client.post("/api/v1/models?kind=3dm", data=file_of(mesh, "3dm", tmp_path).read_bytes()).json
+    assert found["targets"] == [None] and sorted(set(found["vertex_targets"]) - {None}) == [0.01, 0.02]
+
+
+def test_constraints_of_a_file_are_handed_on():
+    mesh = CGCMesh.from_meshgrid(dx=8, nx=4)
+    mesh.attributes["constraints"] = [{"kind": "height", "vertices": [12], "height": 1.0}]
+    assert contents(mesh, [])["constraints"] == mesh.attributes["constraints"]
+
+
+def test_what_cannot_be_read_is_refused_with_a_sentence(make_client, tmp_path):
+    client = make_client(limits=Limits(vertices=50))
+    large = file_of(CGCMesh.from_meshgrid(dx=8, nx=8), "obj", tmp_path).read_bytes()
+    cases = (("3dm", b"no file", 422), ("obj", b"v 0 0", 422), ("3dm", b"", 400), ("exe", b"x", 422), ("", b"x", 422), ("obj", large, 413))
+    for kind, body, status in cases:
+        answer = client.post(f"/api/v1/models?kind={kind}", data=body)
+        assert answer.status_code == status and len(answer.json["message"]) > 20, (kind, body[:10], answer.json)
+        assert "tmp" not in answer.json["message"] and "Traceback" not in answer.json["message"]
+    assert client.get("/api/v1/examples/../../secret").status_code == 404
+
+
+def test_an_example_comes_back_as_the_problem_it_is(client):
+    listed = client.get("/api/v1/examples").json["examples"]
+    assert {example["number"] for example in listed} == {2, 3, 4, 5, 6, 7}
+    for example in listed:
+        found = client.get(f"/api/v1/examples/{example['name']}").json
+        assert found["name"] == example["title"] and found["support_choice"] == "file" and not found["problems"]
+        # What the page sends for a solve: its regions must be those that it was told of.
+        mesh = CGCMesh.from_vertices_and_faces(found["vertices"], found["faces"])
+        mesh.set_creases(found["creases"])
+        mesh.set_supports(found["supports"]["file"])
+        regions = np.empty(len(found["faces"]), dtype=int)
+        for number, faces in enumerate(mesh.regions()):
+            regions[faces] = number
+        assert regions.tolist() == found["regions"] and mesh.vertices_role() == found["roles"]
+        assert (STATIC / "examples" / f"{example['name']}.png").exists()
+
+
+# ----------------------------------------------------------------------
+# In a browser
+# ----------------------------------------------------------------------
+
+
+class Page:
+    """The page in a browser, as somebody sees and uses it."""
+
+    def __init__(self, window, server, downloads):
+        self.window, self.server, self.downloads = window, server, downloads
+
+    def all(self, selector):
+        return self.window.find_elements("css selector", selector)
+
+    def one(self, selector):
+        return self.window.find_element("css selector", selector)
+
+    def seen(self, selector):
+        """Wait until something can be seen, and return it."""
+        return wait_for(
+            lambda: next((found for found in self.all(selector) if found.is_displayed()), None), what=f"{selector} is not shown"
+        )
+
+    def load(self):
+        self.window.get(self.server.url)
+        wait_for(lambda: self.all(".example") or self.all("dialog[open]"), what="the page does not start")
+        if self.all("dialog[open]"):
+            self.give(KEY)
+        self.seen(".example")
+
+    def give(self, key):
+        self.one("#key-field").send_keys(key)
+        self.one("dialog .primary").click()
+
+    def example(self, name):
+        self.load()
+        self.seen(f"[data-example={name}]").click()
+        self.seen("#solve")
+        self.at_rest()
+
+    def solve(self):
+        self.one("#solve").click()
+        self.seen(".verdict:not(.bad) h2")
+        self.at_rest()
+
+    def picture(self):
+        from PIL import Image
+
+        return np.asarray(Image.open(io.BytesIO(self.one("#canvas").screenshot_as_png)).convert("RGB"), dtype=int)
+
+    def at_rest(self):
+        """Wait until nothing moves any more, and return what is seen then."""
+        before = self.picture()
+        while True:
+            time.sleep(0.12)
+            now = self.picture()
+            if now.shape == before.shape and np.abs(now - before).max() <= 2:
+                return now
+            before = now
+
+    def number(self, region):
+        return self.one(f"[aria-label='K of Region {region}'][type=number]")
+
+    def download(self, suffix):
+        next(button for button in self.all("#downloads button") if button.text == f".{suffix}").click()
+
+        def whole():
+            found = [path for path in self.downloads.glob(f"*.{suffix}") if path.stat().st_size]
+            return found[0] if found and not list(self.downloads.glob("*.crdownload")) else None
+
+        return wait_for(whole, what="nothing was downloaded")
+
+    def complaints(self):
+        from ...support.browser import complaints_of
+
+        # Screenshots read the picture back, of which the browser warns.
+        return [text for text in complaints_of(self.window) if "GL Driver Message" not in text]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    pytest.importorskip("selenium", reason="selenium is not installed")
+    pytest.importorskip("PIL", reason="Pillow is not installed")
+    from ...support.browser import browser_paths
+    from ...support.browser import open_browser
+
+    if browser_paths() is None:
+        pytest.skip("there is no Chromium with chromedriver on the path (Debian: apt-get install chromium chromium-driver)")
+    folder = tmp_path_factory.mktemp("page")
+    with running_server(folder / "jobs.sqlite", KEY, workers=1) as server, open_browser(folder, 1180, 760) as window:
+        yield Page(window, server, folder)
+
+
+def changed(before, after):
+    """Return the part of the pixels that changed visibly."""
+    return float((np.abs(before - after).max(axis=2) > 12).mean())
+
+
+def test_the_key_is_asked_for_until_it_is_right(page):
+    page.window.get(page.server.url)
+    page.seen("dialog[open]")
+    page.give("not-the-key")
+    wait_for(lambda: "not it" in page.one("#key-text").text)
+    page.give(KEY)
+    assert len(wait_for(lambda: page.all(".example"))) == 6
+    assert all("401" in text for text in page.complaints())
+    page.window.refresh()
+    page.seen(".example")
+
+
+def test_an_example_is_drawn_solved_and_follows_the_slider(page):
+    from selenium.webdriver.common.keys import Keys
+
+    from ...support.browser import requests_of
+
+    page.load()
+    page.complaints(), requests_of(page.window)
+    page.example("example4_a")
+    flat = page.at_rest()
+    # Regions in their colours, and much of the view.
+    assert flat.reshape(-1, 3).std(axis=0).min() > 10 and len(page.all(".region")) == 10
+    page.solve()
+    solved = page.at_rest()
+    assert page.one(".verdict h2").text == "As asked" and "10⁻" in page.one(".verdict p").text
+    assert changed(flat, solved) > 0.1
+    slider = page.one("[aria-label='K of Region 4'][type=range]")
+    for _ in range(20):
+        slider.send_keys(Keys.ARROW_RIGHT)
+    assert float(page.number(4).get_attribute("value")) > 4
+    wait_for(lambda: changed(solved, page.at_rest()) > 0.01, what="the surface does not follow the slider")
+    assert page.one(".verdict h2").text == "As asked" and not page.all(".verdict .old")
+    for colours in ("curvature", "error"):
+        before = page.at_rest()
+        page.one(f"[name=colours][value={colours}] + span").click()
+        assert page.seen("#legend .bar") and changed(before, page.at_rest()) > 0.05
+    page.one("#canvas").send_keys(Keys.ARROW_LEFT * 3)
+    assert changed(before, page.at_rest()) > 0.05
+    assert page.complaints() == []
+    asked = requests_of(page.window)
+    assert len(asked) > 20 and all(url.startswith((page.server.url, "data:", "blob:")) for url in asked), asked
+
+
+def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp_path):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    page.load()
+    page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=9, nx=9), "off", tmp_path)))
+    assert "neither a .3dm nor an .obj" in page.seen("#trouble").text
+    drawn = file_of(nine_regions(), "3dm", tmp_path)
+    model = rhino3dm.File3dm.Read(str(drawn))
+    model.Objects.AddTextDot("column by the neighbour", rhino3dm.Point3d(1, 2, 3))
+    model.Write(str(drawn), 7)
+    page.one("#file").send_keys(str(drawn))
+    wait_for(lambda: "9 regions" in page.one("#about").text)
+    page.at_rest()
+    page.number(4).send_keys(Keys.CONTROL + "a")
+    page.number(4).send_keys("0.03" + Keys.ENTER)
+    page.seen(".verdict.good")
+    page.at_rest()
+    for away in range(0, 80, 8):
+        ActionChains(page.window).move_to_element_with_offset(page.one("#canvas"), 0, -away).perform()
+        said = page.seen("#readout").text
+        if "0.03" in said:
+            break
+    assert "Region 4" in said and "target" in said
+    brought = page.download("3dm")
+    vertices, faces, record = result_of(brought)
+    assert sorted(region["target"] for region in record["regions"]) == [0.01] * 8 + [0.03]
+    assert record["status"] == "converged" and np.nanmax(gaussian_curvature(vertices, faces)) == pytest.approx(0.03)
+    assert "column by the neighbour" in dots_of(brought) and len(CGCMesh.from_3dm(brought).supports()) == 4
+    assert json.loads(page.download("json").read_text(encoding="utf-8"))["dtype"].endswith("CGCMesh")
+
+
+def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
+    page.load()
+    page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=40, nx=44), "obj", tmp_path)))
+    wait_for(lambda: "2,025 vertices" in page.one("#about").text)
+    flat = page.at_rest()
+    # A change of the method is a change: it is solved at once.
+    page.one("#method [value=flow]").click()
+    assert "Step" in page.seen("#progress").text
+    wait_for(lambda: changed(flat, page.picture()) > 0.02, what="the surface does not move while it is solved")
+    page.seen("#cancel").click()
+    page.seen(".verdict h2")
+    assert page.one(".verdict h2").text == "Stopped" and not page.one("#progress").is_displayed()
+    page.one("#reset").click()
+    wait_for(lambda: changed(flat, page.at_rest()) < 0.001)
+
+
+def test_without_a_free_stream_of_events_the_page_asks_again_and_again(page):
+    page.example("example3")
+    page.window.execute_script(
+        "const real = window.fetch; window.fetch = (path, options) => path.endsWith('/events')"
+        ' ? Promise.resolve(new Response(\'{"message": "too many"}\', {status: 429})) : real(path, options)'
+    )
+    page.solve()
+    assert page.one(".verdict h2").text == "As asked" and page.complaints() == []
+
+
+def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    page.load()
+    (tmp_path / "broken.3dm").write_bytes(b"not a model")
+    page.one("#file").send_keys(str(tmp_path / "broken.3dm"))
+    assert "not a Rhino file" in page.seen("#trouble").text
+    page.example("example2")
+    field = page.one(".region [type=number]")
+    field.send_keys(Keys.CONTROL + "a")
+    field.send_keys("50" + Keys.ENTER)
+    assert "more than this boundary can carry" in page.seen(".verdict.bad").text
+    assert not page.one("#downloads").is_displayed()
+
+
+def test_the_page_measures_curvature_as_the_package_does(page):
+    mesh = nine_regions()
+    vertices, faces = mesh.arrays()
+    vertices[:, 2] = 0.1 * np.sin(vertices[:, 0]) * np.cos(vertices[:, 1])
+    vertices[:, 0] += 0.4 * np.sin(5 * vertices[:, 1])
+    page.load()
+    measured = page.window.execute_async_script(
+        "const [xyz, faces, asked, done] = arguments;"
+        "import('/page/curvature.js').then((m) => done([...m.gaussianCurvature(xyz, faces, asked)]))",
+        vertices.ravel().tolist(),
+        faces.ravel().tolist(),
+        [1] * len(vertices),
+    )
+    inside = np.array(mesh.vertices_role()) != "free"
+    inside[list(set(mesh.boundary_loops()[0]))] = False
+    assert np.allclose(np.array(measured)[inside], gaussian_curvature(vertices, faces)[inside], rtol=1e-9, atol=1e-12)

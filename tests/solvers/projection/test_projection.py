@@ -1,0 +1,207 @@
+"""Projection reaches any sign of K, with free edges and creases, from flat and from drawn starts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import face_normals
+from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.discrete import vertex_areas
+from compas_cgc.model.problem import CREASE
+from compas_cgc.model.problem import FIXED
+from compas_cgc.model.problem import FREE
+from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection import ProjectionSettings
+from compas_cgc.solvers.projection import Projector
+from compas_cgc.solvers.projection import project
+
+from ...support import shapes
+
+
+def square(n: int, target: float = 1.0, width: float = 1.0) -> CGCProblem:
+    """A flat square with a fixed boundary."""
+    vertices, faces = shapes.grid(n, width)
+    return CGCProblem(vertices, faces, np.where(boundary_vertices(vertices, faces), FIXED, INTERNAL), target)
+
+
+def canopy(n: int, target, width: float, lines=()) -> CGCProblem:
+    """A flat square on its four corners, with free edges and no dummy mesh, and creases along grid lines."""
+    vertices, faces = shapes.grid(n, width)
+    i, j = np.divmod(np.arange(len(vertices)), n + 1)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[np.isin(i, lines) | np.isin(j, lines)] = CREASE
+    roles[np.isin(i, (0, n)) & np.isin(j, (0, n))] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def nine_regions(centre: float, around: float) -> CGCProblem:
+    """Example 4 without its dummies."""
+    i, j = np.divmod(np.arange(256), 16)
+    inner = (i > 5) & (i < 10) & (j > 5) & (j < 10)
+    return canopy(15, np.where(inner, centre, around), 1.5, (5, 10))
+
+
+def irregular_disk(count: int, target: float = 0.5, radius: float = 1.0, height=None) -> CGCProblem:
+    """A Delaunay triangulation of shaken points in a circle, with the rim fixed."""
+    h = radius * np.sqrt(np.pi / count)
+    around = round(2 * np.pi * radius / h)
+    angle = 2 * np.pi * np.arange(around) / around
+    x, y = np.meshgrid(np.arange(-radius, radius, 0.93 * h), np.arange(-radius, radius, 0.93 * h))
+    points = np.column_stack([x.ravel(), y.ravel()]) + np.random.default_rng(3).uniform(-0.3, 0.3, (x.size, 2)) * h
+    points = points[np.hypot(*points.T) < radius - 0.55 * h]
+    points = np.vstack([radius * np.column_stack([np.cos(angle), np.sin(angle)]), points])
+    faces = Delaunay(points).simplices.astype(np.int64)
+    a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    turned = a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]
+    faces[turned] = faces[turned][:, ::-1]
+    z = np.zeros(len(points)) if height is None else height(*points.T)
+    return CGCProblem(np.column_stack([points, z]), faces, np.where(np.arange(len(points)) < around, FIXED, INTERNAL), target)
+
+
+def ring(rows: int, around: int, target: float, inner: float, outer: float, height: float, sag: float) -> CGCProblem:
+    """A ring between two circles, the inner one fixed and higher, the outer one a free edge."""
+    t = np.linspace(1, 0, rows)
+    vertices, faces = shapes.revolution(inner + (outer - inner) * t, height * (1 - t) + sag * np.sin(np.pi * t), around)
+    roles = np.full(len(vertices), INTERNAL)
+    roles[:around], roles[-around:] = FREE, FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def saddle(target: float, fixed: int) -> CGCProblem:
+    """A disk with a rim like a saddle, held at so many points of it or at all (0)."""
+    problem = irregular_disk(469, target, height=lambda x, y: 0.3 * (x**2 - y**2))
+    if fixed:
+        rim = np.flatnonzero(problem.roles == FIXED)
+        problem.roles[rim] = FREE
+        problem.roles[rim[np.arange(fixed) * len(rim) // fixed]] = FIXED
+    return problem
+
+
+def assert_solved(problem: CGCProblem, solution, steps: int) -> None:
+    """Everything that was asked, measured anew on what came back."""
+    assert solution.status == "converged", solution.message
+    assert solution.iterations <= steps
+    K = gaussian_curvature(solution.vertices, problem.faces)
+    closed = problem.asked & ~boundary_vertices(problem.vertices, problem.faces)
+    error, area = np.abs(K - problem.targets)[closed], vertex_areas(solution.vertices, problem.faces)[closed]
+    # An angle defect is a sum of angles near 2 pi, which rounds to a few 1e-15.
+    assert (error <= np.maximum(1e-12, 6e-15 / area)).all()
+    assert abs(solution.max_error - error.max()) <= 1e-12 + 6e-15 / area.min()
+    still = ~problem.movable
+    assert np.array_equal(solution.vertices[still], problem.vertices[still])
+    assert sharpest_fold(solution.vertices, problem.faces) > 0, "crumpled"
+
+
+def sharpest_fold(vertices, faces) -> float:
+    edges = edge_faces(faces)
+    left, right = edges[edges[:, 3] >= 0, 2:].T
+    normals = face_normals(vertices, faces)
+    return float(np.einsum("ij,ij->i", normals[left], normals[right]).min())
+
+
+TABLE = {
+    "square, K = 1, fixed boundary, 144": (lambda: square(11), 8),
+    "square, K = 1, fixed boundary, 1,849": (lambda: square(42), 14),
+    "irregular disk": (lambda: irregular_disk(469), 6),
+    "irregular disk, 3,000": (lambda: irregular_disk(3000), 6),
+    "Example 3": (lambda: canopy(9, 1.0, 0.9), 6),
+    "Example 4, K = 1": (lambda: nine_regions(1, 1), 7),
+    "Example 4, K = 4": (lambda: nine_regions(4, 4), 7),
+    "Example 4, 4 in the centre and 1 around": (lambda: nine_regions(4, 1), 8),
+    "Example 4, 4 / 0": (lambda: nine_regions(4, 0), 14),
+    "Example 4, +1 / -1": (lambda: nine_regions(1, -1), 16),
+    "Example 4, -1 / +1": (lambda: nine_regions(-1, 1), 14),
+    "ring, K = 0, 240": (lambda: ring(10, 24, 0.0, 5, 7, 2, 0.25), 6),
+    "ring, K = 0, 2,400": (lambda: ring(30, 80, 0.0, 5, 7, 2, 0.25), 6),
+    "ring, K = 0, 19,200": (lambda: ring(80, 240, 0.0, 5, 7, 2, 0.25), 6),
+    "ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 1.4, 0.4, 0.05), 9),
+    "ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 1.4, 0.4, 0.05), 9),
+    "ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 1.4, 0.4, 0.05), 9),
+    "wide ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 2, 0.6, 0.15), 12),
+    "wide ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 2, 0.6, 0.15), 12),
+    "wide ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 2, 0.6, 0.15), 12),
+    "saddle on eight points": (lambda: saddle(-0.2, 8), 60),
+}
+
+
+@pytest.mark.parametrize("case", TABLE)
+def test_every_row_of_the_table_is_solved_to_rounding(case):
+    make, steps = TABLE[case]
+    problem = make()
+    assert_solved(problem, project(problem), steps)
+
+
+@pytest.mark.parametrize("target", [-0.2, -0.3, -0.36])
+def test_negative_curvature_inside_a_fixed_rim_stalls_and_says_so(target):
+    problem = saddle(target, 0)
+    solution = project(problem)
+    assert solution.status == "stalled"
+    assert solution.message.startswith("stalled: a region of negative K needs some free edge")
+    assert np.isfinite(solution.vertices).all() and sharpest_fold(solution.vertices, problem.faces) > 0.9
+
+
+@pytest.mark.parametrize("target", [-1.0, 0.25])
+def test_without_any_support_only_the_shape_changes(target):
+    problem = canopy(12, target, 1.0)
+    problem.roles[problem.roles == FIXED] = FREE
+    assert_solved(problem, project(problem), 12)
+
+
+def test_closed_surfaces_need_no_support_either():
+    vertices, faces = shapes.icosphere(3)
+    problem = CGCProblem(vertices * [1, 1, 1.2], faces, np.zeros(len(vertices), int), 1.0)
+    assert_solved(problem, project(problem), 8)
+
+
+def test_a_folded_plate_of_flat_faces_is_seeded_too():
+    problem = canopy(10, 1.0, 1.0, (5,))
+    problem.vertices[:, 2] = 0.3 - 0.6 * np.abs(problem.vertices[:, 0] - 0.5)
+    assert_solved(problem, project(problem), 10)
+
+
+def test_a_lower_seed_gives_a_lower_roof():
+    low, high = (project(canopy(15, 4.0, 1.5, (5, 10)), ProjectionSettings(seed_height=h)).vertices[:, 2].max() for h in (0.1, 0.2))
+    assert 0 < low < 0.7 * high
+
+
+def test_smoothness_keeps_the_move_smooth_and_nearness_keeps_it_small():
+    problem = ring(12, 40, -0.5, 1, 1.5, 0.5, 0.1)
+    moves = [project(problem, ProjectionSettings(smoothness=s)).vertices - problem.vertices for s in (0.05, 0.5)]
+    near, smooth = (np.linalg.norm(move) for move in moves)
+    assert near < smooth
+    assert np.allclose(
+        project(problem, ProjectionSettings(nearness=16.0, smoothness=0.1)).vertices,
+        project(problem, ProjectionSettings(smoothness=0.05)).vertices,
+        atol=1e-9,
+    ), "only the ratio of the weights counts"
+
+
+def test_less_smoothness_is_tried_where_the_straight_way_stalls():
+    """A wide ring whose metric is so stiff that it folds on the straight way."""
+    problem = ring(10, 24, -1.0, 1, 2, 0.6, 0.15)
+    straight = project(problem, ProjectionSettings(smoothness=0.15, retry=False))
+    assert straight.status == "stalled"
+    assert_solved(problem, project(problem, ProjectionSettings(smoothness=0.15)), 100)
+
+
+def test_stages_turn_a_saddle_into_a_dome():
+    """From K near -0.36 to +0.3, where every straight way folds the surface."""
+    problem = saddle(0.3, 8)
+    assert project(problem, ProjectionSettings(retry=False)).status == "stalled"
+    assert_solved(problem, project(problem), 100)
+
+
+def test_a_warm_start_takes_few_steps_and_arrives_at_the_same_curvature():
+    problem = canopy(44, 0.01, 10.0)
+    projector = Projector(problem)
+    vertices = projector.solve().vertices
+    for factor in (1.05, 1.1, 1.05):
+        solution = projector.solve(factor * problem.targets, vertices=vertices)
+        assert solution.status == "converged" and solution.iterations <= 5
+        vertices = solution.vertices
+        assert np.nanmax(np.abs(gaussian_curvature(vertices, problem.faces) - 0.01 * factor)) < 1e-12

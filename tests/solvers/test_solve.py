@@ -1,0 +1,259 @@
+"""solve(): the choice of a method, the finish, and what both promise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import CGCProblem
+from compas_cgc import FlowSettings
+from compas_cgc import NewtonSettings
+from compas_cgc import ProjectionSettings
+from compas_cgc import solve
+from compas_cgc.analysis import analyse
+from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.model.problem import CREASE
+from compas_cgc.model.problem import FIXED
+from compas_cgc.paper.examples import CATALOGUE
+from compas_cgc.paper.examples import SurfaceExample
+from compas_cgc.paper.examples import example4
+from compas_cgc.solvers.registry import flow_and_finish
+from compas_cgc.solvers.selection import choose
+from compas_cgc.solvers.selection import run_auto
+
+from ..support import shapes
+
+EXAMPLES = [e for e in CATALOGUE if isinstance(e, SurfaceExample) and e.variant != "nofilter"]
+
+
+def dome(target=0.01, n=9):
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=n)
+    mesh.set_supports("boundary")
+    mesh.set_target(target)
+    return mesh
+
+
+def vault():
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+    mesh.set_supports("corners")
+    mesh.set_creases([[10 * i + 4 for i in range(10)]])
+    mesh.set_target(0.01)
+    return mesh
+
+
+# ----------------------------------------------------------------------
+# Every example to rounding
+# ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_auto_takes_every_example_to_rounding(example):
+    mesh, _ = example.build()
+    result = solve(mesh)
+    assert result.converged, result.message
+    assert result.max_error <= 1e-10
+    for v in mesh.supports():
+        assert result.mesh.vertex_coordinates(v) == mesh.vertex_coordinates(v)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_the_papers_strategies_end_at_rounding_with_the_finish(example):
+    mesh, settings = example.build()
+    shaped = solve(mesh, settings=settings)
+    finished = solve(mesh, settings=replace(settings, finish=True))
+    assert (shaped.method, finished.method) == ("flow", "flow")
+    assert finished.converged and finished.max_error <= 1e-10, finished.message
+    for v in mesh.vertices_where_role("crease"):
+        assert finished.mesh.vertex_coordinates(v) == shaped.mesh.vertex_coordinates(v), "the finish must not move a crease"
+
+
+def test_the_finish_moves_a_nearly_solved_surface_by_next_to_nothing():
+    """Example 4 with mixed targets is 0.12 off after the paper's steps of S2 with e = 2."""
+    mesh, settings = example4(centre=4.0, around=1.0, s=1.0, e=2)
+    before = solve(mesh, settings=settings)
+    after = solve(mesh, settings=replace(settings, finish=True))
+    assert before.max_error > 0.1 and after.max_error < 1e-11
+    assert np.abs(after.mesh.arrays()[0] - before.mesh.arrays()[0]).max() < 2e-4
+
+
+def test_the_flow_hands_over_as_soon_as_the_creases_rest():
+    mesh, settings = example4(centre=4.0, around=1.0)
+    settings = replace(settings, tolerance=1e-6, steps=3000)
+    alone = solve(mesh, settings=settings)
+    both = solve(mesh, settings=replace(settings, finish=True))
+    assert alone.converged and both.converged
+    assert both.iterations < 0.7 * alone.iterations and both.max_error < 1e-6 * alone.max_error
+    assert np.abs(both.mesh.arrays()[0] - alone.mesh.arrays()[0]).max() < 2e-4
+    assert len(both.history.energy) == both.iterations
+
+
+# ----------------------------------------------------------------------
+# The choice
+# ----------------------------------------------------------------------
+
+
+def negative():
+    mesh = vault()
+    mesh.set_target(-0.01)
+    return mesh
+
+
+def strategic():
+    mesh = vault()
+    mesh.set_strategy(s=0.5)
+    return mesh
+
+
+CHOICES = [
+    (dome, None, ["newton", "projection", "flow"]),
+    (vault, None, ["projection", "flow"]),
+    (lambda: dome(0.0), None, ["projection", "flow"]),
+    (negative, None, ["projection"]),
+    (strategic, None, ["flow", "projection"]),
+    (vault, FlowSettings(), ["flow"]),
+    (vault, NewtonSettings(), ["newton"]),
+    (dome, ProjectionSettings(), ["projection"]),
+]
+
+
+@pytest.mark.parametrize("make, settings, methods", CHOICES)
+def test_the_method_suits_the_problem_and_is_said(make, settings, methods):
+    mesh = make()
+    choices = choose(CGCProblem.from_mesh(mesh), settings)
+    assert [choice.method for choice in choices] == methods
+    result = solve(mesh, settings=settings)
+    if result.method == methods[0]:
+        assert result.message.startswith(f"{methods[0]}, as {choices[0].reason}: ")
+
+
+def test_the_next_method_is_tried_when_one_stalls(monkeypatch):
+    """Newton's method is made to stall by a start that it may not leave."""
+    import compas_cgc.solvers.selection as auto
+
+    stalled = []
+
+    def run(method, problem, settings, constraints, callback):
+        if method == "newton":
+            solution = auto_run("newton", problem, NewtonSettings(steps=1), (), callback)
+            stalled.append(solution)
+            return solution
+        return auto_run(method, problem, settings, constraints, callback)
+
+    auto_run = auto.run
+    monkeypatch.setattr(auto, "run", run)
+    result = solve(dome())
+    assert len(stalled) == 1 and stalled[0].status != "converged"
+    assert result.converged and result.method == "projection"
+    assert f"(newton {stalled[0].status})" in result.message
+
+
+def test_when_none_arrives_the_best_surface_is_returned_and_said():
+    """K < 0 with the whole edge fixed is over-determined."""
+    mesh = CGCMesh.from_meshgrid(dx=2, nx=10)
+    for v in mesh.vertices():
+        x, y, _ = mesh.vertex_coordinates(v)
+        mesh.vertex_attribute(v, "z", 0.3 * ((x - 1) ** 2 - (y - 1) ** 2))
+    mesh.set_supports("boundary")
+    mesh.set_target(-0.2)
+    before = analyse(mesh).max_error
+    result = solve(mesh)
+    assert result.status == "stalled" and "some free edge" in result.message
+    assert result.max_error <= before
+
+
+def test_the_largest_error_is_that_of_the_mesh_returned():
+    for method in ("flow", "newton", "projection"):
+        result = solve(dome(), method=method)
+        vertices, faces = result.mesh.arrays()
+        inner = [i for i, v in enumerate(result.mesh.vertices()) if result.mesh.vertex_role(v) == "internal"]
+        error = np.abs(gaussian_curvature(vertices, faces)[inner] - 0.01).max()
+        assert result.converged and error <= max(1e-12, 2 * result.max_error), method
+
+
+def test_all_methods_find_the_same_dome():
+    heights = {method: max(solve(dome(), method=method).mesh.vertices_attribute("z")) for method in ("flow", "newton", "projection")}
+    assert heights["newton"] == pytest.approx(heights["flow"], rel=2e-3)
+    assert heights["projection"] == pytest.approx(heights["flow"], rel=2e-3)
+
+
+# ----------------------------------------------------------------------
+# Hard cases
+# ----------------------------------------------------------------------
+
+
+def test_an_irregular_disk_meets_its_targets_and_the_sphere():
+    """Solving for the defect on an irregular mesh still gives the cap of the sphere."""
+    vertices, faces = shapes.delaunay_disk(2000)
+    mesh = CGCMesh.from_vertices_and_faces(vertices, faces)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.5)
+    result = solve(mesh)
+    radius = 2**0.5
+    height = radius - (radius**2 - 1) ** 0.5
+    assert result.converged and max(result.mesh.vertices_attribute("z")) == pytest.approx(height, abs=2e-3)
+
+
+def test_regions_of_every_sign_side_by_side():
+    mesh = CGCMesh.from_meshgrid(dx=12, nx=12)
+    mesh.set_supports("corners")
+    mesh.set_creases([[13 * i + k for i in range(13)] for k in (4, 8)])
+    for region, K in enumerate((0.02, 0.0, -0.02)):
+        mesh.set_target(K, region=region)
+    result = solve(mesh)
+    assert result.converged and result.max_error < 1e-12
+    report = analyse(result.mesh)
+    assert [r.total_curvature for r in report.regions] == pytest.approx([0.02, 0.0, -0.02], abs=1e-12)
+
+
+def test_a_vertex_is_drawn_to_a_height():
+    from compas_cgc.solvers.projection import AtHeight
+
+    mesh = vault()
+    key = 44
+    index = list(mesh.vertices()).index(key)
+    result = solve(mesh, constraints=[AtHeight([index], 1.25)])
+    assert result.converged and result.mesh.vertex_coordinates(key)[2] == pytest.approx(1.25, abs=1e-9)
+    assert "it alone holds constraints" in result.message
+
+
+@pytest.mark.parametrize("method", ["flow", "newton", "projection", "auto"])
+def test_every_method_can_be_watched_and_cancelled(method):
+    seen = []
+
+    def callback(state):
+        seen.append(state)
+        return state.step == 2
+
+    mesh = dome()
+    result = solve(mesh, method, None, callback)
+    assert result.status == "cancelled" and [state.step for state in seen] == [1, 2]
+    assert seen[0].vertices.shape == (100, 3)
+    assert np.isfinite(result.mesh.arrays()[0]).all()
+
+
+def test_settings_and_constraints_of_another_method_are_refused_in_words():
+    from compas_cgc.solvers.projection import AtHeight
+
+    with pytest.raises(ValueError, match="the method 'newton' takes NewtonSettings, not FlowSettings"):
+        solve(dome(), method="newton", settings=FlowSettings())
+    with pytest.raises(ValueError, match="only the method 'projection' holds constraints"):
+        solve(dome(), method="flow", constraints=[AtHeight([0], 1.0)])
+    with pytest.raises(ValueError, match="auto, flow, newton, projection"):
+        solve(dome(), method="best")
+
+
+def test_what_is_fixed_stays_bit_for_bit_with_every_method():
+    problem = CGCProblem.from_mesh(dome())
+    for method in ("flow", "newton", "projection"):
+        solution = run_auto(problem, {"flow": FlowSettings(), "newton": NewtonSettings(), "projection": ProjectionSettings()}[method])
+        assert np.array_equal(solution.vertices[problem.roles == FIXED], problem.vertices[problem.roles == FIXED])
+
+
+def test_a_diverged_flow_is_not_finished():
+    problem = CGCProblem.from_mesh(example4(centre=400.0, around=400.0)[0])
+    solution = flow_and_finish(problem, FlowSettings(steps=400))
+    assert solution.status in ("diverged", "step_limit", "stalled")
+    assert np.isfinite(solution.vertices).all() and (problem.roles == CREASE).any()

@@ -1,0 +1,87 @@
+"""Take the pictures of the page: ``python -m tests.support.page_pictures`` from the root of the repository.
+
+Those of the examples are part of the page, the one of the whole page is in the documents.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import tempfile
+import time
+from pathlib import Path
+
+from PIL import Image
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import WebDriverWait
+
+from compas_cgc.server.page.gallery import GALLERY
+
+from .browser import open_browser
+from .server_process import running_server
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "compas_cgc" / "server" / "page" / "static" / "examples"
+PAGE = ROOT / "docs" / "images" / "page.png"
+ALONE = (
+    "header, .panel, .tools, .marks, .legend { display: none !important }",
+    "main { position: fixed !important; inset: 0; display: block !important }",
+    ".view { position: absolute !important; inset: 0; background: none !important }",
+    "body { background: none !important }",
+)
+
+
+def solved(window, url, name):
+    """Open an example and solve it."""
+    window.get(url)
+    WebDriverWait(window, 20).until(lambda _: window.find_elements(By.CSS_SELECTOR, f"[data-example={name}]"))[0].click()
+    WebDriverWait(window, 20).until(lambda _: window.find_element(By.ID, "solve").is_displayed())
+    window.find_element(By.ID, "solve").click()
+    WebDriverWait(window, 20).until(lambda _: window.find_elements(By.CSS_SELECTOR, ".verdict.good"))
+    time.sleep(1.5)
+
+
+def small(png):
+    """Return a picture with fewer pixels and colours, still transparent."""
+    picture = Image.open(io.BytesIO(png)).resize((480, 300), Image.LANCZOS)
+    file = io.BytesIO()
+    picture.quantize(128, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def dithered(png):
+    """Return a picture with fewer colours whose gradients stay smooth."""
+    file = io.BytesIO()
+    picture = Image.open(io.BytesIO(png)).convert("RGB")
+    palette = picture.quantize(256, Image.Quantize.FASTOCTREE)
+    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def take():
+    """Take all pictures."""
+    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite") as server:
+        with open_browser(Path(folder), 1280, 940) as window:
+            for name in GALLERY:
+                solved(window, server.url, name)
+                for rule in ALONE:
+                    window.execute_script("[...document.styleSheets].at(-1).insertRule(arguments[0])", rule)
+                window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", dict(width=960, height=600, deviceScaleFactor=1, mobile=False))
+                window.execute_cdp_cmd("Emulation.setDefaultBackgroundColorOverride", dict(color=dict(r=0, g=0, b=0, a=0)))
+                time.sleep(0.5)
+                window.execute_script("document.getElementById('fit').click()")
+                window.find_element(By.ID, "canvas").send_keys("+")
+                window.execute_script("document.activeElement.blur()")
+                time.sleep(1.0)
+                shot = window.execute_cdp_cmd("Page.captureScreenshot", dict(format="png"))["data"]
+                (EXAMPLES / f"{name}.png").write_bytes(small(base64.b64decode(shot)))
+                window.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+                window.execute_cdp_cmd("Emulation.setDefaultBackgroundColorOverride", {})
+            solved(window, server.url, "example4_a")
+            window.execute_script("document.querySelector('[name=colours][value=curvature]').click()")
+            time.sleep(1.0)
+            PAGE.write_bytes(dithered(window.get_screenshot_as_png()))
+
+
+if __name__ == "__main__":
+    take()

@@ -1,0 +1,260 @@
+"""Many clients at once for a while: ``python -m tests.support.soak --clients 50 --seconds 120``.
+
+They solve meshes of mixed sizes as Hops components and through the job API, cancel some of their jobs and hang up on
+some of their calls. Every answer is compared with the known one; memory, delays and losses are shown at the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import http.client
+import json
+import multiprocessing
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from compas_cgc.client import Client
+from compas_cgc.client import Refused
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
+
+from .server_process import running_server
+from .shapes import grid
+
+SIZES = (6, 12, 20, 31)
+OVER = ("succeeded", "failed", "cancelled")
+
+
+def hops_body(n, K, name="dome", **more):
+    """Return the body of a request of Hops that is always computed."""
+    data = {"Mesh": mesh_from_arrays(*grid(n, 9.0)).Encode(), "K": K, **more}
+    values = [{"ParamName": own, "InnerTree": {"{0}": [{"data": value}]}} for own, value in data.items()]
+    return json.dumps({"pointer": f"cgc/{name}", "cachesolve": False, "values": values}).encode()
+
+
+def job_asked(n, K):
+    vertices, faces = grid(n, 9.0)
+    return {"vertices": vertices, "faces": faces, "supports": "boundary", "targets": K}
+
+
+def mesh_of(content):
+    """Return the coloured surface in an answer to Hops, which is the same every time."""
+    return next(value for value in json.loads(content)["values"] if value["ParamName"] == "Mesh")["InnerTree"]["{0}"][0]["data"]
+
+
+class Tally:
+    """What the clients met, from all of their threads."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.counts, self.wrong, self.times = Counter(), [], {}
+
+    def count(self, what):
+        with self.lock:
+            self.counts[what] += 1
+
+    def took(self, what, seconds):
+        with self.lock:
+            self.times.setdefault(what, []).append(seconds)
+
+    def complain(self, text):
+        with self.lock:
+            self.wrong.append(text)
+
+
+class Visitor(threading.Thread):
+    """A client that does one thing after another until the time is over."""
+
+    def __init__(self, server, known, tally, number, end):
+        super().__init__(daemon=True)
+        self.server, self.known, self.tally, self.end = server, known, tally, end
+        self.chance = random.Random(number)
+        self.client = Client(server.url, retries=8, timeout=90.0)
+
+    def run(self):
+        doings = [self.call, self.call, self.job, self.job, self.cancel, self.hang_up]
+        while time.monotonic() < self.end:
+            doing = self.chance.choice(doings)
+            try:
+                doing(self.chance.choice(SIZES), round(0.002 + 0.001 * self.chance.randrange(5), 4))
+            except Exception as error:
+                self.tally.complain(f"{doing.__name__}: {type(error).__name__} {error}")
+
+    def call(self, n, K):
+        started = time.monotonic()
+        status, _, content = self.server.ask("POST", "/solve", hops_body(n, K), timeout=90)
+        if status == 429:
+            self.tally.count("calls refused, busy")
+            time.sleep(0.2)
+            return
+        self.tally.took(f"call {(n + 1) ** 2:5d}", time.monotonic() - started)
+        self.tally.count("calls")
+        if status != 200 or mesh_of(content) != self.known["call", n, K]:
+            self.tally.complain(f"a wrong answer to a call of {n}, {K}: {status} {content[:200]}")
+
+    def job(self, n, K):
+        started = time.monotonic()
+        found = self.client.solve(**job_asked(n, K), interval=0.3)
+        self.tally.took(f"job  {(n + 1) ** 2:5d}", time.monotonic() - started)
+        self.tally.count("jobs")
+        if not np.array_equal(found["vertices"], self.known["job", n, K]):
+            self.tally.complain(f"a wrong result of a job of {n}, {K}")
+
+    def cancel(self, n, K):
+        settings = {"steps": 100000, "tolerance": 0.0}
+        id = self.client.submit(**{**job_asked(n, K), "targets": K}, method="flow", settings=settings)
+        time.sleep(self.chance.uniform(0.0, 0.5))
+        was = self.client.poll(id)["state"]
+        started = time.monotonic()
+        self.client.cancel(id)
+        while self.client.poll(id)["state"] not in OVER:
+            time.sleep(0.01)
+            if time.monotonic() - started > 30:
+                self.tally.complain("a job that does not end")
+                return
+        self.tally.took(f"cancel {was}", time.monotonic() - started)
+        self.tally.count("cancels")
+        if self.client.poll(id)["state"] != "cancelled":
+            self.tally.complain(f"a cancelled job is {self.client.poll(id)}")
+
+    def hang_up(self, n, K):
+        connection = http.client.HTTPConnection(self.server.address, timeout=10)
+        connection.request("POST", "/solve", hops_body(40, K, "flow", Steps=10000))
+        time.sleep(self.chance.uniform(0.0, 0.5))
+        connection.close()
+        self.tally.count("hang-ups")
+
+
+class Watch(multiprocessing.get_context("spawn").Process):
+    """Looks at the memory of the server, and at how fast ``/health`` and a cancel are; not slowed down by the other clients."""
+
+    def __init__(self, url, server, seconds):
+        super().__init__(daemon=True)
+        self.url, self.server, self.seconds = url, server, seconds
+        self.news = multiprocessing.get_context("spawn").Queue()
+
+    def run(self):
+        client, started, look = Client(self.url, retries=0, timeout=30.0), time.monotonic(), 0.0
+        while (now := time.monotonic() - started) < self.seconds:
+            self.told("health of a watcher", client.health)
+            if now >= look:
+                look = now + 2.0
+                self.news.put(("memory", (now, *memory_of(self.server))))
+                self.told("cancel by a watcher", self.cancelled, client)
+            time.sleep(0.2)
+        self.news.put(("end", None))
+
+    def told(self, what, function, *args):
+        started = time.monotonic()
+        try:
+            seconds = function(*args)
+            self.news.put((what, seconds if isinstance(seconds, float) else time.monotonic() - started))
+        except Refused:
+            pass
+        except Exception as error:
+            self.news.put(("wrong", f"{what}: {error!r}"))
+
+    def cancelled(self, client):
+        asked = job_asked(12, 0.004)
+        id = client.submit(**asked, method="flow", settings={"steps": 100000, "tolerance": 0.0})
+        while client.poll(id)["iteration"] == 0:
+            time.sleep(0.02)
+        started = time.monotonic()
+        client.cancel(id)
+        while client.poll(id)["state"] not in OVER:
+            time.sleep(0.005)
+        return time.monotonic() - started
+
+    def tell(self, tally):
+        """Hand over what was seen, and return the memory over time."""
+        memory = []
+        while (news := self.news.get(timeout=60))[0] != "end":
+            what, found = news
+            if what == "memory":
+                memory.append(found)
+            elif what == "wrong":
+                tally.complain(found)
+            else:
+                tally.took(what, found)
+        return memory
+
+
+def memory_of(pid):
+    """Return the resident memory of a server and the largest of its workers [MB]."""
+    columns = ["ps", "-A", "-ww", "-o", "pid=", "-o", "ppid=", "-o", "rss=", "-o", "args="]
+    listed = subprocess.run(columns, capture_output=True, text=True, check=True).stdout
+    found = re.findall(r"^ *(\d+) +(\d+) +(\d+) +(.*)$", listed, re.MULTILINE)
+    own = [int(size) / 1024 for own, _, size, _ in found if int(own) == pid]
+    workers = [int(size) / 1024 for _, parent, size, command in found if int(parent) == pid and "spawn_main" in command]
+    return sum(own), max(workers, default=0.0)
+
+
+def known_answers(server):
+    """Return all the answers, found one after another while nobody else is there."""
+    known = {}
+    for n in SIZES:
+        for k in range(5):
+            K = round(0.002 + 0.001 * k, 4)
+            status, _, content = server.ask("POST", "/solve", hops_body(n, K))
+            assert status == 200, content[:300]
+            known["call", n, K] = mesh_of(content)
+            known["job", n, K] = server.client.solve(**job_asked(n, K))["vertices"]
+    return known
+
+
+def report(tally, memory, seconds):
+    """Print what was met; tell whether all was well."""
+    print("\n".join(f"{name:22}{count:8d}" for name, count in sorted(tally.counts.items())))
+    print(f"\n{'seconds':22}{'count':>8}{'median':>9}{'95 %':>9}{'max':>9}")
+    for name, times in sorted(tally.times.items()):
+        print(f"{name:22}{len(times):8d}{np.median(times):9.3f}{np.percentile(times, 95):9.3f}{max(times):9.3f}")
+    memory = np.array(memory)
+    late = memory[len(memory) // 2 :]
+    print(f"\n{'memory [MB]':22}{'start':>9}{'end':>9}{'max':>9}{'slope / min':>13}")
+    for name, column in (("server", 1), ("largest worker", 2)):
+        slope = 60 * np.polyfit(late[:, 0], late[:, column], 1)[0] if len(late) > 2 else float("nan")
+        print(f"{name:22}{memory[0, column]:9.1f}{memory[-1, column]:9.1f}{memory[:, column].max():9.1f}{slope:13.2f}")
+    print(f"\n{len(tally.wrong)} complaints in {seconds:g} seconds")
+    print("\n".join(tally.wrong[:20]))
+    return not tally.wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--clients", type=int, default=50)
+    parser.add_argument("--seconds", type=float, default=120.0)
+    parser.add_argument("--workers", type=int, default=2)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite", workers=arguments.workers) as server:
+        known = known_answers(server)
+        print(f"{len(known)} answers known; {arguments.clients} clients for {arguments.seconds:g} seconds", flush=True)
+        tally, end = Tally(), time.monotonic() + arguments.seconds
+        watch = Watch(server.url, server.process.pid, arguments.seconds)
+        visitors = [Visitor(server, known, tally, number, end) for number in range(arguments.clients)]
+        for thread in (watch, *visitors):
+            thread.start()
+        memory = watch.tell(tally)
+        for thread in visitors:
+            thread.join(120)
+        health = server.client.health()
+        if any(visitor.is_alive() for visitor in visitors):
+            tally.complain("a client that waits for ever")
+        if (health["busy"], health["waiting"], health["replaced"]) != (0, 0, 0):
+            tally.complain(f"after all the server is {health}")
+        # The newest jobs: none is left unfinished, whatever became of its client.
+        left = [status for status in server.client.jobs() if status["state"] not in OVER]
+        if left:
+            tally.complain(f"{len(left)} jobs are left")
+        return 0 if report(tally, memory, arguments.seconds) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+"""The package as a whole: layers, imports, README."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import re
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import compas_cgc
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "compas_cgc"
+
+# From the bottom: a module imports from its own layer and those before it.
+LAYERS = [
+    {"_version", "errors", "_atomic_write", "client"},
+    {"discrete", "linalg"},
+    {"meshing"},
+    {"model"},
+    {"datastructures"},
+    {"analysis", "solvers"},
+    {"io", "plot"},
+    {"paper"},
+    {"cli", "server", "rpc", "grasshopper", "scene", "__main__", "__init__"},
+]
+
+
+# CGCMesh.from_3dm and to_3dm are a convenience that COMPAS users expect; they import when they are called.
+EXCEPTIONS = {("datastructures", "io")}
+
+
+def imports_of(path):
+    """Return the parts of the package that a module imports, outside type checking."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    depth = len(path.relative_to(PACKAGE).parts) - 1
+    checked = {
+        id(node)
+        for test in ast.walk(tree)
+        if isinstance(test, ast.If) and "TYPE_CHECKING" in ast.dump(test.test)
+        for node in ast.walk(test)
+    }
+    for node in ast.walk(tree):
+        if id(node) in checked:
+            continue
+        if isinstance(node, ast.ImportFrom) and node.level == depth + 1:
+            yield node.module.split(".")[0] if node.module else node.names[0].name
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("compas_cgc."):
+            yield node.module.split(".")[1]
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_downwards(path):
+    rank = {name: i for i, layer in enumerate(LAYERS) for name in layer}
+    own = path.relative_to(PACKAGE).parts[0].replace(".py", "")
+    for other in imports_of(path):
+        assert rank[other] <= rank[own] or (own, other) in EXCEPTIONS, f"{own} must not import {other}"
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    code = (
+        "import sys, compas_cgc; print(sorted({'numpy', 'scipy', 'numba', 'compas', 'rhino3dm', 'flask', 'matplotlib'} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert out.stdout.strip() == "[]"
+
+
+def test_the_command_line_helps_without_loading_the_solvers():
+    code = (
+        "import sys; from compas_cgc.cli.main import build_parser; build_parser(); print('numba' in sys.modules or 'compas' in sys.modules)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert out.stdout.strip() == "False"
+
+
+def test_public_names_are_there():
+    for name in compas_cgc.__all__:
+        assert getattr(compas_cgc, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        compas_cgc.nothing  # noqa: B018
+
+
+def test_the_readme_script_runs(tmp_path, monkeypatch, capsys):
+    (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script, "README.md", "exec"), {})
+    assert capsys.readouterr().out.count("converged") == 1
+    assert (tmp_path / "roof.json").exists()
+
+
+def test_pictures_and_pages_that_the_documents_name_are_there():
+    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
+        for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name} names {target}"
+
+
+WITH_EXAMPLES = [path for path in sorted(PACKAGE.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("path", WITH_EXAMPLES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_examples_in_docstrings_run(path):
+    name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    tried = doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
+    assert tried.failed == 0
