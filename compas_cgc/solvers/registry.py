@@ -91,8 +91,10 @@ def flow_and_finish(problem: CGCProblem, settings: FlowSettings, callback: Callb
     finished = _finish(problem, shaped, callback)
     if finished.status != "stalled" or shaped.status != "converged" or early.tolerance == settings.tolerance:
         return finished
-    left = replace(settings, steps=max(1, settings.steps - shaped.iterations), e=0)
-    more = _joined(shaped, flow(_at(problem, shaped), left, _later(callback, shaped)))
+    left = replace(settings, steps=max(1, settings.steps - shaped.iterations))
+    # The creases have waited already, whoever told them to.
+    rest = replace(_at(problem, shaped), e=np.zeros(len(problem.vertices)))
+    more = _joined(shaped, flow(rest, left, _later(callback, shaped)))
     return _finish(problem, more, callback) if more.status == "converged" else more
 
 
