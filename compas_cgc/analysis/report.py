@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
@@ -18,12 +17,10 @@ from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import vertex_labels
-from ..model.problem import INTERNAL
 from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from ..model.roles import INTERNAL
 from .quadric import quadric_curvatures
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
 
 __all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem"]
 
@@ -104,36 +101,29 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
-def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport:
-    """Measure a mesh against its targets.
+def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> SurfaceReport:
+    """Measure a surface against its targets.
 
     Parameters
     ----------
-    mesh
-        A result, or any mesh with targets. Dummies are left out.
+    surface
+        A result, mesh or problem with targets. Dummies are left out.
     reference
-        The mesh that it was made from, to tell how far it moved.
+        What it was made from, to tell how far it moved.
 
     Returns
     -------
     SurfaceReport
         Its text is meant to be read; ``to_dict`` gives the same as plain data.
+
+    Raises
+    ------
+    ValueError
+        If the reference has another number of vertices.
     """
-    return analyse_problem(CGCProblem.from_mesh(mesh), None if reference is None else reference.arrays()[0])
-
-
-def analyse_problem(problem: CGCProblem, before: Optional[FloatArray] = None) -> SurfaceReport:
-    """Measure the vertices of a problem against its targets, as :func:`analyse` does.
-
-    Parameters
-    ----------
-    problem
-        Vertices, faces, roles, targets and creases.
-    before
-        ``(n, 3)`` where its real vertices were before [L].
-    """
-    problem = problem.without_dummies()
+    problem = surface.to_problem().without_dummies()
     V, F = problem.vertices, problem.faces
+    before = None if reference is None else reference.to_problem().without_dummies().vertices
     if before is not None and before.shape != V.shape:
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)

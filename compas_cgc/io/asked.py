@@ -12,11 +12,11 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import crease_paths
 from ..meshing import face_regions
-from ..model.problem import CREASE
-from ..model.problem import DUMMY
-from ..model.problem import FIXED
-from ..model.problem import INTERNAL
-from ..model.problem import ROLES
+from ..model.roles import CREASE
+from ..model.roles import DUMMY
+from ..model.roles import FIXED
+from ..model.roles import INTERNAL
+from ..model.roles import ROLES
 
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh

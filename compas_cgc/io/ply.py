@@ -9,8 +9,8 @@ from typing import Optional
 import numpy as np
 
 from ..errors import FileError
-from ..model.problem import FIXED
-from ..model.problem import ROLES
+from ..model.roles import FIXED
+from ..model.roles import ROLES
 from ._text import read_bytes
 from .asked import Asked
 from .meshfile import MeshFile

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..model.problem import INTERNAL
+from ..model.roles import INTERNAL
 from .layout import caption
 from .layout import heading
 from .layout import letter

@@ -9,7 +9,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.problem import FIXED
+from ..model.roles import FIXED
 from .colours import DUMMY_EDGE
 from .colours import DUMMY_FACE
 from .colours import INK

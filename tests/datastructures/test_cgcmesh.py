@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import INTERNAL
 
 from ..support import shapes
 

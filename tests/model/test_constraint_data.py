@@ -12,9 +12,9 @@ from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.constraint_data import constraint_of
 from compas_cgc.model.constraints import Constraint
 from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Held
+from compas_cgc.solvers.projection import Fixed
 from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Near
+from compas_cgc.solvers.projection import Proximity
 from compas_cgc.solvers.projection import OnCurve
 from compas_cgc.solvers.projection import OnLine
 from compas_cgc.solvers.projection import OnPlane
@@ -24,8 +24,8 @@ EACH = [
     AtHeight(np.array([3, 4]), 1.25),
     OnLine([5], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
     OnCurve([6, 7], np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]]), closed=False),
-    Held([8]),
-    Near([9, 10], weight=100.0),
+    Fixed([8]),
+    Proximity([9, 10], weight=100.0),
     Mirror([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
 ]
 

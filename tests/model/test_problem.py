@@ -15,9 +15,9 @@ from compas_cgc.errors import ProblemError
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.meshing import triangles_of
 from compas_cgc.model.checks import check
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 
 from ..support import shapes
 

@@ -15,8 +15,8 @@ from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 from compas_cgc.paper.examples import example4

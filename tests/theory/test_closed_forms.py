@@ -10,9 +10,9 @@ from compas_cgc import CGCProblem
 from compas_cgc import FlowSettings
 from compas_cgc import NewtonSettings
 from compas_cgc.discrete.jacobian import CurvatureEquations
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples.plan import hexagonal_disk
 from compas_cgc.solvers.registry import run
 

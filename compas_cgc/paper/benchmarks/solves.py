@@ -17,9 +17,9 @@ from ...discrete import gaussian_curvature
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.sparsity import RingPattern
-from ...model.problem import FIXED
-from ...model.problem import FREE
-from ...model.problem import INTERNAL
+from ...model.roles import FIXED
+from ...model.roles import FREE
+from ...model.roles import INTERNAL
 from ...model.problem import CGCProblem
 from ...solvers.newton import NewtonSettings
 from ...solvers.newton import newton

@@ -13,7 +13,7 @@ import numpy as np
 from ...datastructures import CGCMesh
 from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
-from ...model.problem import DUMMY
+from ...model.roles import DUMMY
 from ...model.problem import CGCProblem
 from ...model.result import SolveResult
 from ...model.result import SolveState

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..._atomic_write import write_text
 from ...io import write_mesh
-from ...model.problem import DUMMY
+from ...model.roles import DUMMY
 from ...plot import Curve
 from ...plot import Shape
 from ...plot import comparison_figure

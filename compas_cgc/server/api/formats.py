@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 
-from ...model.problem import INTERNAL
-from ...model.problem import ROLES
+from ...model.roles import INTERNAL
+from ...model.roles import ROLES
 from ...model.result import History
 from .decoding import packed
 from .mesh_files import KINDS

@@ -10,8 +10,8 @@ from typing import Optional
 
 import numpy as np
 
-from ...model.problem import DUMMY
-from ...model.problem import ROLES
+from ...model.roles import DUMMY
+from ...model.roles import ROLES
 from ...model.result import History
 from ...model.result import Solution
 from ...model.result import SolveResult

@@ -39,7 +39,7 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
     From a start near the target, or where the settings say so, Newton's method right
     away; else after elliptic steps from there; if that fails, the same from a membrane.
     """
-    if start.largest <= settings.tolerance:
+    if system.meets(start, settings.tolerance):
         return "converged", ""
     only_given = settings.start == "given" or bool((system.targets < 0).any())
     near = settings.start == "auto" and _is_near(system, start)

@@ -8,7 +8,7 @@ from typing import Union
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from ...model.problem import Frame
+from ...model.frame import Frame
 from .feasibility import Overload
 from .system import System
 

@@ -7,8 +7,8 @@ import numpy as np
 from ...discrete import _kernels
 from ...discrete.arrays import FloatArray
 from ...linalg import SingularMatrixError
+from ...model.frame import Frame
 from ...model.problem import CGCProblem
-from ...model.problem import Frame
 from .system import System
 
 __all__ = ["model_errors", "polished"]

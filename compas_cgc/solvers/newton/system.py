@@ -17,6 +17,7 @@ from ...model.problem import CGCProblem
 __all__ = ["Shape", "Step", "System"]
 
 EPS = np.finfo(np.float64).eps
+ROUNDED = 1e-13  # residual that says no more of a shape than rounding [rad]
 
 
 class Shape(NamedTuple):
@@ -91,6 +92,10 @@ class System:
         if not error.size:
             return 0.0, 0.0
         return float(np.abs(error).max()), float(np.linalg.norm(error))
+
+    def meets(self, shape: Shape, tolerance: float) -> bool:
+        """Return whether no |K - K̄| exceeds this part of the largest |K̄|, or what does is rounding."""
+        return bool((np.abs(shape.residual) <= np.maximum(tolerance * self.scale * shape.area, ROUNDED)).all())
 
     def dents(self, shape: Shape) -> int:
         """Return how many vertices bend the other way than most, of those where K̄ > 0."""

@@ -13,10 +13,10 @@ from compas_cgc.discrete import energy_gradient
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete.evaluation import Measure
 from compas_cgc.discrete.evaluation import Measurement
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.paper.examples import example2
 from compas_cgc.paper.examples import example4

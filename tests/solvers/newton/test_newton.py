@@ -17,9 +17,9 @@ from compas_cgc.discrete import mean_curvature
 from compas_cgc.discrete.jacobian import CurvatureEquations
 from compas_cgc.errors import MeshError
 from compas_cgc.errors import ProblemError
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.result import STATUSES
 from compas_cgc.paper.examples import example2

@@ -8,15 +8,15 @@ import pytest
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Held
+from compas_cgc.solvers.projection import Fixed
 from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Near
+from compas_cgc.solvers.projection import Proximity
 from compas_cgc.solvers.projection import OnCurve
 from compas_cgc.solvers.projection import OnLine
 from compas_cgc.solvers.projection import OnPlane
@@ -78,7 +78,7 @@ def test_an_edge_on_an_arch(curve):
 
 def test_a_crease_free_held_or_drawn_to_a_curve():
     free = solved([], roof(crease=True))
-    held = solved([Held(RIDGE)], roof(crease=True))
+    held = solved([Fixed(RIDGE)], roof(crease=True))
     assert np.array_equal(held[RIDGE], roof().vertices[RIDGE]), "bit for bit"
     high = ARCH + [5, 0, 1.0]
     drawn = solved([OnCurve(RIDGE, high)], roof(crease=True))
@@ -94,7 +94,7 @@ def test_several_constraints_at_once_and_on_one_vertex():
 def test_near_vertices_move_less():
     problem = roof()
     problem.vertices[:, 2] = 0.1 * I * (N - I) / N + 0.05 * np.sin(J) * (problem.roles != FIXED)
-    loose, near = (np.linalg.norm((solved(c, problem) - problem.vertices)[RIDGE]) for c in ([], [Near(RIDGE, 1000.0)]))
+    loose, near = (np.linalg.norm((solved(c, problem) - problem.vertices)[RIDGE]) for c in ([], [Proximity(RIDGE, 1000.0)]))
     assert near < 0.5 * loose
 
 
@@ -154,7 +154,7 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
     [
         (AtHeight([0], 2.0), "vertex 0 is fixed away from where a constraint wants it"),
         (AtHeight([7, 10_000], 2.0), "names vertex 10000; the mesh has the vertices 0 to 440"),
-        (Held([-1]), "names vertex -1"),
+        (Fixed([-1]), "names vertex -1"),
         (Mirror((4, 5, 0), (1, 0, 0)), "has no mirror image of its own"),
         ([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5.01, 5, 0), (1, 0, 0))], "images of a vertex"),
     ],
@@ -171,7 +171,7 @@ def test_constraints_that_cannot_be_are_refused(constraint, words):
         (lambda: project(roof(), constraints=[OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))]), "normal of a plane must be three numbers"),
         (lambda: OnCurve([1], [(0, 0, 0)]), "two or more different points"),
         (lambda: AtHeight([1], float("nan")), "height must be a number"),
-        (lambda: Near([1], -1.0), "weight must be a positive number"),
+        (lambda: Proximity([1], -1.0), "weight must be a positive number"),
     ],
 )
 def test_constraints_without_sense_are_refused(make, words):

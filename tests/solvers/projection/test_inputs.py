@@ -12,13 +12,13 @@ from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.errors import MeshError
 from compas_cgc.errors import ProblemError
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.result import STATUSES
-from compas_cgc.solvers.projection import Held
+from compas_cgc.solvers.projection import Fixed
 from compas_cgc.solvers.projection import OnCurve
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector
@@ -118,7 +118,7 @@ def test_a_face_without_area_is_named():
 def test_where_nothing_may_move_that_is_said():
     vertices, faces = shapes.icosphere(1)
     problem = CGCProblem(vertices, faces, np.full(42, INTERNAL), 2.0)
-    solution = project(problem, constraints=[Held(range(42))])
+    solution = project(problem, constraints=[Fixed(range(42))])
     assert_honest(problem, solution)
     assert solution.status == "infeasible" and "no vertex may move; free some" in solution.message
 

@@ -11,10 +11,10 @@ from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_normals
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete import vertex_areas
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector

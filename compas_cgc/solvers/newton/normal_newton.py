@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import time
-from typing import Callable
 from typing import Optional
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
+from ...model.frame import Frame
 from ...model.problem import CGCProblem
-from ...model.problem import Frame
-from ...model.result import History
+from ...model.recorder import Callback
+from ...model.recorder import Recorder
 from ...model.result import Solution
-from ...model.result import SolveState
-from ...model.result import stops
 from .globalization import Outcome
 from .globalization import steps_of
 from .messages import message
 from .polishing import model_errors
 from .polishing import polished
 from .settings import NewtonSettings
-from .system import Step
 from .system import System
 
 __all__ = ["newton"]
 
 
-def newton(
-    problem: CGCProblem,
-    settings: Optional[NewtonSettings] = None,
-    callback: Optional[Callable[[SolveState], object]] = None,
-) -> Solution:
+def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, callback: Callback = None) -> Solution:
     """Move the internal vertices along their normals until K is the target, to rounding.
 
     All other vertices stay where they are: fixed ones, dummies, creases, free edges. So
@@ -66,7 +58,6 @@ def newton(
     ProblemError
         If K is asked for, but no target given.
     """
-    started = time.perf_counter()
     settings = settings or NewtonSettings()
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
@@ -74,8 +65,12 @@ def newton(
     local, frame = problem.local()
     system = System(local, settings.backend)
     start = here = best = system.measure(local.vertices)
-    rows: list[tuple] = []
     outcome: Optional[Outcome] = None
+
+    def to_model(vertices: FloatArray) -> FloatArray:
+        return _to_model(problem, frame, vertices)
+
+    recorder = Recorder(settings.steps, callback, frame, to_model)
     run = steps_of(system, start, settings)
     while outcome is None:
         try:
@@ -85,28 +80,20 @@ def newton(
             break
         here = step.shape
         best = here if system.errors(here)[0] < system.errors(best)[0] else best
-        rows.append(_row(system, step, frame))
-        if callback is not None:
-            seconds = time.perf_counter() - started
-            state = SolveState(len(rows), settings.steps, *rows[-1][:5], seconds, _to_model(problem, frame, here.vertices))
-            if stops(callback, state):
-                outcome = "cancelled", ""
-        if outcome is None and len(rows) == settings.steps and here.largest > settings.tolerance:
+        error, norm = system.errors(here)
+        recorder.record(here.energy, norm, error, step.length, step.trials)
+        if recorder.cancelled(here.vertices):
+            outcome = "cancelled", ""
+        elif len(recorder) == settings.steps and not system.meets(here, settings.tolerance):
             outcome = "step_limit", ""
     status, cause = outcome
     shape = best if status in ("stalled", "diverged", "infeasible") else here
-    vertices = problem.vertices if shape is start else _to_model(problem, frame, shape.vertices)
-    if status == "converged" and rows:
+    vertices = problem.vertices if shape is start else to_model(shape.vertices)
+    if status == "converged" and len(recorder):
         vertices = polished(system, problem, frame, vertices)
     max_error = float(np.abs(model_errors(problem, vertices)[1]).max(initial=0.0))
-    sentence = message(status, cause, len(rows), max_error, system, frame, system.dents(shape))
-    return Solution(vertices, status, sentence, len(rows), time.perf_counter() - started, max_error, History.from_rows(rows))
-
-
-def _row(system: System, step: Step, frame: Frame) -> tuple:
-    error, norm = system.errors(step.shape)
-    scale2 = frame.scale**2
-    return step.shape.energy * frame.scale, norm / scale2, error / scale2, step.length, step.trials, True
+    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape))
+    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history)
 
 
 def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:

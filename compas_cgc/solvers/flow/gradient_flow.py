@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import replace
-from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -15,13 +13,12 @@ from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.evaluation import Measure
 from ...discrete.evaluation import Measurement
-from ...model.problem import CREASE
+from ...model.frame import Frame
 from ...model.problem import CGCProblem
-from ...model.problem import Frame
-from ...model.result import History
+from ...model.recorder import Callback
+from ...model.recorder import Recorder
 from ...model.result import Solution
-from ...model.result import SolveState
-from ...model.result import stops
+from ...model.roles import CREASE
 from .filter import GradientFilter
 from .linesearch import armijo_line_search
 from .settings import FlowSettings
@@ -33,11 +30,7 @@ ASTRAY = 2.0  # a run that ends this many times farther from the target than it 
 EXPLOSION = 1e3  # curvature error, against the first one and the target, that tells of torn meshes
 
 
-def flow(
-    problem: CGCProblem,
-    settings: Optional[FlowSettings] = None,
-    callback: Optional[Callable[[SolveState], object]] = None,
-) -> Solution:
+def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callback: Callback = None) -> Solution:
     """Move the vertices along their normals until K is the target wherever it is asked for.
 
     Per step: the gradient ``(K_i - K̄_i) n_i`` (Eq. 20) is averaged over the internal
@@ -65,7 +58,6 @@ def flow(
     ----------
     Paper, Sections 3 and 4.
     """
-    started = time.perf_counter()
     local, frame = problem.local()
     settings = _localise(settings or FlowSettings(), local, frame)
     asked = local.asked
@@ -74,6 +66,10 @@ def flow(
     s = np.where(np.isnan(local.s), settings.s, local.s)[creases, None]
     e = np.where(np.isnan(local.e), settings.e, local.e)[creases]
 
+    def to_model(vertices: FloatArray) -> FloatArray:
+        return _to_model(problem, local, frame, vertices)
+
+    recorder = Recorder(settings.steps, callback, frame, to_model, length_power=3)
     measure = Measure(local.vertices, local.faces, local.face_targets(), settings.energy)
     smooth = GradientFilter(
         np.flatnonzero(asked),
@@ -93,8 +89,7 @@ def flow(
 
     start_error = best_error = error
     best = vertices
-    status, rows_of_history = "step_limit", []
-    step = 0
+    status, step = "step_limit", 0
     if settings.tolerance > 0 and error <= goal:
         status = "converged"
     while status == "step_limit" and step < settings.steps:
@@ -120,35 +115,18 @@ def flow(
         error, norm = _errors(here, local)
         if error < best_error:
             best_error, best = error, vertices
-        length = taken.length * frame.scale**3
-        scale2 = frame.scale**2
-        rows_of_history.append((here.energy * frame.scale, norm / scale2, error / scale2, length, taken.trials, taken.accepted))
+        recorder.record(here.energy, norm, error, taken.length, taken.trials, taken.accepted)
         if not (math.isfinite(error) and error < limit and float(np.abs(vertices - local.vertices).max()) < RUNAWAY * diagonal):
             status, vertices, error = "diverged", best, best_error
         elif settings.tolerance > 0 and error <= goal:
             status = "converged"
-        if callback is not None and status != "diverged":
-            state = SolveState(
-                step,
-                settings.steps,
-                *rows_of_history[-1][:5],
-                time.perf_counter() - started,
-                _to_model(problem, local, frame, vertices),
-            )
-            if stops(callback, state) and status == "step_limit":
-                status = "cancelled"
+        if status != "diverged" and recorder.cancelled(vertices) and status == "step_limit":
+            status = "cancelled"
     if status == "step_limit" and error > ASTRAY * start_error:
         status, vertices, error = "diverged", best, best_error
     max_error = error / frame.scale**2
-    return Solution(
-        _to_model(problem, local, frame, vertices),
-        status,
-        _message(status, step, max_error, goal / frame.scale**2, problem, settings.filter_radius),
-        step,
-        time.perf_counter() - started,
-        max_error,
-        History.from_rows(rows_of_history),
-    )
+    message = _message(status, step, max_error, goal / frame.scale**2, problem, settings.filter_radius)
+    return Solution(to_model(vertices), status, message, step, recorder.seconds, max_error, recorder.history)
 
 
 def _localise(settings: FlowSettings, local: CGCProblem, frame: Frame) -> FlowSettings:
