@@ -22,7 +22,7 @@ from ..model.problem import PosesProblem
 from ..model.roles import INTERNAL
 from .quadric import quadric_curvatures
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
 
 
 @dataclass(frozen=True)
