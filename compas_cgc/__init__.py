@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ._lazy import attach
+from ._renamed import install as _install_old_names
 from ._version import __version__
 
 if TYPE_CHECKING:
@@ -66,6 +67,8 @@ __all__ = [
     "solve",
     "write",
 ]
+
+_install_old_names()
 
 # COMPAS looks for plugins here.
 __all_plugins__ = ["compas_cgc.scene", "compas_cgc.io.plugins"]

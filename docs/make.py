@@ -17,7 +17,7 @@ from compas_cgc.paper.examples import example4
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import hero
 from compas_cgc.plot import save
-from compas_cgc.solvers.solve import solve
+from compas_cgc.solvers.run import solve
 
 DOCS = Path(__file__).parent
 

@@ -10,14 +10,14 @@ import pytest
 from compas_cgc.model.constraint_data import KINDS
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.constraint_data import constraint_of
+from compas_cgc.model.constraints import AtHeight
 from compas_cgc.model.constraints import Constraint
-from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Fixed
-from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Proximity
-from compas_cgc.solvers.projection import OnCurve
-from compas_cgc.solvers.projection import OnLine
-from compas_cgc.solvers.projection import OnPlane
+from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.constraints import OnLine
+from compas_cgc.model.constraints import OnPlane
+from compas_cgc.model.constraints import Proximity
 
 EACH = [
     OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),

@@ -20,9 +20,8 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 from compas_cgc.paper.examples import example4
-from compas_cgc.solvers.registry import flow_and_finish
+from compas_cgc.solvers.flow.finish import flow_and_finish
 from compas_cgc.solvers.selection import choose
-from compas_cgc.solvers.selection import run_auto
 
 from ..support import shapes
 
@@ -135,15 +134,14 @@ def test_the_next_method_is_tried_when_one_stalls(monkeypatch):
 
     stalled = []
 
-    def run(method, problem, settings, constraints, callback):
-        if method == "newton":
-            solution = auto_run("newton", problem, NewtonSettings(steps=1), (), callback)
-            stalled.append(solution)
-            return solution
-        return auto_run(method, problem, settings, constraints, callback)
+    def run(method, problem, *, settings, callback):
+        if method.name == "newton":
+            stalled.append(run_method(method, problem, settings=NewtonSettings(steps=1), callback=callback))
+            return stalled[-1]
+        return run_method(method, problem, settings=settings, callback=callback)
 
-    auto_run = auto.run
-    monkeypatch.setattr(auto, "run", run)
+    run_method = auto.run_method
+    monkeypatch.setattr(auto, "run_method", run)
     result = solve(dome())
     assert len(stalled) == 1 and stalled[0].status != "converged"
     assert result.converged and result.method == "projection"
@@ -209,7 +207,7 @@ def test_regions_of_every_sign_side_by_side():
 
 
 def test_a_vertex_is_drawn_to_a_height():
-    from compas_cgc.solvers.projection import AtHeight
+    from compas_cgc.model.constraints import AtHeight
 
     mesh = vault()
     key = 44
@@ -228,14 +226,14 @@ def test_every_method_can_be_watched_and_cancelled(method):
         return state.step == 2
 
     mesh = dome()
-    result = solve(mesh, method, None, callback)
+    result = solve(mesh, method=method, settings=None, callback=callback)
     assert result.status == "cancelled" and [state.step for state in seen] == [1, 2]
     assert seen[0].vertices.shape == (100, 3)
     assert np.isfinite(result.mesh.arrays()[0]).all()
 
 
 def test_settings_and_constraints_of_another_method_are_refused_in_words():
-    from compas_cgc.solvers.projection import AtHeight
+    from compas_cgc.model.constraints import AtHeight
 
     with pytest.raises(ValueError, match="the method 'newton' takes NewtonSettings, not FlowSettings"):
         solve(dome(), method="newton", settings=FlowSettings())
@@ -248,12 +246,12 @@ def test_settings_and_constraints_of_another_method_are_refused_in_words():
 def test_what_is_fixed_stays_bit_for_bit_with_every_method():
     problem = CGCProblem.from_mesh(dome())
     for method in ("flow", "newton", "projection"):
-        solution = run_auto(problem, {"flow": FlowSettings(), "newton": NewtonSettings(), "projection": ProjectionSettings()}[method])
+        solution = run_method(METHODS[method], problem)
         assert np.array_equal(solution.vertices[problem.roles == FIXED], problem.vertices[problem.roles == FIXED])
 
 
 def test_a_diverged_flow_is_not_finished():
     problem = CGCProblem.from_mesh(example4(centre=400.0, around=400.0)[0])
-    solution = flow_and_finish(problem, FlowSettings(steps=400))
+    solution = flow_and_finish(problem, settings=FlowSettings(steps=400))
     assert solution.status in ("diverged", "step_limit", "stalled")
     assert np.isfinite(solution.vertices).all() and (problem.roles == CREASE).any()

@@ -14,7 +14,7 @@ from ...client import Client
 from ...datastructures import CGCMesh
 from ...io.rhino.meshes import mesh_from_arrays
 from ...model.problem import CGCProblem
-from ...solvers.solve import solve
+from ...solvers.run import solve
 from .solves import square
 from .timing import best_of
 

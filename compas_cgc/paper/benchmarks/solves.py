@@ -17,10 +17,10 @@ from ...discrete import gaussian_curvature
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.sparsity import RingPattern
+from ...model.problem import CGCProblem
 from ...model.roles import FIXED
 from ...model.roles import FREE
 from ...model.roles import INTERNAL
-from ...model.problem import CGCProblem
 from ...solvers.newton import NewtonSettings
 from ...solvers.newton import newton
 from ...solvers.projection import Projector
@@ -58,10 +58,10 @@ def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backen
 
 def _newton_row(cells: int, backend: str) -> dict:
     settings = NewtonSettings(backend=backend)
-    newton(square(10), settings)
+    newton(square(10), settings=settings)
     problem = square(cells)
     started = time.perf_counter()
-    solution = newton(problem, settings)
+    solution = newton(problem, settings=settings)
     seconds = time.perf_counter() - started
     inner = problem.asked
     error = np.abs(gaussian_curvature(solution.vertices, problem.faces) - 1)[inner].max()

@@ -13,14 +13,14 @@ import numpy as np
 from ...datastructures import CGCMesh
 from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
-from ...model.roles import DUMMY
 from ...model.problem import CGCProblem
-from ...model.result import SolveResult
 from ...model.result import SolveState
+from ...model.roles import DUMMY
 from ...solvers.flow import CurveResult
 from ...solvers.flow import FlowSettings
 from ...solvers.flow import curve_flow
-from ...solvers.solve import solve
+from ...solvers.result import SolveResult
+from ...solvers.run import solve
 from ..examples import CurveExample
 from ..examples import SurfaceExample
 from ..examples import example2

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL
-from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.newton.elliptic import elliptic_steps
 from compas_cgc.solvers.newton.elliptic import policy
 from compas_cgc.solvers.newton.feasibility import overload

@@ -8,18 +8,18 @@ import pytest
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
+from compas_cgc.model.constraints import AtHeight
+from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.constraints import OnLine
+from compas_cgc.model.constraints import OnPlane
+from compas_cgc.model.constraints import Proximity
+from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import CREASE
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
-from compas_cgc.model.problem import CGCProblem
-from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Fixed
-from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Proximity
-from compas_cgc.solvers.projection import OnCurve
-from compas_cgc.solvers.projection import OnLine
-from compas_cgc.solvers.projection import OnPlane
 from compas_cgc.solvers.projection import project
 
 from ...support import shapes
@@ -44,7 +44,7 @@ def roof(target: float = 0.01, crease: bool = False) -> CGCProblem:
 
 
 def solved(constraints, problem=None) -> np.ndarray:
-    solution = project(problem or roof(), constraints=constraints)
+    solution = project((problem or roof()).with_constraints(constraints))
     assert solution.status == "converged", solution.message
     assert solution.max_error < 1e-12
     return solution.vertices
@@ -143,7 +143,7 @@ def test_mirrors_and_curves_together():
 
 
 def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
-    solution = project(roof(), constraints=[AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)])
+    solution = project(roof().with_constraints([AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)]))
     assert solution.status == "stalled"
     assert f"vertex {CENTRE} cannot fulfil its constraints" in solution.message
     assert np.isfinite(solution.vertices).all()
@@ -162,13 +162,13 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
 )
 def test_constraints_that_cannot_be_are_refused(constraint, words):
     with pytest.raises(ProblemError, match=words):
-        project(roof(), constraints=constraint if isinstance(constraint, list) else [constraint])
+        project(roof().with_constraints(constraint))
 
 
 @pytest.mark.parametrize(
     "make, words",
     [
-        (lambda: project(roof(), constraints=[OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))]), "normal of a plane must be three numbers"),
+        (lambda: project(roof().with_constraints([OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))])), "normal of a plane must be three numbers"),
         (lambda: OnCurve([1], [(0, 0, 0)]), "two or more different points"),
         (lambda: AtHeight([1], float("nan")), "height must be a number"),
         (lambda: Proximity([1], -1.0), "weight must be a positive number"),
