@@ -49,10 +49,13 @@ class RenamedFinder(MetaPathFinder, Loader):
         module = import_module(new)
         if not spec.name.startswith(STAYS):
             warnings.warn(f"{spec.name} is now {new}; the old name will go", DeprecationWarning, stacklevel=2)
+        spec.loader_state = module.__spec__
         return module
 
     def exec_module(self, module: ModuleType) -> None:
-        """Do nothing: the module has run under its new name."""
+        """Give the module, which has run under its new name, its own description back."""
+        if module.__spec__ is not None and module.__spec__.loader is self:
+            module.__spec__ = module.__spec__.loader_state
 
 
 def _new_name(name: str) -> Optional[str]:
@@ -63,6 +66,6 @@ def _new_name(name: str) -> Optional[str]:
 
 
 def install() -> None:
-    """Let Python find the old names, after all others."""
+    """Let Python find the old names, before it looks for files: a renamed package would find its modules twice."""
     if not any(isinstance(finder, RenamedFinder) for finder in sys.meta_path):
-        sys.meta_path.append(RenamedFinder())
+        sys.meta_path.insert(0, RenamedFinder())

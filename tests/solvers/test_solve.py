@@ -21,7 +21,9 @@ from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 from compas_cgc.paper.examples import example4
 from compas_cgc.solvers.flow.finish import flow_and_finish
+from compas_cgc.solvers.registry import METHODS
 from compas_cgc.solvers.selection import choose
+from compas_cgc.solvers.selection import run_method
 
 from ..support import shapes
 
