@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from .solvers.newton import NewtonSettings
     from .solvers.projection import ProjectionSettings
     from .solvers.registry import settings_for
-    from .solvers.result import SolveResult
+    from .datastructures import SolveResult
     from .solvers.run import solve
     from .solvers.settings import AutoSettings
 
@@ -89,12 +89,13 @@ __getattr__, __dir__ = attach(
         "FlowSettings": ".solvers.flow",
         "NewtonSettings": ".solvers.newton",
         "ProjectionSettings": ".solvers.projection",
-        "SolveResult": ".solvers.result",
+        "SolveResult": ".datastructures",
         "analyse": ".analysis",
         "check": ".model.checks",
         "read": ".io",
         "settings_for": ".solvers.registry",
         "solve": ".solvers.run",
+        "solve_problem": "._deprecated",
         "write": ".io",
     },
 )

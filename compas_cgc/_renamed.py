@@ -24,6 +24,7 @@ RENAMED = {
     "compas_cgc.flow": "compas_cgc.solvers.flow",
     "compas_cgc.ghpython": "compas_cgc.grasshopper",
     "compas_cgc.newton": "compas_cgc.solvers.newton",
+    "compas_cgc.posing": "compas_cgc._deprecated",
     "compas_cgc.problem": "compas_cgc.model.problem",
     "compas_cgc.projection": "compas_cgc.solvers.projection",
     "compas_cgc.reproduction": "compas_cgc.paper.reproduction",

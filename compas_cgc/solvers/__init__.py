@@ -16,7 +16,7 @@ from .settings import Option
 from .settings import Settings
 
 if TYPE_CHECKING:
-    from .result import SolveResult
+    from ..datastructures import SolveResult
     from .run import solve
 
 __all__ = [
@@ -33,4 +33,4 @@ __all__ = [
     "solve",
 ]
 
-__getattr__, __dir__ = attach(__name__, {"SolveResult": ".result", "solve": ".run"})
+__getattr__, __dir__ = attach(__name__, {"SolveResult": "..datastructures", "solve": ".run"})

@@ -11,6 +11,7 @@ from typing import Union
 import numpy as np
 
 from ..datastructures import CGCMesh
+from ..datastructures import SolveResult
 from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraints import Constraint
@@ -22,7 +23,6 @@ from ..model.roles import DUMMY
 from .registry import METHODS
 from .registry import method_of
 from .registry import settings_for
-from .result import SolveResult
 from .selection import run_auto
 from .selection import run_method
 from .settings import Settings

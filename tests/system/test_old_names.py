@@ -40,3 +40,25 @@ def test_the_flow_keeps_its_short_name_without_a_warning():
     code = "import compas_cgc; from compas_cgc.flow import curve_flow, flow, FlowSettings; print(flow.__module__)"
     out = subprocess.run([sys.executable, "-W", "error::DeprecationWarning", "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "compas_cgc.solvers.flow.gradient_flow"
+
+
+def test_old_functions_ask_the_new_ones():
+    import compas_cgc
+    from compas_cgc import CGCProblem
+
+    from ..support import shapes
+
+    vertices, faces = shapes.grid(5)
+    problem = CGCProblem(vertices, faces)
+    from compas_cgc import _deprecated as posing
+
+    with pytest.warns(DeprecationWarning, match="with_supports"):
+        held = posing.set_supports(problem, "boundary")
+    with pytest.warns(DeprecationWarning, match="with_targets"):
+        asked = posing.set_target(held, 0.01)
+    with pytest.warns(DeprecationWarning, match="is now compas_cgc.solve"):
+        solution = compas_cgc.solve_problem(asked, "newton")
+    assert solution.status == "converged"
+    with pytest.warns(DeprecationWarning, match="compas_cgc.Fixed"):
+        from compas_cgc.solvers.projection import Held
+    assert Held is compas_cgc.Fixed

@@ -19,7 +19,7 @@ from ...model.roles import DUMMY
 from ...solvers.flow import CurveResult
 from ...solvers.flow import FlowSettings
 from ...solvers.flow import curve_flow
-from ...solvers.result import SolveResult
+from ...datastructures import SolveResult
 from ...solvers.run import solve
 from ..examples import CurveExample
 from ..examples import SurfaceExample

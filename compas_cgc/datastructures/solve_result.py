@@ -5,19 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Optional
+from typing import Protocol
 
 import numpy as np
 
-from ..datastructures import CGCMesh
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..model.problem import CGCProblem
 from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import DUMMY
-from .settings import Settings
+from .cgcmesh import CGCMesh
 
 __all__ = ["SolveResult"]
+
+
+class _Settings(Protocol):
+    def to_dict(self) -> dict: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +60,12 @@ class SolveResult:
     max_error: float
     history: History
     method: str
-    settings: Optional[Settings] = None
+    settings: Optional[_Settings] = None
     drawn: Optional[CGCMesh] = None
 
     @classmethod
     def from_solution(
-        cls, problem: CGCProblem, solution: Solution, settings: Optional[Settings] = None, drawn: Optional[CGCMesh] = None
+        cls, problem: CGCProblem, solution: Solution, settings: Optional[_Settings] = None, drawn: Optional[CGCMesh] = None
     ) -> SolveResult:
         """Return the result of a solution of a problem."""
         real = problem.without_dummies().with_vertices(solution.vertices[problem.roles != DUMMY])
