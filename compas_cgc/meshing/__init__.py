@@ -5,12 +5,12 @@ from __future__ import annotations
 from .boundary import boundary_loops
 from .boundary import named_supports
 from .checks import Diagnostic
-from .checks import existence_problems
 from .checks import mesh_problems
 from .creases import crease_paths
 from .creases import lost_edges
 from .creases import path_edges
 from .dummy_mesh import dummy_ring
+from .existence import existence_problems
 from .regions import face_means
 from .regions import face_regions
 from .regions import vertex_labels

@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 
-__all__ = ["Diagnostic", "existence_problems", "mesh_problems"]
+__all__ = ["Diagnostic", "listed", "mesh_problems"]
 
 
 class Diagnostic(str):
@@ -148,68 +147,3 @@ def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntA
             Diagnostic(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")
         ]
     return []
-
-
-def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
-    """Return two axes (2, 3) of the plane nearest to points, and how far these leave it, as a part of their size."""
-    offset = points - points.mean(axis=0)
-    _, _, axes = np.linalg.svd(offset, full_matrices=False)
-    size = float(np.linalg.norm(offset, axis=1).max())
-    return axes[:2], float(np.abs(offset @ axes[2]).max()) / size if size > 0 else 0.0
-
-
-def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray, target: float) -> list[Diagnostic]:
-    """Tell when no surface of curvature `target` can span a plane boundary curve.
-
-    On a plane curve around the area A the Gauss map of a graph covers at most the area
-    pi, so K̄ A < pi; and a sphere through an inscribed circle of radius r touches the
-    surface, so K̄ <= 1 / r^2.
-
-    Parameters
-    ----------
-    vertices, faces
-        ``(n, 3)`` and ``(m, 3)``: one piece without creases.
-    boundary
-        ``(b,)`` vertices around its only boundary loop, in order, all fixed.
-    target
-        Smallest target in the piece [1/L^2].
-    """
-    axes, reach = plane_of(vertices[boundary])
-    if target <= 0 or reach > 1e-6:
-        return []
-    plan = vertices @ axes.T
-    rim = plan[boundary]
-    x, y = rim.T
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
-    most = np.pi / area
-    within = np.zeros(len(vertices), bool)
-    within[faces] = True
-    within[boundary] = False
-    inside = np.flatnonzero(within)
-    if len(inside):
-        middle = 0.5 * (rim + np.roll(rim, -1, axis=0))
-        reach = float(np.linalg.norm(rim - middle, axis=1).max())
-        near, _ = cKDTree(middle).query(plan[inside])
-        # The widest circle about a vertex within the curve that the curve stays out of.
-        for k in np.argsort(-near, kind="stable")[:50]:
-            if _within(plan[inside[k]], rim):
-                radius = float(near[k]) - reach
-                most = min(most, 1.0 / radius**2) if radius > 0 else most
-                break
-    if target >= most:
-        return [
-            Diagnostic(
-                f"the target {target:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
-                "lower the target, add creases, or free an edge"
-            )
-        ]
-    return []
-
-
-def _within(point: FloatArray, polygon: FloatArray) -> bool:
-    """Tell whether a point of the plane lies in a polygon, by the crossings to its right."""
-    x, y = (polygon - point).T
-    ahead_x, ahead_y = np.roll(x, -1), np.roll(y, -1)
-    crosses = (y > 0) != (ahead_y > 0)
-    rise = np.where(crosses, ahead_y - y, 1.0)
-    return bool(np.count_nonzero(crosses & (x - y * (ahead_x - x) / rise > 0)) % 2)

@@ -16,7 +16,7 @@ from ..meshing import lost_edges
 from ..meshing import mesh_problems
 from ..meshing import vertex_labels
 from ..meshing.checks import listed
-from ..meshing.checks import plane_of
+from ..meshing.existence import plane_of
 from .problem import CGCProblem
 from .problem import PosesProblem
 from .roles import FIXED
@@ -128,7 +128,9 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
             text = "where a surface of positive K needs a crease; lead creases to them if the solve fails"
             problems.append(Diagnostic(f"the edge is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False))
         if len(around) == 1:
-            problems += existence_problems(V, corners, around[0], float(targets.min()))
+            inner = np.zeros(len(V), bool)
+            inner[own[roles[own] == INTERNAL]] = True
+            problems += existence_problems(V, corners, around[0], problem.targets, inner)
     return problems
 
 

@@ -16,6 +16,7 @@ import compas_cgc
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "compas_cgc"
 
+
 def test_importing_the_package_loads_nothing_heavy():
     code = (
         "import sys, compas_cgc; print(sorted({'numpy', 'scipy', 'numba', 'compas', 'rhino3dm', 'flask', 'matplotlib'} & set(sys.modules)))"

@@ -8,11 +8,11 @@ from typing import Union
 import numpy as np
 
 from ...linalg import SingularMatrixError
+from ...meshing.existence import Overload
+from ...meshing.existence import overload
 from .damped import at_rounding
 from .damped import damped_newton
 from .elliptic import elliptic_steps
-from .feasibility import Overload
-from .feasibility import overload
 from .membrane import membrane
 from .settings import NewtonSettings
 from .system import Shape
@@ -48,9 +48,10 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
             outcome = yield from _by_newton(system, start, settings)
             if only_given or outcome == "converged":
                 return outcome, "start"
-        too_much = overload(system)
-        if too_much is not None:
-            return "infeasible", too_much
+        own = system.problem
+        excess = overload(start.vertices, own.faces, own.targets, own.asked)
+        if excess is not None:
+            return "infeasible", excess
         outcome = yield from _from_elliptic(system, start, settings)
         if outcome != "converged":
             taut = membrane(system)
