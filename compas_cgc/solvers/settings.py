@@ -15,6 +15,7 @@ from typing import Optional
 __all__ = ["AutoSettings", "Option", "Settings", "documented", "option"]
 
 LARGE = 1e12
+INFINITE = "infinite"
 
 
 class Option(NamedTuple):
@@ -29,7 +30,7 @@ class Option(NamedTuple):
     above: Optional[float] = None  # as low, but itself not in the range
     below: Optional[float] = None  # as high, but itself not in the range
     choices: tuple[str, ...] = ()
-    infinite: bool = False  # may be infinite, which is None in JSON
+    infinite: bool = False  # may be infinite, which JSON calls "infinite"
     alias: str = ""  # what doors for designers call it
 
     @property
@@ -74,6 +75,8 @@ class Option(NamedTuple):
             return bool(value) if type(value).__name__ in ("bool", "bool_") else None
         if self.choices:
             return value if value in self.choices else None
+        if self.infinite and value == INFINITE:
+            return math.inf
         # numpy's truth values are no numbers either; its numbers are.
         if isinstance(value, bool) or not isinstance(value, numbers.Real):
             return None
@@ -108,9 +111,9 @@ class Settings:
         return {own.name: Option(own.name, default=own.default, **own.metadata["option"]) for own in fields(cls)}
 
     def to_dict(self) -> dict:
-        """Return the values by name, ready for JSON (what is infinite as None)."""
+        """Return the values by name, ready for JSON."""
         values = {own.name: getattr(self, own.name) for own in fields(self)}
-        return {name: None if isinstance(value, float) and math.isinf(value) else value for name, value in values.items()}
+        return {name: INFINITE if isinstance(value, float) and math.isinf(value) else value for name, value in values.items()}
 
 
 def documented(kind: type) -> type:
