@@ -1,4 +1,4 @@
-"""Files that are whole or not there: written beside, then put in place."""
+"""Atomic writes: a file is written to a temporary one beside it, which then takes its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can go wrong, in one place: every error is a sentence for the person who can mend it."""
+"""Errors of the package: each is a sentence for the person who can put it right."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ __all__ = ["CGCError", "FileError", "MeshError", "ProblemError"]
 
 
 class CGCError(ValueError):
-    """Base of all errors that a user of the package can cause and mend."""
+    """Base of all errors that a user of the package can cause and put right."""
 
 
 class MeshError(CGCError):

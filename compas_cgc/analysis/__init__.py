@@ -1,4 +1,4 @@
-"""The honest report: how well a surface meets its targets, by more than one measure."""
+"""Analysis: how well a surface meets its targets, by more than one measure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How well a surface meets its targets, region by region, and how far that can be trusted."""
+"""Analysis report: curvature errors region by region, the quality of the mesh, and the rounding floor."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete import vertex_areas
-from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.arrays import Vertices
 from ..meshing import vertex_labels
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
@@ -137,7 +140,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
     )
 
 
-def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[RegionReport]:
+def _regions(problem: CGCProblem, label: IntArray, creases: Edges) -> list[RegionReport]:
     V, F, asked = problem.vertices, problem.faces, problem.roles == INTERNAL
     defect, cell, area = angle_defects(V, F), vertex_areas(V, F), face_areas(V, F)
     fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
@@ -172,7 +175,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[Re
     return reports
 
 
-def _concave_edges(V: FloatArray, F: IntArray, label: IntArray, creases: IntArray) -> IntArray:
+def _concave_edges(V: Vertices, F: Faces, label: IntArray, creases: Edges) -> IntArray:
     """Return the region of every edge inside a region that folds inwards by more than rounding."""
     edges = edge_faces(F)
     edges = edges[edges[:, 3] >= 0]
@@ -185,7 +188,7 @@ def _concave_edges(V: FloatArray, F: IntArray, label: IntArray, creases: IntArra
     return label[left[sine < -1e-9 * np.linalg.norm(V[v] - V[u], axis=1)]]
 
 
-def _quality(V: FloatArray, F: IntArray, asked: np.ndarray) -> MeshQuality:
+def _quality(V: Vertices, F: Faces, asked: Mask) -> MeshQuality:
     corners = V[F]
     ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     length = np.linalg.norm(ahead, axis=2)

@@ -1,4 +1,4 @@
-"""A running server: found, or started for all to see."""
+"""Server start-up: find a running server, or start one that other programs can use too."""
 
 from __future__ import annotations
 

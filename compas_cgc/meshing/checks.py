@@ -1,4 +1,4 @@
-"""What keeps a mesh from being solved, each in one sentence that names the thing and the mend."""
+"""Mesh diagnostics: manifoldness, orientation, degenerate faces and existence, each in one sentence with its remedy."""
 
 from __future__ import annotations
 
@@ -29,9 +29,6 @@ class Diagnostic(str):
         diagnostic.fatal = fatal
         return diagnostic
 
-    def __getnewargs__(self) -> tuple[str, bool]:
-        return str(self), self.fatal
-
 
 def listed(items: object, most: int = 5) -> str:
     """Return the first few items as text, and how many more there are."""
@@ -52,7 +49,7 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
     """
     if not len(faces):
         return [Diagnostic("the mesh has no faces; give a mesh with faces")]
-    problems = []
+    problems: list[Diagnostic] = []
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     if not used.all():

@@ -1,4 +1,4 @@
-"""The face at a place."""
+"""Point location: the face at a place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Regions: the faces that creases divide a mesh into."""
+"""Regions: the connected components that creases divide the faces into."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 
 __all__ = ["face_means", "face_neighbours", "face_regions", "vertex_labels"]
 
@@ -70,7 +71,7 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     return result
 
 
-def face_means(faces: IntArray, known: np.ndarray, values: FloatArray) -> FloatArray:
+def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
     """Return the mean over those corners of every face whose value is known (m,).
 
     Faces without such a corner take the mean of the faces around them, ring after ring.

@@ -1,4 +1,4 @@
-"""Signed values at vertices as colours: errors of curvature, and curvature itself."""
+"""Colour maps of values at vertices: errors of curvature, and curvature itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A mesh as seen from somewhere."""
+"""Projection of a mesh onto the sheet."""
 
 from __future__ import annotations
 

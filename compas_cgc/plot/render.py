@@ -1,4 +1,4 @@
-"""One large picture of a result, to look at rather than to read from."""
+"""Rendering: one large picture of a result, to look at rather than to read from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A mesh as the paper draws it: white with thin black edges, dummies grey, supports red, creases thick."""
+"""Line drawings of meshes as in the paper: white with thin black edges, dummies grey, supports red, creases thick."""
 
 from __future__ import annotations
 

@@ -155,12 +155,15 @@ class RPCServer(ThreadingMixIn, Server):
 
     daemon_threads = True
 
+    def __init__(self, address: tuple[str, int]):
+        Server.__init__(self, address, requestHandler=Handler, logRequests=False)
+
 
 def start_service(port: int = PORT, workers: Optional[int] = None) -> None:
     """Serve on this machine until told to stop."""
     limits = Limits()
     # The address is taken first, so that a second service ends at once.
-    server = RPCServer(("127.0.0.1", port), requestHandler=Handler, logRequests=False)
+    server = RPCServer(("127.0.0.1", port))
     pool = WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
     jobs = Jobs(pool, Store(":memory:"), limits)
     server.register_instance(Service(jobs))

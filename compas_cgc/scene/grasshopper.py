@@ -1,12 +1,12 @@
-"""CGC meshes in Grasshopper; imports only inside of it."""
+"""Scene object of Grasshopper; it can be imported inside of it only."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from compas_ghpython.scene import MeshObject
 
 from ..datastructures import CGCMesh
-from ..grasshopper.runtime.geometry import points_to_rhino
-from ..grasshopper.runtime.geometry import polyline_to_rhino
 from ..io.rhino.rhinocommon import mesh_from_arrays
 from .appearance import appearance
 from .appearance import real_mesh
@@ -33,8 +33,13 @@ class CGCMeshObject(MeshObject):
 
     def draw(self) -> list:
         """Return the Rhino geometry to put out."""
-        mesh = mesh_from_arrays(*self.mesh.arrays(), coloured(self.mesh, self.show_figure).colours)
-        supports = points_to_rhino([self.mesh.vertex_coordinates(key) for key in self.mesh.supports()])
-        creases = [polyline_to_rhino([self.mesh.vertex_coordinates(key) for key in path]) for path in self.mesh.creases()]
-        self._guids = [mesh, *supports, *creases]
+        import Rhino
+
+        def points(keys: Iterable[int]) -> list:
+            return [Rhino.Geometry.Point3d(*self.mesh.vertex_coordinates(key)) for key in keys]
+
+        vertices, faces = self.mesh.arrays()
+        mesh = mesh_from_arrays(vertices, faces, coloured(self.mesh, self.show_figure).colours)
+        creases = [Rhino.Geometry.PolylineCurve(points(path)) for path in self.mesh.creases()]
+        self._guids = [mesh, *points(self.mesh.supports()), *creases]
         return self._guids

@@ -11,6 +11,7 @@ from dataclasses import fields
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
+from typing import TypeVar
 
 __all__ = ["AutoSettings", "Option", "Settings", "documented", "option"]
 
@@ -116,10 +117,13 @@ class Settings:
         return {name: INFINITE if isinstance(value, float) and math.isinf(value) else value for name, value in values.items()}
 
 
-def documented(kind: type) -> type:
+S = TypeVar("S", bound=Settings)
+
+
+def documented(kind: type[S]) -> type[S]:
     """Write the options of settings into their docstring; to be put above ``@dataclass``."""
     lines = [(kind.__doc__ or "").rstrip(), "", "    Parameters", "    ----------"]
-    for name, own in kind.options().items():  # type: ignore[attr-defined]
+    for name, own in kind.options().items():
         lines += [f"    {name}", textwrap.indent(textwrap.fill(f"{own.text} Default: {own.default}.", 100), 8 * " ")]
     kind.__doc__ = "\n".join(lines) + "\n"
     return kind

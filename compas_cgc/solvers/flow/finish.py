@@ -41,7 +41,7 @@ def flow_and_finish(problem: CGCProblem, *, settings: Optional[FlowSettings] = N
         return finished
     # The creases have waited already.
     left = replace(settings, steps=max(1, settings.steps - shaped.iterations), e=0)
-    resumed = replace(problem.with_vertices(shaped.vertices), e=np.nan)
+    resumed = replace(problem.with_vertices(shaped.vertices), e=np.zeros(len(problem.vertices)))
     more = _joined(shaped, flow(resumed, settings=left, callback=_later(callback, shaped)))
     return _finish(problem, more, callback) if more.status == "converged" else more
 
@@ -79,8 +79,10 @@ def _later(callback: Callback, before: Solution) -> Callback:
 
 def _joined(first: Solution, second: Solution) -> Solution:
     """Return the second solution with the history of both."""
+    histories = first.history, second.history
+    columns = (np.concatenate([getattr(history, name) for history in histories]) for name in History._fields)
     return second._replace(
         iterations=first.iterations + second.iterations,
         seconds=first.seconds + second.seconds,
-        history=History(*(np.concatenate(pair) for pair in zip(first.history, second.history))),
+        history=History(*columns),
     )

@@ -1,9 +1,8 @@
-"""The discrete Gaussian curvature flow (Eq. 22) with filter, creases and line search."""
+"""Gaussian curvature flow (Eq. 22) with filter, creases and line search."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Optional
 
 import numpy as np
@@ -34,9 +33,9 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
     """Move the vertices along their normals until K is the target wherever it is asked for.
 
     Per step: the gradient ``(K_i - K̄_i) n_i`` (Eq. 20) is averaged over the internal
-    vertices within the filter's radius (Eqs. 23-26), scaled by ``s`` (Eq. 27) or held
-    back for ``e`` steps on the creases, and taken with the step length that the line
-    search finds (Eqs. 22, 28, 29).
+    vertices within the filter's radius (Eq. 26), scaled by ``s`` (Eq. 27) or held back
+    for ``e`` steps on the creases, and taken (Eq. 22, where Eq. 21 has μ = 1) with the
+    step length that the line search finds (Eq. 28, Eq. 29).
 
     Parameters
     ----------
@@ -59,11 +58,12 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
     Paper, Sections 3 and 4.
     """
     local, frame = problem.local()
-    settings = _localise(settings or FlowSettings(), local, frame)
+    settings = settings or FlowSettings()
+    mu0, radius = _local_lengths(settings, local, frame)
     asked = local.asked
     rows = np.flatnonzero(local.movable)
     creases = np.flatnonzero(local.roles == CREASE)
-    s = np.where(np.isnan(local.s), settings.s, local.s)[creases, None]
+    s = np.where(np.isnan(local.s), settings.crease_factor, local.s)[creases, None]
     e = np.where(np.isnan(local.e), settings.e, local.e)[creases]
 
     def to_model(vertices: FloatArray) -> FloatArray:
@@ -75,7 +75,7 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
         np.flatnonzero(asked),
         rows,
         local.faces,
-        radius=settings.filter_radius,
+        radius=radius,
         power=settings.filter_power,
         refilter=settings.refilter,
     )
@@ -106,7 +106,7 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
             here.energy,
             slope,
             bound,
-            mu0=settings.mu0,
+            mu0=mu0,
             tau=settings.tau,
             xi=settings.xi,
             q=settings.q,
@@ -125,12 +125,12 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
     if status == "step_limit" and error > ASTRAY * start_error:
         status, vertices, error = "diverged", best, best_error
     max_error = error / frame.scale**2
-    message = _message(status, step, max_error, goal / frame.scale**2, problem, settings.filter_radius)
+    message = _message(status, step, max_error, goal / frame.scale**2, problem, radius)
     return Solution(to_model(vertices), status, message, step, recorder.seconds, max_error, recorder.history)
 
 
-def _localise(settings: FlowSettings, local: CGCProblem, frame: Frame) -> FlowSettings:
-    """Return the settings in the local frame, with what was left open taken from the mesh."""
+def _local_lengths(settings: FlowSettings, local: CGCProblem, frame: Frame) -> tuple[float, float]:
+    """Return μ0 and the filter's radius in the local frame, taken from the mesh where the settings leave them open."""
     area = float(face_areas(local.vertices, local.faces[local.real_faces]).sum())
     if settings.filter_radius is None:
         ends = local.vertices[local.faces]
@@ -146,7 +146,7 @@ def _localise(settings: FlowSettings, local: CGCProblem, frame: Frame) -> FlowSe
         mu0 = 0.2 * length**2 / kappa
     else:
         mu0 = settings.mu0 / frame.scale**3
-    return replace(settings, mu0=mu0, filter_radius=radius)
+    return mu0, radius
 
 
 def _errors(here: Measurement, problem: CGCProblem) -> tuple[float, float]:
@@ -170,7 +170,7 @@ def _curvature_bound(problem: CGCProblem, zeta: float, start_error: float) -> Fl
 
 
 def _to_model(problem: CGCProblem, local: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
-    # What did not move is handed back bit for bit, without the way through the frame.
+    # Vertices that did not move keep their exact coordinates, without the rounding of the frame.
     moved = (vertices != local.vertices).any(axis=1)
     return np.where(moved[:, None], frame.to_model(vertices), problem.vertices)
 

@@ -1,4 +1,4 @@
-"""The flow as a method."""
+"""Registration of the flow as a method."""
 
 from __future__ import annotations
 

@@ -93,5 +93,11 @@ class FlowSettings(Settings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        object.__setattr__(self, "s", self.crease_factor)
+
+    @property
+    def crease_factor(self) -> float:
+        """Factor s of strategy S1 (Eq. 27), by default 0.8, or 1 where creases wait."""
         if self.s is None:
-            object.__setattr__(self, "s", 1.0 if self.e else 0.8)
+            return 1.0 if self.e else 0.8
+        return self.s

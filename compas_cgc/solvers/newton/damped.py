@@ -1,4 +1,4 @@
-"""Newton's method with damping that keeps a convex surface convex."""
+"""Damped Newton's method: backtracking that keeps a convex surface convex."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which steps a solve takes, one start after the other."""
+"""Globalization: which steps a solve takes, one start after the other."""
 
 from __future__ import annotations
 

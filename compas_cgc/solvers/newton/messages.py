@@ -1,4 +1,4 @@
-"""How a solve ended, in one sentence for the designer."""
+"""Messages: how a solve ended, in one sentence for the designer."""
 
 from __future__ import annotations
 

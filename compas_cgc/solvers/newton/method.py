@@ -1,4 +1,4 @@
-"""Newton's method along the normals, as a method."""
+"""Registration of Newton's method along the normals as a method."""
 
 from __future__ import annotations
 

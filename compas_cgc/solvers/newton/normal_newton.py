@@ -1,4 +1,4 @@
-"""Newton's method on the curvature equations, from any start."""
+"""Newton's method on the curvature equations, along the normals, from any start."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     local, frame = problem.local()
     system = System(local, settings.backend)
     start = here = best = system.measure(local.vertices)
-    outcome: Optional[Outcome] = None
+    outcome: Outcome
 
     def to_model(vertices: FloatArray) -> FloatArray:
         return _to_model(problem, frame, vertices)
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     run = steps_of(system, start, settings)
-    while outcome is None:
+    while True:
         try:
             step = next(run)
         except StopIteration as end:
@@ -84,8 +84,10 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         recorder.record(here.energy, norm, error, step.length, step.trials)
         if recorder.cancelled(here.vertices):
             outcome = "cancelled", ""
-        elif len(recorder) == settings.steps and not system.meets(here, settings.tolerance):
+            break
+        if len(recorder) == settings.steps and not system.meets(here, settings.tolerance):
             outcome = "step_limit", ""
+            break
     status, cause = outcome
     shape = best if status in ("stalled", "diverged", "infeasible") else here
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
@@ -97,5 +99,5 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
 
 
 def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
-    # What is held is handed back bit for bit, without the way through the frame.
+    # Vertices that are held keep their exact coordinates, without the rounding of the frame.
     return np.where(problem.asked[:, None], frame.to_model(vertices), problem.vertices)

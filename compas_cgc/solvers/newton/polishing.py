@@ -1,4 +1,4 @@
-"""The last digits, in the coordinates that are handed back."""
+"""Iterative refinement in model coordinates: the last digits of a converged shape."""
 
 from __future__ import annotations
 
