@@ -16,11 +16,17 @@ from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import DUMMY
 from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
+from compas_cgc.paper.examples import example3
 from compas_cgc.paper.examples import example4
+from compas_cgc.solvers.flow import finish
+from compas_cgc.solvers.flow import flow
 from compas_cgc.solvers.flow.finish import flow_and_finish
+from compas_cgc.solvers.newton import newton
 from compas_cgc.solvers.registry import METHODS
 from compas_cgc.solvers.selection import choose
 from compas_cgc.solvers.selection import run_method
@@ -89,6 +95,30 @@ def test_the_flow_hands_over_as_soon_as_the_creases_rest():
     assert both.iterations < 0.7 * alone.iterations and both.max_error < 1e-6 * alone.max_error
     assert np.abs(both.mesh.arrays()[0] - alone.mesh.arrays()[0]).max() < 2e-4
     assert len(both.history.energy) == both.iterations
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["of the creases", "of the settings"])
+def test_creases_that_have_waited_do_not_wait_again_when_the_flow_goes_on(monkeypatch, own):
+    """Newton's method is made to stall at the handover; the delay was e = 10 steps."""
+    monkeypatch.setattr(finish, "newton", lambda *given, **more: real(*given, **more)._replace(status="stalled"))
+    real = newton
+    problem = CGCProblem.from_mesh(example4(centre=4.0, around=1.0)[0])
+    creases = problem.roles == CREASE
+    if own:
+        problem = replace(problem, e=np.where(creases, 10, np.nan))
+    settings = FlowSettings(tolerance=1e-5, e=0 if own else 10)
+    handover = flow(problem, settings=replace(settings, tolerance=1e-3)).iterations
+    places = {}
+
+    def callback(state):
+        # The last word on a step is that of the flow: what the finish did was not taken.
+        places[state.step] = state.vertices[creases]
+
+    solution = flow_and_finish(problem, settings=settings, callback=callback)
+    assert solution.iterations > handover + 2 and solution.status == "stalled"
+    still = [step for step in range(2, solution.iterations) if np.array_equal(places[step], places[step - 1])]
+    assert [step for step in still if step <= handover] == list(range(2, 11))
+    assert handover + 2 not in still
 
 
 # ----------------------------------------------------------------------
@@ -232,6 +262,22 @@ def test_every_method_can_be_watched_and_cancelled(method):
     assert result.status == "cancelled" and [state.step for state in seen] == [1, 2]
     assert seen[0].vertices.shape == (100, 3)
     assert np.isfinite(result.mesh.arrays()[0]).all()
+
+
+@pytest.mark.parametrize("method", ["flow", "newton", "projection", "auto"])
+def test_a_callback_sees_the_vertices_of_the_model_and_none_that_carry_a_free_edge(method):
+    problem = CGCProblem.from_mesh(example3()[0])
+    real = problem.roles != DUMMY
+    assert 0 < real.sum() < len(real)
+    seen = []
+    solution = solve(problem, method=method, callback=lambda state: seen.append(state.vertices) or len(seen) == 3)
+    fixed = (problem.roles == FIXED)[real]
+    assert seen and len(solution.vertices) == real.sum()
+    for vertices in seen:
+        assert vertices.shape == (real.sum(), 3) and np.array_equal(vertices[fixed], problem.vertices[real][fixed])
+    if solution.status == "cancelled":
+        moved = problem.roles[real] == INTERNAL
+        assert np.abs(seen[-1] - solution.vertices)[moved].max() < np.abs(seen[0] - problem.vertices[real])[moved].max()
 
 
 def test_settings_and_constraints_of_another_method_are_refused_in_words():

@@ -9,6 +9,7 @@ import time
 from collections import deque
 from concurrent.futures import Executor
 from multiprocessing import connection
+from types import TracebackType
 from typing import Callable
 from typing import Optional
 
@@ -117,6 +118,10 @@ class WorkerPool(Executor):
         if wait:
             for thread in self._threads:
                 thread.join()
+
+    def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+        """Leave a block: its tasks are finished first, unless an exception leaves it, after which nobody would end them."""
+        self.shutdown(wait=True, cancel_futures=kind is not None)
 
     # ------------------------------------------------------------------
     # One thread per worker

@@ -9,8 +9,10 @@ import pytest
 import rhino3dm
 
 from compas_cgc import CGCMesh
+from compas_cgc import FlowSettings
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.discrete import vertex_areas
 from compas_cgc.errors import FileError
 from compas_cgc.io.asked import asked_of
 from compas_cgc.io.rhino import read_model
@@ -176,6 +178,25 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
     record = json.loads(file.Strings["compas_cgc.result"])
     assert record["status"] == result.status and record["units"] == "Centimeters" and len(record["regions"]) == 2
     assert json.loads(file.Strings["compas_cgc.settings"]) == {"s": 0.7}
+
+
+def test_what_was_reached_is_measured_on_the_surface_and_not_what_was_asked(tmp_path):
+    """After five steps of the flow the regions are far from their targets: the file says how far each is."""
+    result = solve(problem(), settings=FlowSettings(steps=5, finish=False))
+    write_result(tmp_path / "a.3dm", result)
+    _, found = objects(tmp_path / "a.3dm")
+    mesh = asked_of(result.mesh)
+    K, area = gaussian_curvature(mesh.vertices, mesh.faces), vertex_areas(mesh.vertices, mesh.faces)
+    regions = [dict(entry.Attributes.GetUserStrings()) for entry in found["CGC Result::Regions"]]
+    for number, region in enumerate(regions):
+        inside = np.unique(mesh.faces[mesh.regions == number])
+        inside = inside[mesh.asked[inside]]
+        assert float(region["K"]) == [0.01, 0.02][number]
+        assert float(region["K reached"]) == pytest.approx((K * area)[inside].sum() / area[inside].sum(), rel=1e-9)
+        assert float(region["error"]) == pytest.approx(np.abs(K[inside] - float(region["K"])).max(), rel=1e-9)
+        assert abs(float(region["K reached"]) - float(region["K"])) > 1e-3
+    (report,) = found["CGC Result::Report"]
+    assert f"largest error of K {result.max_error:.3g} 1/ft²" in report.Geometry.Text
 
 
 def test_the_result_is_an_input_for_the_same_problem_even_on_top_of_itself(handed_over, tmp_path):

@@ -124,6 +124,22 @@ def test_a_task_that_does_not_listen_is_ended_and_its_worker_replaced(pool):
     assert pool.submit(add, 1, 1).result(60) == 2
 
 
+@pytest.mark.timeout(60)
+def test_an_exception_that_leaves_the_block_of_a_pool_ends_what_is_in_it():
+    with pytest.raises(ZeroDivisionError), WorkerPool(1) as one:
+        running, waiting = begun(one, sleep_for_ever), one.submit(add, 1, 2)
+        raise ZeroDivisionError
+    with pytest.raises(TaskStopped):
+        running.result(0)
+    assert waiting.cancelled() and one.processes() == []
+
+
+def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
+    with WorkerPool(1) as one:
+        tasks = [one.submit(add, k, 2) for k in range(3)]
+    assert [task.result(0) for task in tasks] == [2, 3, 4] and one.processes() == []
+
+
 def test_a_time_limit_stops_a_task(pool):
     assert pool.start(sleep_until_told, time_limit=0.1).result(5) == "stopped gently"
 

@@ -121,6 +121,19 @@ def test_s_and_e_of_a_vertex_go_before_the_settings():
     assert np.array_equal(flow(held, settings=settings).vertices[creases], problem.vertices[creases])
 
 
+@pytest.mark.parametrize("e", [0, 1, 5])
+def test_a_crease_waits_exactly_as_many_steps_as_it_is_told(e):
+    problem, settings = problem_of(example4(centre=4.0, around=1.0, e=e))
+    creases, moved = problem.roles == CREASE, []
+
+    def callback(state):
+        moved.append(not np.array_equal(state.vertices[creases], problem.vertices[creases]))
+        return len(moved) == e + 2
+
+    flow(problem, settings=settings, callback=callback)
+    assert moved == [False] * e + [True, True]
+
+
 def test_the_step_length_and_radius_of_the_paper_scale_with_the_mesh():
     """Table 2's parameters are those of Example 2 on a mesh ten times as large."""
     mesh, settings = example2()

@@ -30,6 +30,8 @@ from compas_cgc.paper.examples import example5
 from compas_cgc.solvers.flow import flow
 from compas_cgc.solvers.newton import NewtonSettings
 from compas_cgc.solvers.newton import newton
+from compas_cgc.solvers.newton.damped import damped_newton
+from compas_cgc.solvers.newton.system import System
 
 from ...support import shapes
 
@@ -172,6 +174,18 @@ def test_any_start_leads_to_the_convex_surface(name):
     assert solution.status == "converged", solution.message
     assert solution.vertices[:, 2].max() == pytest.approx(flat.vertices[:, 2].max(), rel=0.02)
     assert (mean_curvature(solution.vertices, problem.faces)[problem.asked] > 0.9).all()
+
+
+@pytest.mark.parametrize("n, height", [(6, 2.0), (8, 0.5), (12, 0.2)])
+def test_no_step_turns_a_convex_vertex_inside_out(n, height):
+    """Beyond that the equation is not elliptic, and a smaller residual leads nowhere."""
+    local, _ = lifted(square(n), lambda x, y: 16 * height * x * (1 - x) * y * (1 - y)).local()
+    system = System(local, "auto")
+    start = system.measure(local.vertices)
+    assert (start.mean > 0).all()
+    steps = list(damped_newton(system, start, 1e-12, 2**-10))
+    assert len(steps) > 1 and min(step.length for step in steps) < 1, "somewhere a whole step would dent it"
+    assert all((step.shape.mean > 0).all() for step in steps)
 
 
 def test_folded_and_degenerate_faces_are_laid_out_anew():

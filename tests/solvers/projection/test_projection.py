@@ -104,6 +104,29 @@ def sharpest_fold(vertices, faces) -> float:
     return float(np.einsum("ij,ij->i", normals[left], normals[right]).min())
 
 
+CRUMPLING = {
+    "opposite signs": lambda: nine_regions(2, -6),
+    "noise": lambda: shaken(square(8), 0.1),
+}
+
+
+def shaken(problem: CGCProblem, height: float) -> CGCProblem:
+    vertices = problem.vertices.copy()
+    vertices[problem.movable, 2] += height * np.random.default_rng(1).normal(size=int(problem.movable.sum()))
+    return CGCProblem(vertices, problem.faces, problem.roles, problem.targets)
+
+
+@pytest.mark.parametrize("name", CRUMPLING)
+def test_no_step_folds_the_surface_onto_itself(name):
+    """A fold has any curvature at its ends, so crumpling is the shortest way to a small error."""
+    problem = CRUMPLING[name]()
+    folds = []
+    solution = project(problem, callback=lambda state: folds.append(sharpest_fold(state.vertices, problem.faces)) and None)
+    before = sharpest_fold(problem.vertices, problem.faces)
+    assert min(folds) >= min(0.0, before), "no edge folds by more than a right angle, unless it did before"
+    assert solution.status == "converged" and sharpest_fold(solution.vertices, problem.faces) > 0
+
+
 TABLE = {
     "square, K = 1, fixed boundary, 144": (lambda: square(11), 8),
     "square, K = 1, fixed boundary, 1,849": (lambda: square(42), 14),
