@@ -15,6 +15,7 @@ from ._version import __version__
 if TYPE_CHECKING:
     from .analysis import analyse
     from .datastructures import CGCMesh
+    from .datastructures import SolveResult
     from .errors import CGCError
     from .errors import FileError
     from .errors import MeshError
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from .solvers.newton import NewtonSettings
     from .solvers.projection import ProjectionSettings
     from .solvers.registry import settings_for
-    from .datastructures import SolveResult
     from .solvers.run import solve
     from .solvers.settings import AutoSettings
 

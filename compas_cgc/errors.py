@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 __all__ = ["CGCError", "FileError", "MeshError", "ProblemError"]
 
 
@@ -26,6 +28,6 @@ class ProblemError(CGCError):
         The sentences of :meth:`compas_cgc.datastructures.CGCMesh.check` that refuse it.
     """
 
-    def __init__(self, problems: list[str]):
+    def __init__(self, problems: Sequence[str]):
         self.problems = list(problems)
         super().__init__("; ".join(self.problems))

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
 from itertools import chain
+from typing import Any
 from typing import Optional
 from typing import Union
 
@@ -94,7 +95,7 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     @classmethod
-    def from_vertices_and_faces(cls, vertices: object, faces: object) -> CGCMesh:
+    def from_vertices_and_faces(cls, vertices: Any, faces: Any) -> CGCMesh:
         """Make a mesh from vertices and faces; quads and n-gons are triangulated.
 
         Parameters
@@ -236,7 +237,9 @@ class CGCMesh(Mesh):
             vertices,
             faces,
             np.array([number[own.get("role", default)] for own in self.vertex.values()], dtype=np.int64),
-            *(self._numbers(name) for name in ("target", "s", "e")),
+            targets=self._numbers("target"),
+            s=self._numbers("s"),
+            e=self._numbers("e"),
             creases=self._positions(np.array(self.crease_edges(), dtype=np.int64).reshape(-1, 2)),
             constraints=self.constraints(),
             names=names,
@@ -298,7 +301,7 @@ class CGCMesh(Mesh):
 
     def vertices_role(self, keys: Optional[Iterable[int]] = None) -> list[str]:
         """Return the roles of some or all vertices."""
-        return [self.vertex_role(key) for key in (self.vertices() if keys is None else keys)]
+        return [self.vertex_attribute(key, "role") for key in (self.vertices() if keys is None else keys)]
 
     def vertices_where_role(self, role: str) -> list[int]:
         """Return the vertices of a role."""
@@ -498,11 +501,17 @@ class CGCMesh(Mesh):
 
     def vertex_s(self, key: int, s: Optional[float] = None) -> Optional[float]:
         """Get or set the factor s of a crease vertex; None where the settings hold."""
-        return self.vertex_attribute(key, "s") if s is None else self.set_strategy(s=s, vertices=[key])
+        if s is None:
+            return self.vertex_attribute(key, "s")
+        self.set_strategy(s=s, vertices=[key])
+        return None
 
     def vertex_e(self, key: int, e: Optional[int] = None) -> Optional[int]:
         """Get or set the delay e of a crease vertex; None where the settings hold."""
-        return self.vertex_attribute(key, "e") if e is None else self.set_strategy(e=e, vertices=[key])
+        if e is None:
+            return self.vertex_attribute(key, "e")
+        self.set_strategy(e=e, vertices=[key])
+        return None
 
     # ------------------------------------------------------------------
     # Constraints
@@ -597,7 +606,7 @@ def _copied(values: dict) -> dict:
     return {name: value if isinstance(value, (str, int, float, type(None))) else deepcopy(value) for name, value in values.items()}
 
 
-def _plain(items: object, kind: type) -> object:
+def _plain(items: Any, kind: type) -> Any:
     """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
     if isinstance(items, np.ndarray):
         return items.tolist()
@@ -606,7 +615,7 @@ def _plain(items: object, kind: type) -> object:
     return [[kind(x) for x in item] for item in items]
 
 
-def _number(value: object, what: str) -> float:
+def _number(value: Any, what: str) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
@@ -68,15 +69,15 @@ def as_constraints(given: object) -> tuple[Constraint, ...]:
 
 
 def _number(value: object, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
         raise ValueError(f"{name} of a constraint must be a finite number")
     return float(value)
 
 
 def _vertices(value: object, name: str) -> list[int]:
-    if not isinstance(value, (list, tuple)) or not all(isinstance(v, int) and not isinstance(v, bool) for v in value):
+    if not isinstance(value, (list, tuple)) or not all(isinstance(v, numbers.Integral) and not isinstance(v, bool) for v in value):
         raise ValueError("vertices of a constraint must be a list of vertices, counted from 0")
-    return list(value)
+    return [int(v) for v in value]
 
 
 def _triple(value: object, name: str) -> list[float]:

@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
+from typing import Any
 from typing import NamedTuple
+from typing import Union
 
 import numpy as np
 
@@ -40,6 +42,10 @@ class ClosestPoints(NamedTuple):
     normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave it
 
 
+Triple = Union[Sequence[float], FloatArray]  # three numbers
+
+
+@dataclass(frozen=True)
 class Constraint:
     """Base of all constraints; vertices are indices, lengths in model units."""
 
@@ -49,12 +55,15 @@ class Constraint:
 
     def renumbered(self, index: IntArray) -> Constraint:
         """Return the same constraint where the vertices have other positions: `index` of each (n,), -1 where it is gone."""
-        if not hasattr(self, "vertices"):
+        named = getattr(self, "vertices", None)
+        if named is None:
             return self
-        kept = index[np.asarray(self.vertices, dtype=np.int64)]
-        return replace(self, vertices=kept[kept >= 0].tolist())
+        kept = index[np.asarray(named, dtype=np.int64)]
+        changed: dict[str, Any] = {"vertices": kept[kept >= 0].tolist()}
+        return replace(self, **changed)
 
 
+@dataclass(frozen=True)
 class PositionConstraint(Constraint):
     """A constraint that says where vertices have to be."""
 
@@ -70,8 +79,8 @@ class OnPlane(PositionConstraint):
     """Vertices on the plane through a point [L] with a normal."""
 
     vertices: Sequence[int]
-    point: Sequence[float]
-    normal: Sequence[float]
+    point: Triple
+    normal: Triple
 
     def local(self, frame: Frame) -> OnPlane:
         """Return the plane in a local frame."""
@@ -108,8 +117,8 @@ class OnLine(PositionConstraint):
     """Vertices on the endless line through a point [L] with a direction."""
 
     vertices: Sequence[int]
-    point: Sequence[float]
-    direction: Sequence[float]
+    point: Triple
+    direction: Triple
 
     def local(self, frame: Frame) -> OnLine:
         """Return the line in a local frame."""
@@ -130,7 +139,7 @@ class OnCurve(PositionConstraint):
     """
 
     vertices: Sequence[int]
-    points: Sequence[Sequence[float]]
+    points: Union[Sequence[Triple], FloatArray]
     closed: bool = False
 
     def __post_init__(self) -> None:
@@ -144,7 +153,7 @@ class OnCurve(PositionConstraint):
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the curve."""
-        closest, tangents = nearest_on_polyline(points, self.points, self.closed)
+        closest, tangents = nearest_on_polyline(points, np.asarray(self.points, dtype=np.float64), self.closed)
         return ClosestPoints(closest, np.eye(3) - tangents[:, :, None] * tangents[:, None, :])
 
 
@@ -163,8 +172,8 @@ class Mirror(Constraint):
     edge; the faces need not be symmetric.
     """
 
-    point: Sequence[float]
-    normal: Sequence[float]
+    point: Triple
+    normal: Triple
 
     def local(self, frame: Frame) -> Mirror:
         """Return the plane in a local frame."""
@@ -183,13 +192,13 @@ class Proximity(Constraint):
             raise ValueError(f"weight must be a positive number, not {self.weight!r}")
 
 
-def unit(vector: Sequence[float], name: str) -> FloatArray:
+def unit(vector: Triple, name: str) -> FloatArray:
     """Return a unit vector (3,)."""
-    vector = np.asarray(vector, dtype=np.float64)
-    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    given = np.asarray(vector, dtype=np.float64)
+    length = float(np.linalg.norm(given)) if given.shape == (3,) else 0.0
     if not (np.isfinite(length) and length > 0):
-        raise ValueError(f"{name} must be three numbers, not all zero, not {vector.tolist()}")
-    return vector / length
+        raise ValueError(f"{name} must be three numbers, not all zero, not {given.tolist()}")
+    return given / length
 
 
 def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:

@@ -64,8 +64,13 @@ class Recorder:
         """Show the last step with its local vertices (n, 3) to the callback, and return whether it cancels."""
         if self._callback is None:
             return False
-        state = SolveState(len(self._rows), self._steps, *self._rows[-1][:5], self.seconds, self._to_model(vertices))
+        state = SolveState(len(self._rows), self._steps, *_figures(self._rows[-1]), self.seconds, self._to_model(vertices))
         try:
             return self._callback(state) is True
         except StopIteration:
             return True
+
+
+def _figures(row: tuple) -> tuple[float, float, float, float, int]:
+    energy, error_norm, max_error, step_length, trials, _ = row
+    return energy, error_norm, max_error, step_length, trials

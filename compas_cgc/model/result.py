@@ -28,8 +28,8 @@ class History(NamedTuple):
     def from_rows(cls, rows: list[tuple]) -> History:
         """Return the history of a list of rows, one per step."""
         columns = list(zip(*rows)) if rows else [()] * 6
-        kinds = (np.float64,) * 4 + (np.int64, np.bool_)
-        return cls(*(np.array(column, dtype=kind) for column, kind in zip(columns, kinds)))
+        energy, error_norm, max_error, step_length = (np.array(column, dtype=np.float64) for column in columns[:4])
+        return cls(energy, error_norm, max_error, step_length, np.array(columns[4], dtype=np.int64), np.array(columns[5], dtype=np.bool_))
 
     def to_dict(self) -> dict:
         """Return plain lists by name."""

@@ -9,6 +9,7 @@ from ..model.dummy_ring import with_dummy_ring
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
+from ..model.result import SolveState
 
 __all__ = ["solve_carried"]
 
@@ -28,12 +29,9 @@ def solve_carried(solver: Callable[..., Solution], problem: CGCProblem, settings
         Called after every step; it sees the vertices of the problem only.
     """
     own = len(problem.vertices)
-    seen: Callback = None
-    if callback is not None:
-        told = callback
 
-        def seen(state: Any) -> object:
-            return told(state._replace(vertices=state.vertices[:own]))
+    def told(state: SolveState) -> object:
+        return callback and callback(state._replace(vertices=state.vertices[:own]))
 
-    solution = solver(with_dummy_ring(problem), settings=settings, callback=seen)
+    solution = solver(with_dummy_ring(problem), settings=settings, callback=callback and told)
     return solution._replace(vertices=solution.vertices[:own])

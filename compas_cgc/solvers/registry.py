@@ -40,7 +40,8 @@ def method_names() -> tuple[str, ...]:
 def options() -> dict[str, Option]:
     """Return every option by the name that doors for designers use; of options of one name the first stands for all."""
     found: dict[str, Option] = {}
-    for kind in (AutoSettings, *(method.settings for method in METHODS.values())):
+    kinds: list[type[Settings]] = [AutoSettings, *(method.settings for method in METHODS.values())]
+    for kind in kinds:
         for own in kind.options().values():
             found.setdefault(own.alias or own.name, own)
     return found

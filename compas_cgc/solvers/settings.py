@@ -56,7 +56,7 @@ class Option(NamedTuple):
             return f"a positive number{none}" if low == 0 else f"greater than {low:g}"
         return f"{what} from {low:g} up{none}"
 
-    def checked(self, value: object) -> Any:
+    def checked(self, value: Any) -> Any:
         """Return a value as a plain Python one.
 
         Raises
@@ -71,7 +71,7 @@ class Option(NamedTuple):
             raise ValueError(f"{self.name} must be {self.rule}, not {value!r}")
         return plain
 
-    def _plain(self, value: object) -> Any:
+    def _plain(self, value: Any) -> Any:
         if self.kind is bool:
             return bool(value) if type(value).__name__ in ("bool", "bool_") else None
         if self.choices:
@@ -79,11 +79,10 @@ class Option(NamedTuple):
         if self.infinite and value == INFINITE:
             return math.inf
         # numpy's truth values are no numbers either; its numbers are.
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        wanted: type = numbers.Integral if self.kind is int else numbers.Real
+        if isinstance(value, bool) or not isinstance(value, wanted) or (self.kind is int and abs(value) > LARGE):
             return None
-        if self.kind is int and (not isinstance(value, numbers.Integral) or abs(int(value)) > LARGE):
-            return None
-        number: Any = int(value) if self.kind is int else float(value)
+        number = self.kind(value)
         return number if self._within(number) else None
 
     def _within(self, number: float) -> bool:

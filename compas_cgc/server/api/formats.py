@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 
+from ...model.result import History
 from ...model.roles import INTERNAL
 from ...model.roles import ROLES
-from ...model.result import History
 from .decoding import packed
 from .mesh_files import KINDS
 from .mesh_files import file_bytes

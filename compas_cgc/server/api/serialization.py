@@ -10,11 +10,11 @@ from typing import Optional
 
 import numpy as np
 
-from ...model.roles import DUMMY
-from ...model.roles import ROLES
 from ...model.result import History
 from ...model.result import Solution
 from ...model.result import SolveResult
+from ...model.roles import DUMMY
+from ...model.roles import ROLES
 
 if TYPE_CHECKING:
     from ...datastructures import CGCMesh
