@@ -79,7 +79,7 @@ class Option(NamedTuple):
         if self.infinite and value == INFINITE:
             return math.inf
         # numpy's truth values are no numbers either; its numbers are.
-        wanted: type = numbers.Integral if self.kind is int else numbers.Real
+        wanted: Any = numbers.Integral if self.kind is int else numbers.Real
         if isinstance(value, bool) or not isinstance(value, wanted) or (self.kind is int and abs(value) > LARGE):
             return None
         number = self.kind(value)
