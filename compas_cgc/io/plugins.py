@@ -8,7 +8,7 @@ from typing import Union
 from compas.plugins import plugin
 
 from ..datastructures import CGCMesh
-from .registry import read_mesh
+from .registry import read
 from .registry import write
 
 __all__ = ["mesh_from_3dm", "mesh_to_3dm"]
@@ -17,7 +17,7 @@ __all__ = ["mesh_from_3dm", "mesh_to_3dm"]
 @plugin(category="cgc_files")
 def mesh_from_3dm(path: Union[str, os.PathLike], **options: object) -> CGCMesh:
     """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
-    return read_mesh(path, **options)[0]
+    return read(path, **options)  # type: ignore[arg-type]
 
 
 @plugin(category="cgc_files")

@@ -15,20 +15,21 @@ from ...meshing.cleanup import tidy
 from .meshes import joined_arrays
 from .sketch import Part
 
-__all__ = ["Shell", "join_shell"]
+__all__ = ["JoinedMesh", "join_meshes"]
 
 
-class Shell(NamedTuple):
+class JoinedMesh(NamedTuple):
     """One triangle mesh of the meshes of a file."""
 
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3)
     owner: IntArray  # (m,) number of the object that each face came from
     rounding: float  # error that single precision has left in the coordinates [L], 0 in double precision
+    indices: list[IntArray]  # vertex of the joined mesh for every vertex of each object, -1 where it is gone
     notes: list[str]
 
 
-def join_shell(parts: list[Part], tolerance: float, unit: str) -> Shell:
+def join_meshes(parts: list[Part], tolerance: float, unit: str) -> JoinedMesh:
     """Join, weld, triangulate and orient meshes.
 
     Parameters
@@ -54,7 +55,8 @@ def join_shell(parts: list[Part], tolerance: float, unit: str) -> Shell:
         raise FileError(f"{parts[0].label}: {error}") from None
     owner = np.repeat(np.arange(len(parts)), [len(part.faces) for part in parts])[clean.owner]
     notes += clean.notes + _shape_notes(clean.vertices, clean.faces, unit)
-    return Shell(clean.vertices, clean.faces, owner, rounding, notes)
+    indices = np.split(clean.index, np.cumsum([len(part.vertices) for part in parts])[:-1])
+    return JoinedMesh(clean.vertices, clean.faces, owner, rounding, indices, notes)
 
 
 def _precision_note(parts: list[Part], V: FloatArray, rounding: float, unit: str) -> str:

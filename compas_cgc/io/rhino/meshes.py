@@ -13,11 +13,43 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...errors import FileError
+from .archive import Item
+from .precision import rounding_of
+from .sketch import Part
+from .user_text import user_target
 
 if TYPE_CHECKING:
     import rhino3dm
 
-__all__ = ["coloured", "joined_arrays", "mesh_from_arrays", "mesh_to_arrays", "render_arrays"]
+__all__ = ["coloured", "joined_arrays", "mesh_from_arrays", "mesh_to_arrays", "to_part"]
+
+
+def to_part(item: Item) -> tuple[Part, list[str]]:
+    """Return the mesh of an object with notes: its own, or the one that Rhino draws a Brep or an extrusion by.
+
+    Raises
+    ------
+    FileError
+        If it has none; the sentence says how to make one.
+    """
+    arrays = mesh_to_arrays(item.geometry) if item.kind == "mesh" else _render_arrays(item.geometry)
+    if arrays is None:
+        mend = "run Rhino's command Mesh on it" if item.kind != "SubD" else "run Rhino's command ToNURBS or Mesh on it"
+        raise FileError(f"{item.label} is no mesh; {mend}, and put the mesh on the layer instead")
+    V, F = arrays
+    notes = []
+    if item.kind != "mesh":
+        notes.append(f"{item.label} is no mesh; the one that Rhino draws it by was taken, mesh it yourself for even triangles")
+    if not len(F):
+        raise FileError(f"{item.label} has no faces; delete it or mesh it again")
+    if not np.isfinite(V).all():
+        bad = int(np.flatnonzero(~np.isfinite(V).all(axis=1))[0])
+        raise FileError(f"{item.label}: vertex {bad} has a coordinate that is no finite number; mesh it again (Rhino: Check, MeshRepair)")
+    if F.min() < 0 or F.max() >= len(V):
+        raise FileError(f"{item.label} has faces with vertices that do not exist; mesh it again (Rhino: Check, MeshRepair)")
+    rounding = rounding_of(V, item.kind == "mesh" and item.geometry.Vertices.UseDoublePrecisionVertices)
+    return Part(item.label, V, F, rounding, user_target({**item.layer_text, **item.text}), item.text), notes
 
 
 def mesh_to_arrays(mesh: rhino3dm.Mesh) -> tuple[FloatArray, IntArray]:
@@ -60,7 +92,7 @@ def _feed(add: Callable[[float, float, float], object], rows: np.ndarray) -> Non
     deque(map(add, *rows.T.tolist()), maxlen=0)
 
 
-def render_arrays(geometry: rhino3dm.GeometryBase) -> Optional[tuple[FloatArray, IntArray]]:
+def _render_arrays(geometry: rhino3dm.GeometryBase) -> Optional[tuple[FloatArray, IntArray]]:
     """Return the arrays of the mesh that Rhino saved with a Brep or an extrusion to draw it by, None if there is none."""
     import rhino3dm
 

@@ -2,40 +2,37 @@
 
 from __future__ import annotations
 
-import dataclasses
-
-import numpy as np
-
-from ..asked import asked_of
-from .model import Model3dm
+from ...meshing import Diagnostic
+from ...model.checks import check
+from ..reading import ReadProblem
 from .units import unit_suffix
 
 __all__ = ["describe"]
 
 
-def describe(model: Model3dm) -> tuple[str, list[str]]:
-    """Return what was found in a file and what would be done, and the problems that keep it from being solved.
+def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
+    """Return what was found in a file and what would be done, and what keeps it from being solved.
 
     Parameters
     ----------
-    model
-        A model read from a file.
+    read
+        What :func:`compas_cgc.io.rhino.read_3dm` gave.
 
     Returns
     -------
-    text, problems
-        The problems of the file, then those of :meth:`compas_cgc.CGCMesh.check`, of
-        which some do not keep it from being solved.
+    text, diagnostics
+        Those of the file, then those of :func:`compas_cgc.check`, of which some do not keep
+        it from being solved.
     """
-    unit = unit_suffix(model.units)
-    mesh = dataclasses.replace(model, problems=()).to_cgcmesh()
-    lines = [f"{model.name}: {model.units}, tolerance {model.tolerance:g}{unit}"]
-    lines += [f"- {note}" for note in model.notes]
-    regions = mesh.regions()
-    lines.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}:")
-    for number, (faces, K) in enumerate(zip(regions, asked_of(mesh).region_targets())):
-        centre = np.mean([mesh.face_centroid(face) for face in faces], axis=0)
-        place = ", ".join(f"{x:.4g}" for x in centre)
+    problem = read.problem
+    name, units, tolerance = problem.drawing
+    lines = [f"{name}: {units}, tolerance {tolerance:g}{unit_suffix(units or '')}"]
+    lines += [f"- {note}" for note in read.notes]
+    targets = problem.region_targets()
+    lines.append(f"{len(targets)} region{'s' if len(targets) > 1 else ''}:")
+    label = problem.regions()
+    for number, K in enumerate(targets):
+        faces = problem.faces[label == number]
+        place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
         lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
-    problems = [*model.problems, *mesh.check()]
-    return "\n".join(lines), problems
+    return "\n".join(lines), [*read.diagnostics, *check(problem)]

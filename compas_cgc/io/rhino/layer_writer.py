@@ -1,4 +1,4 @@
-"""Put things on the layers of an archive."""
+"""Layer writer: meshes, points, curves and dots put on the layers of an archive."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import rhino3dm
 
 from ...discrete.arrays import FloatArray
 
-__all__ = ["Drawing"]
+__all__ = ["LayerWriter"]
 
 Colour = tuple[int, int, int]
 
 
-class Drawing:
+class LayerWriter:
     """An archive that is being drawn to.
 
     Parameters
@@ -68,6 +68,16 @@ class Drawing:
         """Add points (k, 3) [L]."""
         for x, y, z in np.asarray(points, dtype=np.float64).tolist():
             self.archive.Objects.AddPoint(rhino3dm.Point3d(x, y, z), attributes)
+
+    def cloud(self, points: FloatArray, attributes: rhino3dm.ObjectAttributes) -> None:
+        """Add points (k, 3) [L] as one object: a point cloud where there are several."""
+        if len(points) == 1:
+            self.points(points, attributes)
+            return
+        cloud = rhino3dm.PointCloud()
+        for x, y, z in np.asarray(points, dtype=np.float64).tolist():
+            cloud.Add(rhino3dm.Point3d(x, y, z))
+        self.archive.Objects.AddPointCloud(cloud, attributes)
 
     def polyline(self, points: FloatArray, attributes: rhino3dm.ObjectAttributes) -> None:
         """Add a polyline through points (k, 3) [L]."""
