@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 from ..._lazy import attach
 
 if TYPE_CHECKING:
+    from ..summary import describe
     from .layers import LayerNames
     from .layers import layer_names
     from .read import read_3dm
     from .result_layers import write_result
-    from .summary import describe
     from .write import write_problem
 
 __all__ = ["LayerNames", "describe", "layer_names", "read_3dm", "write_problem", "write_result"]
@@ -25,7 +25,7 @@ __getattr__, __dir__ = attach(
     __name__,
     {
         "LayerNames": ".layers",
-        "describe": ".summary",
+        "describe": "..summary",
         "layer_names": ".layers",
         "read_3dm": ".read",
         "write_problem": ".write",

@@ -1,11 +1,12 @@
-"""What ``compas-cgc check`` says about a .3dm file."""
+"""What ``compas-cgc check`` says about a file."""
 
 from __future__ import annotations
 
-from ...meshing import Diagnostic
-from ...model.checks import check
-from ..reading import ReadProblem
-from .units import unit_suffix
+from ..meshing import Diagnostic
+from ..model.checks import check
+from ..model.problem import CGCProblem
+from .reading import ReadProblem
+from .rhino.units import unit_suffix
 
 __all__ = ["describe"]
 
@@ -16,7 +17,7 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     Parameters
     ----------
     read
-        What :func:`compas_cgc.io.rhino.read_3dm` gave.
+        What :func:`compas_cgc.io.read_problem` gave.
 
     Returns
     -------
@@ -25,14 +26,18 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
         it from being solved.
     """
     problem = read.problem
-    name, units, tolerance = problem.drawing
-    lines = [f"{name}: {units}, tolerance {tolerance:g}{unit_suffix(units or '')}"]
-    lines += [f"- {note}" for note in read.notes]
     targets = problem.region_targets()
-    lines.append(f"{len(targets)} region{'s' if len(targets) > 1 else ''}:")
+    lines = [_head(problem), *(f"- {note}" for note in read.notes), f"{len(targets)} region{'s' if len(targets) > 1 else ''}:"]
     label = problem.regions()
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]
         place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
         lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
     return "\n".join(lines), [*read.diagnostics, *check(problem)]
+
+
+def _head(problem: CGCProblem) -> str:
+    name, units, tolerance = problem.drawing
+    if units is not None and tolerance is not None:
+        return f"{name}: {units}, tolerance {tolerance:g}{unit_suffix(units)}"
+    return f"{name}: {len(problem.vertices)} vertices, {len(problem.faces)} faces, {len(problem.supports)} supports"

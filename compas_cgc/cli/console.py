@@ -1,9 +1,13 @@
-"""A progress bar on a terminal, nothing in a pipe."""
+"""Terminal: progress on one line, and Ctrl-C as a request to stop at the next step, so that the last good state is not lost."""
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 from typing import Optional
 from typing import TextIO
@@ -11,10 +15,10 @@ from typing import TextIO
 if TYPE_CHECKING:
     from ..model.result import SolveState
 
-__all__ = ["ProgressBar"]
+__all__ = ["ProgressBar", "interruptible"]
 
-WIDTH = 24
-INTERVAL = 0.1  # seconds between two pictures
+_WIDTH = 24
+_INTERVAL = 0.1  # seconds between two pictures
 
 
 class ProgressBar:
@@ -34,11 +38,11 @@ class ProgressBar:
     def __call__(self, state: SolveState) -> None:
         """Show a state, at most ten times a second."""
         now = time.monotonic()
-        if not self.stream.isatty() or now - self.shown < INTERVAL:
+        if not self.stream.isatty() or now - self.shown < _INTERVAL:
             return
         self.shown = now
-        filled = round(WIDTH * state.step / state.steps)
-        bar = "#" * filled + "." * (WIDTH - filled)
+        filled = round(_WIDTH * state.step / state.steps)
+        bar = "#" * filled + "." * (_WIDTH - filled)
         text = f"[{bar}] step {state.step} of at most {state.steps}, largest error {state.max_error:.3g}, {state.seconds:.1f} s"
         self.stream.write("\r" + text.ljust(self.length))
         self.stream.flush()
@@ -50,3 +54,24 @@ class ProgressBar:
             self.stream.write("\r" + " " * self.length + "\r")
             self.stream.flush()
             self.length = 0
+
+
+@contextmanager
+def interruptible() -> Iterator[threading.Event]:
+    """Yield an event that the first Ctrl-C sets; the second one interrupts as usual."""
+    cancelled = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        # Only the main thread may handle signals.
+        yield cancelled
+        return
+
+    def handle(number: int, frame: object) -> None:
+        if cancelled.is_set():
+            raise KeyboardInterrupt
+        cancelled.set()
+
+    before = signal.signal(signal.SIGINT, handle)
+    try:
+        yield cancelled
+    finally:
+        signal.signal(signal.SIGINT, before)
