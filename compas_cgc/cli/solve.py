@@ -22,10 +22,10 @@ from .exits import NOT_CONVERGED
 
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
+    from ..datastructures import SolveResult
     from ..model.problem import CGCProblem
     from ..model.result import SolveState
     from ..solvers import Settings
-    from ..solvers import SolveResult
 
 __all__ = ["add_arguments", "run"]
 
@@ -106,7 +106,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:
     """Solve with progress on the terminal, until Ctrl-C."""
-    from ..solvers import solve
+    from ..solvers.run import solve
 
     bar = ProgressBar()
     with interruptible() as cancelled:

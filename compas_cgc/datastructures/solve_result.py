@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Optional
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..meshing import Diagnostic
 from ..model.problem import CGCProblem
 from ..model.result import History
 from ..model.result import Solution
@@ -50,6 +52,8 @@ class SolveResult:
         What was set of it by the user; None where nothing was.
     drawn
         The mesh that was solved, as it was, where one was given.
+    remarks
+        What the check found that does not keep the problem from being solved.
     """
 
     problem: CGCProblem
@@ -62,14 +66,20 @@ class SolveResult:
     method: str
     settings: Optional[_Settings] = None
     drawn: Optional[CGCMesh] = None
+    remarks: tuple[Diagnostic, ...] = ()
 
     @classmethod
     def from_solution(
-        cls, problem: CGCProblem, solution: Solution, settings: Optional[_Settings] = None, drawn: Optional[CGCMesh] = None
+        cls,
+        problem: CGCProblem,
+        solution: Solution,
+        settings: Optional[_Settings] = None,
+        drawn: Optional[CGCMesh] = None,
+        remarks: Iterable[Diagnostic] = (),
     ) -> SolveResult:
         """Return the result of a solution of a problem."""
         real = problem.without_dummies().with_vertices(solution.vertices[problem.roles != DUMMY])
-        return cls(real, *solution[1:], settings=settings, drawn=drawn)
+        return cls(real, *solution[1:], settings=settings, drawn=drawn, remarks=tuple(remarks))
 
     @property
     def converged(self) -> bool:

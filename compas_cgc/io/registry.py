@@ -27,7 +27,7 @@ from .stl import stl_text
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
-    from ..solvers.result import SolveResult
+    from ..datastructures import SolveResult
 
 __all__ = ["SUFFIXES", "read", "read_mesh", "read_problem", "write"]
 

@@ -92,9 +92,11 @@ def solve(
     posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
     posed = posed.with_constraints(constraints)
     _check_constraints(method if chosen is None else method_of(chosen), posed)
-    refuse(check(posed))
+    diagnostics = check(posed)
+    refuse(diagnostics)
     solution = _run(method, posed, chosen, _real_only(callback, posed.roles != DUMMY))
-    return SolveResult.from_solution(posed, solution, chosen, problem.copy() if isinstance(problem, CGCMesh) else None)
+    drawn = problem.copy() if isinstance(problem, CGCMesh) else None
+    return SolveResult.from_solution(posed, solution, chosen, drawn, diagnostics)
 
 
 def _chosen(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> Optional[Settings]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import re
 import textwrap
 from dataclasses import dataclass
 from dataclasses import field
@@ -37,7 +38,7 @@ class Option(NamedTuple):
     @property
     def summary(self) -> str:
         """The first sentence of the text."""
-        return self.text.split(". ")[0].rstrip(".").replace("\n", " ") + "."
+        return re.split(r"(?<!Eq)\. ", self.text)[0].rstrip(".").replace("\n", " ") + "."
 
     @property
     def rule(self) -> str:

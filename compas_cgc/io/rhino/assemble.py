@@ -17,8 +17,8 @@ from ...model.problem import CGCProblem
 from ...model.problem import Drawing
 from ..reading import ReadProblem
 from .creases import lay_creases
-from .join import JoinedMesh
-from .join import join_meshes
+from .meshes import JoinedMesh
+from .meshes import join_meshes
 from .sketch import Drawn
 from .sketch import Part
 from .snapping import find_constraints

@@ -18,7 +18,7 @@ from ...meshing.split import split_path
 from ...meshing.trace import Trace
 from ...meshing.trace import path_deviation
 from ...meshing.trace import trace_curve
-from .join import JoinedMesh
+from .meshes import JoinedMesh
 from .sketch import Drawn
 from .user_text import user_number
 

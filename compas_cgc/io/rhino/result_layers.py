@@ -23,17 +23,17 @@ from .archive import write_archive
 from .colours import NO_VALUE
 from .colours import largest
 from .colours import signed_colours
-from .layer_writer import LayerWriter
 from .layers import RESULT
 from .meshes import coloured
 from .meshes import mesh_from_arrays
 from .units import unit_name
 from .units import unit_suffix
+from .write import LayerWriter
 from .write import draw_problem
 from .write import new_archive
 
 if TYPE_CHECKING:
-    from ...solvers.result import SolveResult
+    from ...datastructures import SolveResult
 
 __all__ = ["write_result"]
 

@@ -12,7 +12,7 @@ from ...discrete.arrays import IntArray
 from ...meshing import Diagnostic
 from ...meshing import face_regions
 from ...meshing.point_location import face_at
-from .join import JoinedMesh
+from .meshes import JoinedMesh
 from .sketch import Drawn
 from .sketch import Part
 
