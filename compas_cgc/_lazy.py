@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Callable
 from collections.abc import Mapping
@@ -36,4 +37,4 @@ def attach(
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(import_module(homes[name], package), name)
 
-    return look_up, lambda: sorted(homes)
+    return look_up, lambda: sorted({*homes, *vars(sys.modules[package])})

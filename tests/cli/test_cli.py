@@ -16,7 +16,7 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc.cli import main
-from compas_cgc.cli.progress import ProgressBar
+from compas_cgc.cli.console import ProgressBar
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.model.result import SolveState
 
@@ -144,8 +144,8 @@ REFUSED = [
     (["solve", "DOME", "-o", "out.json"], "no target is set"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
-    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "9"], "name it with --method"),
-    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "0.5", "--method", "newton"], "strategies of the flow, not of newton"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "0"], "steps must be a whole number from 1 up"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "0.5", "--method", "newton"], "s is a setting of flow, not of newton"),
     (["solve", "GARBAGE", "-o", "out.json", "--target", "0.01"], "garbage.3dm"),
     (["solve", "EMPTY", "-o", "out.json", "--target", "0.01"], "empty.obj"),
     (["example", "4", "--variant", "z"], "Example 4 has no variant 'z'"),
