@@ -12,10 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc import CGCMesh
+from compas_cgc import solve
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
 from compas_cgc.io import SUFFIXES
+from compas_cgc.io import read
 from compas_cgc.io import read_mesh
+from compas_cgc.io import read_problem
 from compas_cgc.io import write
 from compas_cgc.io.obj import obj_text
 from compas_cgc.io.ply import ply_text
@@ -57,6 +60,35 @@ def test_every_bit_survives_at_the_origin_and_a_kilometre_away(tmp_path, suffix,
         assert back.supports() == mesh.supports() and back.crease_edges() == mesh.crease_edges()
         assert [back.region_target(r) for r in range(2)] == [0.1 / 3, 0.7]
         assert back.vertices_role() == mesh.vertices_role() and back.check() == mesh.check()
+
+
+@pytest.mark.parametrize("what", ["mesh", "problem", "result"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_mesh_a_problem_and_a_result_are_written_alike(tmp_path, suffix, what):
+    mesh = roof()
+    result = solve(mesh, settings={"steps": 2})
+    surface = {"mesh": mesh, "problem": mesh.to_problem(), "result": result}[what]
+    path = tmp_path / f"roof{suffix}"
+    write(path, surface)
+    found = read_problem(path)
+    expected = surface.to_problem()
+    corners = [own.vertices[own.faces].tobytes() for own in (found.checked(), expected)]
+    assert corners[0] == corners[1], "every bit of every triangle"
+    if suffix in KEEP_ROLES:
+        assert np.array_equal(found.problem.roles, expected.roles)
+        assert found.problem.region_targets() == expected.region_targets() == [0.1 / 3, 0.7]
+    again = tmp_path / f"again{suffix}"
+    write(again, read(path))
+    assert same_arrays(read(again), read(path))
+
+
+def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
+    mesh = roof()
+    mesh.attributes["constraints"] = [{"kind": "height", "vertices": [3], "height": "tall"}]
+    path = tmp_path / "roof.json"
+    mesh.to_json(path)
+    with pytest.raises(FileError, match=r"roof.json: height of a constraint must be a finite number; set the constraints again"):
+        read_problem(path)
 
 
 def test_stl_has_no_vertices_but_every_bit_of_the_triangles(tmp_path):

@@ -144,14 +144,15 @@ def select(items: list[Item], names: LayerNames) -> Selection:
         result = _of_result(items)
         if result:
             note = "the file holds nothing but an earlier result, which is taken as the input"
-            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], [], [], regions, [note])
+            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], result["Constraints"], [], regions, [note])
     if any(role[item.id] for item in given):
         return _by_layer(given, role, regions, names)
     return _by_kind(given, regions)
 
 
 def _of_result(items: list[Item]) -> dict[str, list[Item]]:
-    parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in ("Mesh", "Supports", "Creases")}
+    wanted = ("Mesh", "Supports", "Creases", "Constraints")
+    parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in wanted}
     return parts if parts["Mesh"] else {}
 
 

@@ -10,7 +10,7 @@ from typing import Union
 import numpy as np
 
 from ..._atomic_write import write_text
-from ...io import write_mesh
+from ...io import write
 from ...model.roles import DUMMY
 from ...plot import Curve
 from ...plot import Shape
@@ -48,7 +48,7 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
     if isinstance(run, SurfaceRun):
         for suffix in (".3dm", ".obj", ".json"):
             paths.append(directory / f"{name}{suffix}")
-            write_mesh(paths[-1], run.result.mesh, result=run.result)
+            write(paths[-1], run.result)
     if pictures:
         figures = _curve_figures(run) if isinstance(run, CurveRun) else _surface_figures(run)
         for kind, figure in figures.items():

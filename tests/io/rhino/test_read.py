@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 
@@ -136,6 +137,58 @@ def test_constraints_besides_the_curvature(sketch, tmp_path):
         assert {v for held in found["Fixed"] for v in held.vertices} == {57, *row(N, 7)}
 
 
+def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
+    vertices, faces = plan()
+    broken = {
+        "not JSON": "cannot be used",
+        '{"vertices": 100, "constraints": [{"kind": "magic"}]}': "a constraint must be an object with a 'kind'",
+        '{"vertices": 100, "constraints": [{"kind": "held", "vertices": [100]}]}': "names vertex 100",
+        '{"vertices": 7, "constraints": []}': "a mesh of 7 vertices, this one has 100",
+        "[]": "no list of constraints",
+    }
+    for text, words in broken.items():
+        sketch = Sketch()
+        name = sketch.mesh(vertices, faces, "CGC::Mesh", {"cgc constraints": text})
+        (lost,) = sketch.points([[np.nan, 0, 0]], "CGC::Constraints")
+        model = read_3dm(sketch.save(tmp_path / "a.3dm"))
+        about_point, about_text = model.diagnostics
+        assert lost in about_point and "'CGC::Constraints'" in about_point and "delete it" in about_point
+        assert name in about_text and "'cgc constraints'" in about_text and words in about_text and "delete the text" in about_text
+        with pytest.raises(ProblemError):
+            model.checked()
+
+
+def test_values_and_constraints_in_texts_follow_vertices_that_are_renumbered(sketch, tmp_path):
+    vertices, faces = plan()
+    # Two vertices more, at the front: one of no face, one at the place of the first.
+    loose = np.vstack([[50.0, 50.0, 50.0], vertices[:1], vertices])
+    targets = [None, None, *([0.5] * 50), *([0.25] * 50)]
+    constraints = [{"kind": "near", "vertices": [2, 57], "weight": 3.0}]
+    text = {
+        "cgc vertices": json.dumps({"target": targets}),
+        "cgc constraints": json.dumps({"vertices": 102, "constraints": constraints}),
+    }
+    sketch.mesh(loose, faces + 2, "CGC::Mesh", text)
+    problem = read_3dm(sketch.save(tmp_path / "a.3dm")).checked()
+    place = {tuple(p): v for v, p in enumerate(problem.vertices.tolist())}
+    assert problem.targets[place[tuple(vertices[7])]] == 0.5 and problem.targets[place[tuple(vertices[60])]] == 0.25
+    (near,) = problem.constraints
+    assert sorted(near.vertices) == sorted(place[tuple(vertices[v])] for v in (0, 55)) and near.weight == 3.0
+
+
+@pytest.mark.parametrize(
+    "units, short", [("Millimeters", "mm"), ("Centimeters", "cm"), ("Meters", "m"), ("Kilometers", "km"), ("Inches", "in")]
+)
+def test_lengths_are_said_in_the_units_of_the_file(tmp_path, units, short):
+    sketch = Sketch(units)
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    sketch.points(vertices[:1] + [0, 0, 0.25], "CGC::Supports")
+    model = read_3dm(sketch.save(tmp_path / "a.3dm"))
+    assert f"is up to 0.25 {short} away" in model.diagnostics[0] and f"tolerance of 0.001 {short})" in model.diagnostics[0]
+    assert describe(model)[0].startswith(f"a: {units}, tolerance 0.001 {short}\n")
+
+
 def test_targets_on_the_mesh_its_layer_and_in_dots(sketch, tmp_path):
     vertices, faces = plan()
     sketch.mesh(vertices, faces, "CGC::Mesh", {"K": "0.01"})
@@ -176,10 +229,10 @@ def test_own_layer_names_by_argument_and_in_a_file_beside(sketch, tmp_path):
     sketch.points([[3, 3, 3]], "Furniture")
     path = sketch.save(tmp_path / "a.3dm")
     names = {"mesh": "Roof", "supports": ["Columns", "Walls"]}
-    assert len(read_3dm(path, layers=names).supports) == 4
+    assert len(read_3dm(path, layers=names).problem.supports) == 4
     path.with_suffix(".toml").write_text('[layers]\nmesh = "Roof"\nsupports = ["Columns", "Walls"]\n', encoding="utf-8")
-    assert len(read_3dm(path).supports) == 4
-    assert len(read_3dm(path, layers={"supports": "Columns"}).supports) == 1, "the argument goes before the file"
+    assert len(read_3dm(path).problem.supports) == 4
+    assert len(read_3dm(path, layers={"supports": "Columns"}).problem.supports) == 1, "the argument goes before the file"
     for text, words in (
         ('[layers]\nroof = "A"', "no role 'roof'"),
         ("[layers", "TOML"),

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import rhino3dm
 
+from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import OnPlane
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete import vertex_areas
@@ -17,6 +19,7 @@ from compas_cgc.errors import FileError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino import write_problem
 from compas_cgc.io.rhino import write_result
+from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 
@@ -189,11 +192,11 @@ def test_what_was_reached_is_measured_on_the_surface_and_not_what_was_asked(tmp_
     result = solve(problem(), settings=FlowSettings(steps=5, finish=False))
     write_result(tmp_path / "a.3dm", result)
     _, found = objects(tmp_path / "a.3dm")
-    mesh = asked_of(result.mesh)
+    mesh = result.problem
     K, area = gaussian_curvature(mesh.vertices, mesh.faces), vertex_areas(mesh.vertices, mesh.faces)
     regions = [dict(entry.Attributes.GetUserStrings()) for entry in found["CGC Result::Regions"]]
     for number, region in enumerate(regions):
-        inside = np.unique(mesh.faces[mesh.regions == number])
+        inside = np.unique(mesh.faces[mesh.regions() == number])
         inside = inside[mesh.asked[inside]]
         assert float(region["K"]) == [0.01, 0.02][number]
         assert float(region["K reached"]) == pytest.approx((K * area)[inside].sum() / area[inside].sum(), rel=1e-9)
@@ -201,6 +204,17 @@ def test_what_was_reached_is_measured_on_the_surface_and_not_what_was_asked(tmp_
         assert abs(float(region["K reached"]) - float(region["K"])) > 1e-3
     (report,) = found["CGC Result::Report"]
     assert f"largest error of K {result.max_error:.3g} 1/ft²" in report.Geometry.Text
+
+
+@pytest.mark.parametrize("source", [True, False])
+def test_a_result_keeps_the_constraints(tmp_path, source):
+    mesh = problem()
+    mesh.set_constraints([AtHeight([55], 0.5), OnPlane([36], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0])])
+    write_problem(tmp_path / "a.3dm", mesh)
+    result = solve(mesh)
+    write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm" if source else None)
+    back = read_3dm(tmp_path / "b.3dm").checked()
+    assert list(map(constraint_data, back.constraints)) == list(map(constraint_data, mesh.constraints()))
 
 
 def test_the_result_is_an_input_for_the_same_problem_even_on_top_of_itself(handed_over, tmp_path):
