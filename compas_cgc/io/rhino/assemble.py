@@ -83,7 +83,7 @@ def assemble(
     fixed, support_notes, support_diagnostics = find_supports(supports(fine), joined.vertices, snap, unit)
     laid = lay_creases(creases(fine), joined, fixed, snap, crease, unit)
     mesh = laid.mesh
-    edges = np.array(path_edges(laid.paths), dtype=np.int64).reshape(-1, 2)
+    edges = np.unique(np.sort(np.array(path_edges(laid.paths), dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
     K, target_notes, target_diagnostics = find_targets(targets(fine), list(parts), solved or {}, mesh, edges, unit)
     drawn, constraint_diagnostics = find_constraints(constraints(fine), mesh.vertices, snap, unit)
     texts, text_diagnostics = _constraints_in_texts(parts, mesh)
