@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def build(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper build``."""
-    from ..grasshopper.build.everything import build as build_all
+    from ..grasshopper.build.build_all import build_all
 
     for path in build_all(Path(arguments.output), _path(arguments.source)):
         print(path)
@@ -47,7 +47,7 @@ def build(arguments: argparse.Namespace) -> int:
 
 def install(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper install``."""
-    from ..grasshopper.build.everything import user_object_files
+    from ..grasshopper.build.build_all import user_object_files
     from ..grasshopper.build.install import install as put
     from ..grasshopper.build.install import user_objects_folder
 

@@ -8,6 +8,8 @@ from compas_ghpython.scene import MeshObject
 
 from ..datastructures import CGCMesh
 from ..io.rhino.rhinocommon import mesh_from_arrays
+from ..io.rhino.rhinocommon import points_to_rhino
+from ..io.rhino.rhinocommon import polyline_to_rhino
 from .appearance import appearance
 from .appearance import real_mesh
 from .figures import coloured

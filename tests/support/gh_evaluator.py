@@ -195,7 +195,7 @@ class Canvas:
             waiting = [pair for pair in waiting if pair not in ready]
         return values
 
-    def settle(self, seconds=20.0):
+    def settle(self, seconds=300.0):
         """Run until nothing is scheduled any more, and return the values."""
         values, end = self.solution(), time.monotonic() + seconds
         while self.document.scheduled:

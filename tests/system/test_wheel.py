@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import pytest
 
-from compas_cgc.grasshopper.build.everything import built_files
+from compas_cgc.grasshopper.build.build_all import built_files
 
 ROOT = Path(__file__).parents[2]
 BUILD = "import sys; from setuptools import build_meta; print(getattr(build_meta, sys.argv[1])(sys.argv[2]))"

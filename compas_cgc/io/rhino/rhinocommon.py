@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
@@ -25,7 +26,7 @@ from .sketch import Part
 if TYPE_CHECKING:
     import Rhino
 
-__all__ = ["curve_to_points", "mesh_from_arrays", "mesh_to_arrays", "points_to_array", "problem_from_rhino"]
+__all__ = ["curve_to_points", "mesh_from_arrays", "mesh_to_arrays", "points_to_array", "points_to_rhino", "polyline_to_rhino", "problem_from_rhino"]
 
 
 def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:
@@ -62,6 +63,20 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray, colours: Optional[In
 def points_to_array(points: Iterable[Rhino.Geometry.Point3d]) -> FloatArray:
     """Return the coordinates of Rhino points (k, 3) [L]."""
     return np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)
+
+
+def points_to_rhino(points: ArrayLike) -> list[Rhino.Geometry.Point3d]:
+    """Return Rhino points of coordinates (k, 3) [L]."""
+    import Rhino
+
+    return [Rhino.Geometry.Point3d(x, y, z) for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
+
+
+def polyline_to_rhino(points: ArrayLike) -> Rhino.Geometry.PolylineCurve:
+    """Return a Rhino polyline through points (k, 3) [L]."""
+    import Rhino
+
+    return Rhino.Geometry.PolylineCurve(points_to_rhino(points))
 
 
 def curve_to_points(curve: Rhino.Geometry.Curve, tolerance: float) -> FloatArray:

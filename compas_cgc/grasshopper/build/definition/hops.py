@@ -1,4 +1,4 @@
-"""Grasshopper's Hops component as items and chunks."""
+"""Hops component as items and chunks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs and outputs of the objects on a canvas."""
+"""Ports: inputs and outputs of the objects on a canvas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything for Grasshopper, from the sources to files."""
+"""Build of all Grasshopper files from the sources."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .userobject import user_object
 from .yak import yak_bytes
 from .yak import yak_name
 
-__all__ = ["build", "built_files", "user_object_files"]
+__all__ = ["build_all", "built_files", "user_object_files"]
 
 
 def user_object_files(source: Optional[Path] = None) -> dict[str, bytes]:
@@ -52,7 +52,7 @@ def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
     return files
 
 
-def build(folder: Path, source: Optional[Path] = None) -> list[Path]:
+def build_all(folder: Path, source: Optional[Path] = None) -> list[Path]:
     """Write all files below a folder, and return their paths.
 
     Raises
@@ -63,8 +63,8 @@ def build(folder: Path, source: Optional[Path] = None) -> list[Path]:
     paths = []
     for name, data in built_files(source).items():
         path = Path(folder) / name
-        with replacing(path) as beside:
-            beside.write_bytes(data)
+        with replacing(path) as temporary:
+            temporary.write_bytes(data)
         paths.append(path)
     return paths
 
