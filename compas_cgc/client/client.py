@@ -81,7 +81,7 @@ class Client:
         cancel: Optional[Callable[[], bool]] = None,
         interval: float = 0.2,
         id: Optional[str] = None,
-        **asked: object,
+        **options: object,
     ) -> dict:
         """Solve and wait for the result.
 
@@ -99,7 +99,7 @@ class Client:
             Seconds between two looks; less where `cancel` is asked.
         id
             Of the job. Default: a new one.
-        asked
+        options
             ``supports``, ``creases``, ``targets``, ``constraints``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
         Returns
@@ -112,7 +112,7 @@ class Client:
         ServerUnavailable, Refused, Failed
             With a sentence to show.
         """
-        id = self.submit(vertices, faces, id, **asked)
+        id = self.submit(vertices, faces, id, **options)
         try:
             return self._followed(id, on_progress, cancel, interval)
         except (Failed, Refused, ServerUnavailable):
@@ -142,19 +142,19 @@ class Client:
             # The server answers at once when too many wait for their jobs.
             time.sleep(max(0.0, pause - (time.monotonic() - looked)))
 
-    def submit(self, vertices: Rows, faces: Rows, id: Optional[str] = None, **asked: object) -> str:
+    def submit(self, vertices: Rows, faces: Rows, id: Optional[str] = None, **options: object) -> str:
         """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
         body = {
             "id": id or uuid.uuid4().hex,
             "vertices": _packed(vertices, "f8"),
             "faces": _packed(faces, "i4"),
-            **{name: value.tolist() if isinstance(value, Listable) else value for name, value in asked.items()},
+            **{name: value.tolist() if isinstance(value, Listable) else value for name, value in options.items()},
         }
         return self._json("POST", "/api/v1/jobs", body)["id"]
 
-    def submit_file(self, content: bytes, kind: str, **asked: object) -> str:
+    def submit_file(self, content: bytes, kind: str, **options: object) -> str:
         """Hand in the bytes of a ``3dm`` or ``obj`` file and return the id of the job."""
-        query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **asked})})
+        query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **options})})
         return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
 
     def poll(self, id: str, wait: float = 0.0) -> dict:
@@ -244,14 +244,14 @@ class Client:
         headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.key}"} if self.key else {})}
         attempt = 0
         while True:
-            asked = urllib.request.Request(self.url + path, body, headers, method=method)
+            sent = urllib.request.Request(self.url + path, body, headers, method=method)
             try:
-                with _DIRECT.open(asked, timeout=self.timeout) as answer:
+                with _DIRECT.open(sent, timeout=self.timeout) as answer:
                     return answer.read()
             except urllib.error.HTTPError as error:
-                refusal = Refused(_sentence(error), error.code)
+                refused = Refused(_sentence(error), error.code)
                 if error.code not in (429, 502, 503) or attempt == self.retries:
-                    raise refusal from None
+                    raise refused from None
             except LOST as error:
                 if attempt == self.retries:
                     reason = getattr(error, "reason", error)

@@ -1,12 +1,21 @@
-"""What a client is told about a job."""
+"""Responses in JSON, and what a client is told about a job."""
 
 from __future__ import annotations
 
+import json
 import time
+from typing import Optional
+
+from flask import Response
 
 from ..jobs.store import Job
 
-__all__ = ["status"]
+__all__ = ["respond", "status"]
+
+
+def respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:
+    """Return a JSON response; what is not a number in JSON is a fault of the server."""
+    return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
 
 
 def status(job: Job) -> dict:
