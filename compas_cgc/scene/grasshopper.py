@@ -35,13 +35,11 @@ class CGCMeshObject(MeshObject):
 
     def draw(self) -> list:
         """Return the Rhino geometry to put out."""
-        import Rhino
-
-        def points(keys: Iterable[int]) -> list:
-            return [Rhino.Geometry.Point3d(*self.mesh.vertex_coordinates(key)) for key in keys]
-
         vertices, faces = self.mesh.arrays()
         mesh = mesh_from_arrays(vertices, faces, coloured(self.mesh, self.show_figure).colours)
-        creases = [Rhino.Geometry.PolylineCurve(points(path)) for path in self.mesh.creases()]
-        self._guids = [mesh, *points(self.mesh.supports()), *creases]
+        creases = [polyline_to_rhino(self._points(path)) for path in self.mesh.creases()]
+        self._guids = [mesh, *points_to_rhino(self._points(self.mesh.supports())), *creases]
         return self._guids
+
+    def _points(self, keys: Iterable[int]) -> list:
+        return [self.mesh.vertex_coordinates(key) for key in keys]

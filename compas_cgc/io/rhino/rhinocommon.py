@@ -26,7 +26,15 @@ from .sketch import Part
 if TYPE_CHECKING:
     import Rhino
 
-__all__ = ["curve_to_points", "mesh_from_arrays", "mesh_to_arrays", "points_to_array", "points_to_rhino", "polyline_to_rhino", "problem_from_rhino"]
+__all__ = [
+    "curve_to_points",
+    "mesh_from_arrays",
+    "mesh_to_arrays",
+    "points_to_array",
+    "points_to_rhino",
+    "polyline_to_rhino",
+    "problem_from_rhino",
+]
 
 
 def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:
