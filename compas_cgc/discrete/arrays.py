@@ -47,7 +47,7 @@ PerFace = FloatArray
 Vectors = FloatArray
 """``(n, 3)`` or ``(m, 3)`` one vector for every vertex or face."""
 CSRIndices = NDArray[np.signedinteger]
-"""``indptr`` or ``indices`` of a sparse matrix, int32 or int64."""
+"""``indptr`` or ``indices`` of a sparse matrix, or labels of its components, int32 or int64."""
 
 
 def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]:

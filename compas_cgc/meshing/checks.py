@@ -7,6 +7,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..discrete import face_areas
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 
@@ -110,7 +111,7 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     return problems
 
 
-def _against(side: IntArray, piece: IntArray, names: IntArray) -> str:
+def _against(side: CSRIndices, piece: CSRIndices, names: IntArray) -> str:
     """Name the faces that disagree with the larger part of their piece."""
     wrong = np.zeros(len(side), bool)
     for p in np.unique(piece):

@@ -9,6 +9,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -23,7 +24,7 @@ class EdgeNet(NamedTuple):
     lengths: sparse.csr_matrix  # (n, n) symmetric, length of every edge [L]
     tree: cKDTree  # of the vertices
 
-    def neighbours(self, v: int) -> IntArray:
+    def neighbours(self, v: int) -> CSRIndices:
         """Return the vertices joined to one."""
         return self.lengths.indices[self.lengths.indptr[v] : self.lengths.indptr[v + 1]]
 

@@ -84,6 +84,10 @@ def test_a_wheel_is_the_same_with_and_without_an_sdist(installed):
     assert all(wheel.read(name) == (installed.site / name).read_bytes() for name in names if name.startswith("compas_cgc/"))
 
 
+def test_type_checkers_are_told_that_the_package_has_types(installed):
+    assert (installed.site / "compas_cgc" / "py.typed").is_file()
+
+
 def test_grasshopper_gets_the_same_files_as_from_the_clone(installed, tmp_path):
     where = "from compas_cgc.grasshopper.build.component_manifest import sources_folder; print(sources_folder())"
     assert installed.run("-c", where, cwd=tmp_path) == [str(installed.site.resolve() / "compas_cgc" / "ghuser" / "components")]
