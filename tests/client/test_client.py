@@ -22,6 +22,7 @@ from compas_cgc.client import Refused
 from compas_cgc.client import ServerUnavailable
 from compas_cgc.client import ensure_server
 
+from ..support.server_process import PATIENCE
 from ..support.server_process import free_port
 from ..support.server_process import running_server
 from ..support.shapes import grid
@@ -163,4 +164,4 @@ def test_a_server_is_started_where_there_is_none(tmp_path, monkeypatch):
     finally:
         for process in started:
             process.terminate()
-            process.wait(10)
+            process.wait(PATIENCE)

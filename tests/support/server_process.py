@@ -14,6 +14,8 @@ from contextlib import contextmanager
 
 from compas_cgc.client import Client
 
+PATIENCE = 100.0  # seconds to wait for what comes at once when the machine has time for it
+
 WITH_LIMITS = """
 import json, sys
 from compas_cgc.server import Limits, serve
@@ -28,10 +30,10 @@ class Running:
     def __init__(self, process, url, key):
         self.process, self.url, self.key = process, url, key
         self.address = url.split("//")[1]
-        self.client = Client(url, key, retries=2)
+        self.client = Client(url, key, retries=2, timeout=PATIENCE)
         self.said = []
 
-    def ask(self, method, path, body=None, timeout=60, **headers):
+    def ask(self, method, path, body=None, timeout=PATIENCE, **headers):
         """Return status, headers and body of one raw request; the key is sent unless it is given otherwise."""
         connection = http.client.HTTPConnection(self.address, timeout=timeout)
         headers = {"RhinoComputeKey": self.key, **headers}
@@ -69,7 +71,7 @@ def running_server(store, key=None, workers=2, port=0, limits=None):
     finally:
         process.terminate()
         try:
-            process.wait(10)
+            process.wait(PATIENCE)
         finally:
             process.kill()
 
@@ -80,7 +82,7 @@ def free_port():
         return probe.getsockname()[1]
 
 
-def wait_for(condition, seconds=20.0, what="waited too long"):
+def wait_for(condition, seconds=PATIENCE, what="waited too long"):
     """Wait until something is so, and return it."""
     end = time.monotonic() + seconds
     while not (found := condition()):

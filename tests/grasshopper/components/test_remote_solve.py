@@ -18,9 +18,10 @@ from compas_cgc.grasshopper.runtime.remote_solve import request_body
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.server_process import PATIENCE
 from ...support.server_process import free_port
 from ...support.server_process import running_server
-from .test_solve import LIMIT
+from ...support.server_process import wait_for
 from .test_solve import dome
 from .test_solve import endless
 from .test_solve import memory_of
@@ -116,17 +117,10 @@ def busy():
     return dict(cgc_mesh=endless()["cgc_mesh"], settings=FlowSettings(steps=100000, tolerance=0.0, finish=False))
 
 
-def wait_until(true):
-    end = time.monotonic() + LIMIT
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.05)
-
-
 def test_a_newer_input_cancels_the_job_on_the_server(running):
     placed = place("Solve")
     placed.run(run=True, server=running.url, **busy())
-    wait_until(lambda: "running" in states(running).values())
+    wait_for(lambda: "running" in states(running).values())
     (job,) = [id for id, state in states(running).items() if state == "running"]
     done = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
     assert done[-1]["status"] == "converged" and states(running)[job] == "cancelled"
@@ -135,10 +129,10 @@ def test_a_newer_input_cancels_the_job_on_the_server(running):
 def test_reset_cancels_the_job_on_the_server(running):
     placed = place("Solve")
     placed.run(run=True, server=running.url, **busy())
-    wait_until(lambda: "running" in states(running).values())
-    wait_until(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
+    wait_for(lambda: "running" in states(running).values())
+    wait_for(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
     placed.run(reset=True)
-    wait_until(lambda: "running" not in states(running).values())
+    wait_for(lambda: "running" not in states(running).values())
 
 
 def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
@@ -148,19 +142,19 @@ def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
     inputs = dict(run=True, server=url, **busy())
     placed.run(**inputs)
     memory = memory_of(placed)
-    wait_until(lambda: memory.task.progress.note)
+    wait_for(lambda: memory.task.progress.note)
     assert placed.run(**inputs)["status"] == "running" and placed.component.Message == "waiting"
     assert "start one with: compas-cgc serve; trying again" in placed.said("Warning")[0]
     with running_server(tmp_path / "first.sqlite", workers=1, port=port):
-        wait_until(lambda: memory.task.progress.step > 0)
+        wait_for(lambda: memory.task.progress.step > 0)
         assert placed.run(**inputs)["status"] == "running" and not placed.component.balloons
-    wait_until(lambda: memory.task.progress.note)
+    wait_for(lambda: memory.task.progress.note)
     # Another server knows nothing of the job and gets it again.
     with running_server(tmp_path / "second.sqlite", workers=1, port=port) as second:
-        wait_until(lambda: "running" in states(second).values())
+        wait_for(lambda: "running" in states(second).values())
         assert memory.task.running
         placed.run(reset=True)
-        wait_until(lambda: "running" not in states(second).values())
+        wait_for(lambda: "running" not in states(second).values())
 
 
 # ----------------------------------------------------------------------
@@ -170,7 +164,7 @@ def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
 
 def settled(placed, **inputs):
     out = placed.run(**inputs)
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + PATIENCE
     while placed.component.document.scheduled:
         assert time.monotonic() < end
         time.sleep(0.05)
@@ -199,7 +193,7 @@ def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):
     process = server_component._MEMORIES[str(placed.component.InstanceGuid)].task.result.process
     assert until_done(place("Solve"), cgc_mesh=dome(), run=True, server=out["server"])[-1]["status"] == "converged"
     assert settled(placed, run=False, url=url)["status"] == "not running"
-    assert process.wait(LIMIT) is not None
+    assert process.wait(PATIENCE) is not None
 
 
 @pytest.mark.parametrize(

@@ -22,8 +22,7 @@ from compas_cgc.grasshopper.runtime.progress import Progress
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.rhino_models import Sketch
-
-LIMIT = 300.0  # seconds that a busy machine may take, compiling included
+from ...support.server_process import PATIENCE
 
 pytestmark = pytest.mark.usefixtures("rhino")
 
@@ -48,7 +47,7 @@ def memory_of(placed):
 def until_done(placed, **inputs):
     """Run a component whenever its canvas wants it to, and return all outputs, the last one last."""
     outs = [placed.run(**inputs)]
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + PATIENCE
     while outs[-1]["status"] == "running":
         assert time.monotonic() < end, "the solve does not end"
         time.sleep(0.02)
@@ -107,7 +106,7 @@ def test_a_newer_input_cancels_the_older_one():
     first = memory_of(placed).task
     assert first.running
     outs = until_done(placed, cgc_mesh=dome(), run=True)
-    assert outs[-1]["status"] == "converged" and first.wait(LIMIT), "the older solve has ended"
+    assert outs[-1]["status"] == "converged" and first.wait(PATIENCE), "the older solve has ended"
     assert outs[-1]["cgc_mesh"].number_of_vertices() == 100
 
 
@@ -135,7 +134,7 @@ def test_reset_cancels_and_forgets():
     placed.run(run=True, **inputs)
     task = memory_of(placed).task
     out = placed.run(run=True, reset=True, **inputs)
-    assert task.wait(LIMIT) and set(out.values()) == {None} and placed.component.Message == "reset"
+    assert task.wait(PATIENCE) and set(out.values()) == {None} and placed.component.Message == "reset"
     assert memory_of(placed) is None
 
 
@@ -146,7 +145,7 @@ def test_removing_the_component_cancels():
     document, placed.component.document = placed.component.document, None
     placed.component.expired = False
     document.tick()
-    assert task.wait(LIMIT) and not placed.component.expired and not document.scheduled
+    assert task.wait(PATIENCE) and not placed.component.expired and not document.scheduled
     assert memory_of(placed) is None
 
 
@@ -242,7 +241,7 @@ def test_several_meshes_on_one_wire_are_several_solves():
         return outs
 
     outs = solution()
-    end = time.monotonic() + LIMIT
+    end = time.monotonic() + PATIENCE
     while any(out["status"] == "running" for out in outs):
         assert time.monotonic() < end
         time.sleep(0.02)
@@ -274,7 +273,7 @@ def test_a_fault_of_the_program_is_not_hidden(monkeypatch):
 
     monkeypatch.setattr(component_module, "_solving", lambda *inputs: broken)
     placed.run(cgc_mesh=dome(), run=True)
-    assert memory_of(placed).task.wait(LIMIT)
+    assert memory_of(placed).task.wait(PATIENCE)
     with pytest.raises(ZeroDivisionError):
         placed.run(cgc_mesh=dome(), run=True)
 
@@ -290,6 +289,6 @@ def test_a_task_reports_and_stops():
         return step
 
     task = BackgroundTask(count)
-    assert begun.wait(LIMIT) and task.running and task.progress.step > 0
+    assert begun.wait(PATIENCE) and task.running and task.progress.step > 0
     task.cancel()
-    assert task.wait(LIMIT) and task.result >= task.progress.step and task.error is None
+    assert task.wait(PATIENCE) and task.result >= task.progress.step and task.error is None

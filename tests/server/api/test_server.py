@@ -24,7 +24,9 @@ from compas_cgc.server.api.openapi import description
 
 from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
+from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
+from ...support.server_process import wait_for
 from ...support.shapes import grid
 
 KEY = "a-key-for-tests"
@@ -56,13 +58,8 @@ def post(server, value):
 
 
 def finished(server, id):
-    end = time.monotonic() + 20
-    while time.monotonic() < end:
-        status = server.client.poll(id)
-        if status["state"] in ("succeeded", "failed", "cancelled"):
-            return status
-        time.sleep(0.02)
-    raise AssertionError("the job does not end")
+    wait_for(lambda: server.client.poll(id)["state"] in ("succeeded", "failed", "cancelled"), what="the job does not end")
+    return server.client.poll(id)
 
 
 def test_a_job_from_hand_in_to_every_format(server, tmp_path):
@@ -158,7 +155,7 @@ def test_degenerate_faces_are_named_before_anything_is_queued(server):
 
 def test_a_status_can_wait_for_the_end_of_the_job(server):
     id = server.client.submit(*grid(12), supports="boundary", targets=0.5)
-    assert server.client.poll(id, wait=20)["state"] == "succeeded"
+    wait_for(lambda: server.client.poll(id, wait=20)["state"] == "succeeded")
     id = json.loads(post(server, endless())[2])["id"]
     started = time.monotonic()
     assert server.client.poll(id, wait=0.5)["state"] in ("queued", "running") and time.monotonic() - started >= 0.5
@@ -202,7 +199,7 @@ def test_the_same_id_is_the_same_job(server):
 
 def test_events_arrive_while_it_solves_and_cancel_is_quick(server):
     id = json.loads(post(server, endless(live=True))[2])["id"]
-    connection = http.client.HTTPConnection(server.url.split("//")[1], timeout=20)
+    connection = http.client.HTTPConnection(server.url.split("//")[1], timeout=PATIENCE)
     connection.request("GET", f"/api/v1/jobs/{id}/events", headers={"Authorization": f"Bearer {KEY}"})
     stream = connection.getresponse()
     assert stream.getheader("Content-Type").startswith("text/event-stream")
@@ -226,9 +223,7 @@ def test_events_arrive_while_it_solves_and_cancel_is_quick(server):
 
 def test_health_answers_while_all_workers_are_busy(server):
     ids = [json.loads(post(server, endless())[2])["id"] for _ in range(3)]
-    end = time.monotonic() + 10
-    while server.client.health()["busy"] < 2 and time.monotonic() < end:
-        time.sleep(0.01)
+    wait_for(lambda: server.client.health()["busy"] == 2)
     health = server.client.health()
     assert health["status"] == "ok" and (health["busy"], health["waiting"]) == (2, 1)
     for id in ids:
@@ -377,7 +372,7 @@ def test_jobs_survive_a_kill_of_the_server(tmp_path):
         )
         ids = [first.client.submit(*grid(6), id=f"waiting-{k}", supports="boundary", targets=0.3) for k in range(3)]
         first.process.kill()
-        first.process.wait(10)
+        first.process.wait(PATIENCE)
     with running_server(store, workers=1) as second:
         assert second.client.result("done-before") == done
         for id in ("was-running", *ids):
@@ -387,25 +382,25 @@ def test_jobs_survive_a_kill_of_the_server(tmp_path):
 
 def test_it_stops_quickly_whatever_is_under_way(tmp_path):
     with running_server(tmp_path / "jobs.sqlite") as running:
-        id = running.client.submit(*grid(20), **{name: value for name, value in endless().items() if name not in ("vertices", "faces")})
-        stream = http.client.HTTPConnection(running.url.split("//")[1], timeout=20)
+        id = running.client.submit(*grid(40), **{name: value for name, value in endless().items() if name not in ("vertices", "faces")})
+        stream = http.client.HTTPConnection(running.url.split("//")[1], timeout=PATIENCE)
         stream.request("GET", f"/api/v1/jobs/{id}/events")
         assert stream.getresponse().readline().startswith(b"event")
         running.process.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
-        assert running.process.wait(2) == 0
+        assert running.process.wait(PATIENCE) == 0, "its job would go on for many minutes"
         stream.close()
 
 
 def test_it_does_not_open_to_a_network_without_a_key():
     command = [sys.executable, "-m", "compas_cgc", "serve", "--host", "0.0.0.0", "--port", "0"]
     bare = {name: value for name, value in os.environ.items() if name != "COMPAS_CGC_KEY"}
-    done = subprocess.run(command, capture_output=True, text=True, env=bare, timeout=30)
+    done = subprocess.run(command, capture_output=True, text=True, env=bare, timeout=PATIENCE)
     assert done.returncode == 2 and "needs a key" in done.stderr
 
 
 def test_a_port_in_use_is_said(server):
     port = server.url.rsplit(":", 1)[1]
-    done = subprocess.run([sys.executable, "-m", "compas_cgc", "serve", "--port", port], capture_output=True, text=True, timeout=30)
+    done = subprocess.run([sys.executable, "-m", "compas_cgc", "serve", "--port", port], capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2 and "a server of compas_cgc" in done.stderr and "--port" in done.stderr
 
 

@@ -20,6 +20,7 @@ from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
 from ...support.hops_client import get
 from ...support.server_process import running_server
+from ...support.server_process import wait_for
 from ...support.shapes import grid
 
 KEY = "a-key-for-hops"
@@ -178,7 +179,7 @@ def test_submit_and_fetch(hops):
     (job,) = outputs["Job"]
     assert errors == []
     states, fetch = [], hops("fetch", comma=True)
-    for tick in range(500):
+    for tick in range(10**6):
         status, outputs, errors, warnings = fetch.solve(Job=job, Tick=tick)
         states.append(status)
         if status == 200:
@@ -257,23 +258,14 @@ def test_wrong_requests_are_answered_so_that_hops_can_show_it(hops, server):
 def test_a_client_that_hangs_up_stops_its_solve(server, hops):
     import socket
 
-    component = hops("solve")
-    body = json.dumps(component.request(Mesh=sheet(60), K=[0.01], Method="flow", S=0.79)).encode()
+    component = hops("flow")
+    body = json.dumps(component.request(Mesh=sheet(90), K=0.01, Steps=10000)).encode()
     host, port = server.url.split("//")[1].split(":")
     with socket.create_connection((host, int(port))) as connection:
         head = f"POST /solve HTTP/1.1\r\nHost: {host}:{port}\r\nRhinoComputeKey: {KEY}\r\nContent-Length: {len(body)}\r\n\r\n"
         connection.sendall(head.encode() + body)
         wait_for(lambda: server.client.health()["busy"] == 1)
-    started = time.monotonic()
-    wait_for(lambda: server.client.health()["busy"] == 0)
-    assert time.monotonic() - started < 3
-
-
-def wait_for(condition):
-    end = time.monotonic() + 10
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    wait_for(lambda: server.client.health()["busy"] == 0, what="it would take many minutes to its end")
 
 
 def test_the_client_of_mcneel_runs(server):

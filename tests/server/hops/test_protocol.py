@@ -21,6 +21,7 @@ from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
 from ...support.hops_client import get
 from ...support.hops_client import write
+from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
@@ -360,7 +361,7 @@ def test_a_client_that_asks_before_it_sends_is_told_to_go_on(server, hops):
     host, port = server.address.split(":")
     head = f"POST /solve HTTP/1.1\r\nHost: {server.address}\r\nRhinoComputeKey: {KEY}\r\n"
     head += f"Content-Length: {len(body)}\r\nExpect: 100-continue\r\n\r\n"
-    with socket.create_connection((host, int(port)), 10) as connection:
+    with socket.create_connection((host, int(port)), PATIENCE) as connection:
         connection.sendall(head.encode())
         assert connection.recv(1000).startswith(b"HTTP/1.1 100 ")
         connection.sendall(body)

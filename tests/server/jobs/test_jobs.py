@@ -26,6 +26,7 @@ from compas_cgc.server.jobs.worker import report
 from compas_cgc.server.jobs.worker import stop_wanted
 from compas_cgc.server.limits import Limits
 
+from ...support.server_process import PATIENCE
 from ...support.server_process import wait_for
 from ...support.shapes import grid
 
@@ -67,7 +68,7 @@ def endless(n=24):
 @pytest.fixture(scope="module")
 def pool():
     with_two = WorkerPool(2, warm_up, grace=1.0)
-    assert with_two.wait_until_ready(120)
+    assert with_two.wait_until_ready(PATIENCE)
     yield with_two
     with_two.shutdown(cancel_futures=True)
 
@@ -103,7 +104,7 @@ def test_the_pool_is_an_executor(pool):
 
 def test_an_exception_comes_back_with_the_name_of_its_class(pool):
     with pytest.raises(TaskError, match="lost") as error:
-        pool.submit(fail).result(10)
+        pool.submit(fail).result(PATIENCE)
     assert error.value.kind == "KeyError" and "in fail" in error.value.trace
 
 
@@ -111,7 +112,7 @@ def test_a_task_that_listens_is_stopped_without_force(pool):
     before = pool.processes()
     task = begun(pool, sleep_until_told)
     task.stop()
-    assert task.result(5) == "stopped gently"
+    assert task.result(PATIENCE) == "stopped gently"
     assert pool.processes() == before
 
 
@@ -120,9 +121,9 @@ def test_a_task_that_does_not_listen_is_ended_and_its_worker_replaced(pool):
     task = begun(pool, sleep_for_ever)
     task.stop("enough")
     with pytest.raises(TaskStopped, match="enough"):
-        task.result(5)
+        task.result(PATIENCE)
     wait_for(lambda: len(set(pool.processes()) - before) == 1)
-    assert pool.submit(add, 1, 1).result(60) == 2
+    assert pool.submit(add, 1, 1).result(PATIENCE) == 2
 
 
 @pytest.mark.timeout(60)
@@ -142,25 +143,25 @@ def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
 
 
 def test_a_time_limit_stops_a_task(pool):
-    assert pool.start(sleep_until_told, time_limit=0.1).result(5) == "stopped gently"
+    assert pool.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
 
 
 def test_a_killed_worker_fails_its_own_task_only(pool):
-    pool.wait_until_ready(60)
+    pool.wait_until_ready(PATIENCE)
     victim, other = begun(pool, sleep_until_told), begun(pool, sleep_until_told)
     dead = pool.submit(die)
     victim.stop()
     with pytest.raises(WorkerDied, match="exit code 3.*submit the job again"):
-        dead.result(10)
+        dead.result(PATIENCE)
     assert not other.done()
     other.stop()
-    assert other.result(5) == "stopped gently"
-    assert pool.wait_until_ready(60)
+    assert other.result(PATIENCE) == "stopped gently"
+    assert pool.wait_until_ready(PATIENCE)
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
-    pool.wait_until_ready(60)
+    pool.wait_until_ready(PATIENCE)
     job, _ = jobs.submit(*endless())
     wait_for(lambda: jobs.get(job.id).progress.get("step"))
     (busy,) = (slot for slot in pool._slots if slot.state == "busy")
@@ -257,14 +258,23 @@ def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     assert jobs.call(add, 2, 2) == 4
 
 
-def test_nobody_waits_long_for_a_task_that_was_cancelled(pool):
-    task = begun(pool, sleep_for_ever)
-    busy = set(pool.processes())
+def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():
+    """The worker has the time of its grace to end by itself; whoever waits for the task is told long before."""
+    slow = WorkerPool(1, grace=2 * PATIENCE)
+    task = begun(slow, sleep_for_ever)
+    busy = slow.processes()
     task.stop("it was cancelled")
     with pytest.raises(TaskStopped, match="it was cancelled"):
-        task.result(timeout=0.6)
-    assert set(pool.processes()) == busy, "the worker has a second to end by itself"
-    wait_for(lambda: pool.health()["replaced"] and pool.health()["busy"] == 0)
+        task.result(PATIENCE)
+    assert slow.processes() == busy and slow.health()["busy"] == 1
+    slow.shutdown(cancel_futures=True)
+
+
+def test_a_worker_that_does_not_heed_a_cancel_is_replaced_after_its_grace(pool):
+    before = pool.health()["replaced"]
+    task = begun(pool, sleep_for_ever)
+    task.stop("it was cancelled")
+    wait_for(lambda: pool.health()["replaced"] == before + 1 and pool.health()["busy"] == 0)
 
 
 def test_who_is_waited_for_goes_before_all_but_those_who_wait_for_long():
