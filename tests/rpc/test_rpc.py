@@ -15,6 +15,7 @@ from compas.rpc import RPCServerError
 
 from compas_cgc import CGCMesh
 from compas_cgc import __version__
+from compas_cgc import solve
 
 from ..support.server_process import PATIENCE
 from ..support.server_process import wait_for
@@ -51,6 +52,7 @@ def test_it_says_who_it_is(proxy):
 def test_a_mesh_comes_back_as_what_it_was(proxy):
     result = proxy.solve(roof())
     assert isinstance(result["mesh"], CGCMesh) and result["status"] == "converged" and result["max_error"] < 1e-7
+    assert result["mesh"].arrays()[0].tolist() == solve(roof()).vertices.tolist()
     plain = proxy.solve(Mesh.from_meshgrid(9, 8), supports="boundary", targets=0.01)
     assert type(plain["mesh"]) is Mesh and plain["mesh"].number_of_vertices() == 81
     vertices, faces = roof().arrays()

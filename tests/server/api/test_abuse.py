@@ -137,16 +137,17 @@ def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
     from concurrent.futures import ThreadPoolExecutor
 
     from compas_cgc.server.api.requests import accept
+    from compas_cgc.server.api.tasks import solve_job
     from compas_cgc.server.jobs.engine import Jobs
 
     def full(*args):
         raise sqlite3.OperationalError("database or disk is full")
 
-    engine = Jobs(ThreadPoolExecutor(1), Store(":memory:"), Limits())
+    engine = Jobs(ThreadPoolExecutor(1), Store(":memory:"), solve_job, Limits())
     vertices, faces = grid(4)
     monkeypatch.setattr(engine.store, "finish", full)
     job, _ = engine.submit(
-        *accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
+        "json", accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
     )
     done = engine.wait(job.id, PATIENCE)
     assert done.state == "failed" and "its disk may be full" in done.message

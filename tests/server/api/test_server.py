@@ -87,9 +87,9 @@ def test_a_compas_mesh_and_files_are_taken(server, tmp_path):
     mesh.set_creases([[7 * i + 3 for i in range(7)]])
     mesh.set_target(0.01)
     same = {"mesh": json.loads(compas.json_dumps(mesh))}
-    from compas_cgc.io import write_mesh
+    from compas_cgc.io import write
 
-    write_mesh(tmp_path / "roof.3dm", mesh)
+    write(tmp_path / "roof.3dm", mesh)
     jobs = [json.loads(post(server, same)[2])["id"], server.client.submit_file((tmp_path / "roof.3dm").read_bytes(), "3dm")]
     for id in jobs:
         assert finished(server, id)["state"] == "succeeded"
@@ -296,7 +296,10 @@ def test_bad_requests_are_refused_with_a_sentence(server, name):
         ({"supports": "everything"}, '"boundary" or "corners"'),
         ({"creases": [[0, "1"]]}, "whole number"),
         ({"settings": {"stepps": 1}}, "no setting 'stepps'"),
-        ({"settings": {"steps": 10}}, "name it with 'method'"),
+        ({"settings": {"tau": 0.5, "nearness": 1.0}}, "do not belong to one method; name it"),
+        ({"settings": {"steps": 10**9}}, "at most 100000 steps"),
+        ({"settings": {"delay": -1}}, "e must be a whole number from 0 up"),
+        ({"settings": []}, "must be an object of settings"),
         ({"method": "flow", "settings": {"steps": 0}}, "steps must be"),
         ({"method": "flow", "settings": {"steps": 10**9}}, "at most 100000 steps"),
         ({"flip": 1}, "true or false"),

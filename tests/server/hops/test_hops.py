@@ -13,8 +13,8 @@ import rhino3dm
 
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
-from compas_cgc.server.hops.data_tree import double_text
-from compas_cgc.server.hops.data_tree import text_text
+from compas_cgc.server.hops.data_tree import format_number
+from compas_cgc.server.hops.data_tree import format_text
 
 from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
@@ -285,12 +285,12 @@ def test_the_client_of_mcneel_runs(server):
 
 def test_numbers_have_no_decimal_point_and_come_back():
     values = [0.25, -2.512345678901234, 1e-07, 1e22, 3.0, -0.0, 0.1, 123456.789, 5e-324, 1.7976931348623157e308, 1200.0, -7.0]
-    assert [double_text(value) for value in values[:6]] == ["25E-2", "-2512345678901234E-15", "1E-7", "1E22", "3", "0"]
-    assert double_text(np.float64(0.25)) == "25E-2"
+    assert [format_number(value) for value in values[:6]] == ["25E-2", "-2512345678901234E-15", "1E-7", "1E22", "3", "0"]
+    assert format_number(np.float64(0.25)) == "25E-2"
     for value in [*values, *np.random.default_rng(1).normal(size=300), *10.0 ** np.arange(-300, 300, 7)]:
-        text = double_text(value)
+        text = format_number(value)
         assert "." not in text and "," not in text and float(text) == value
 
 
 def test_texts_that_look_like_numbers_are_quoted():
-    assert [text_text(text) for text in ("12.50", "true", "null", "hello", "a\nb")] == ['"12.50"', '"true"', '"null"', "hello", "a\nb"]
+    assert [format_text(text) for text in ("12.50", "true", "null", "hello", "a\nb")] == ['"12.50"', '"true"', '"null"', "hello", "a\nb"]

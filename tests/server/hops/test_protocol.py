@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
-from compas_cgc.server.hops.data_tree import double_text
-from compas_cgc.server.hops.data_tree import text_text
+from compas_cgc.server.hops.data_tree import format_number
+from compas_cgc.server.hops.data_tree import format_text
 
 from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
@@ -425,7 +425,7 @@ def reader(generation, comma=False):
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_every_number_is_read_in_every_culture(value):
-    item = {"type": "System.Double", "data": double_text(value)}
+    item = {"type": "System.Double", "data": format_number(value)}
     assert [reader(8, comma).read(item) for comma in (False, True)] == [value, value]
 
 
@@ -436,7 +436,7 @@ def test_every_number_is_read_in_every_culture(value):
 def test_every_text_is_shown_as_it_is(text):
     # Quotes at the ends are trimmed by Hops, and objects with backslashes unescaped: no text of the server has either.
     if text.strip('"') == text and not (text.strip().startswith("{") and "\\" in text):
-        item = {"type": "System.String", "data": text_text(text)}
+        item = {"type": "System.String", "data": format_text(text)}
         assert [reader(generation).read(item) for generation in (7, 8, 2026)] == [text, text, text]
 
 

@@ -10,7 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from compas_cgc.server.api.requests import accept
-from compas_cgc.server.api.serialization import unpack
+from compas_cgc.server.api.serialization import unpack_result
+from compas_cgc.server.api.tasks import solve_job
 from compas_cgc.server.api.tasks import warm_up
 from compas_cgc.server.errors import Busy
 from compas_cgc.server.errors import Conflict
@@ -57,7 +58,7 @@ def die():
 def body(n=6, **more):
     vertices, faces = grid(n)
     request = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
-    return accept(request, Limits())
+    return "json", accept(request, Limits())
 
 
 def endless(n=24):
@@ -82,7 +83,7 @@ def jobs(pool):
         def shutdown(self, wait=True, cancel_futures=False):
             pass
 
-    engine = Jobs(Borrowed(), Store(":memory:"), Limits(queue=6, per_client=4, results=3))
+    engine = Jobs(Borrowed(), Store(":memory:"), solve_job, Limits(queue=6, per_client=4, results=3))
     yield engine
     for job in engine.list():
         engine.cancel(job.id)
@@ -175,7 +176,7 @@ def test_a_job_runs_and_keeps_its_result(jobs):
     wait_for(lambda: jobs.get(job.id).over)
     done = jobs.get(job.id)
     assert done.state == "succeeded" and "converged in" in done.message
-    result, findings = unpack(jobs.result(job.id))
+    result, findings = unpack_result(jobs.result(job.id))
     assert result.converged and result.max_error < 1e-6
     assert result.mesh.number_of_vertices() == 49 and findings["quality"]["faces"] == 72
     assert jobs.submit(*body(), id="roof-0001") == (done, False)
@@ -193,7 +194,7 @@ def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
     steps = [state.progress["step"] for state in states if state.state == "running"]
     assert steps == sorted(steps) and steps[-1] > 0
     assert states[-1].state == "cancelled" and states[-1].message.startswith("cancelled after")
-    assert unpack(jobs.result(job.id))[0].status == "cancelled"
+    assert unpack_result(jobs.result(job.id))[0].status == "cancelled"
 
 
 def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
@@ -225,7 +226,7 @@ def test_old_results_make_room(jobs):
 
 def test_jobs_survive_the_server(tmp_path):
     first = WorkerPool(1)
-    engine = Jobs(first, Store(tmp_path / "jobs.sqlite"))
+    engine = Jobs(first, Store(tmp_path / "jobs.sqlite"), solve_job)
     running, _ = engine.submit(*endless(8))
     waiting, _ = engine.submit(*body())
     engine.close()
@@ -234,7 +235,7 @@ def test_jobs_survive_the_server(tmp_path):
         store = Store(tmp_path / "jobs.sqlite")
         assert [job.id for job in store.unfinished()] == [running.id, waiting.id]
         store.delete(running.id)
-        engine = Jobs(second, store)
+        engine = Jobs(second, store, solve_job)
         wait_for(lambda: engine.get(waiting.id).over)
         assert engine.get(waiting.id).state == "succeeded"
 
@@ -242,18 +243,18 @@ def test_jobs_survive_the_server(tmp_path):
 def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
     store = Store(tmp_path / "jobs.sqlite")
     with ThreadPoolExecutor(1) as executor:
-        engine = Jobs(executor, store)
+        engine = Jobs(executor, store, solve_job)
         job, _ = engine.submit(*body())
         wait_for(lambda: engine.get(job.id).over)
         # As if the server had been killed twice while it ran.
         store.add(job._replace(id="deadly-one", state="running", attempts=2), body()[0], {}, body()[1])
-        again = Jobs(executor, store)
+        again = Jobs(executor, store, solve_job)
     assert again.get("deadly-one").state == "failed" and "ended 2 times" in again.get("deadly-one").message
 
 
 def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     with pytest.raises(TimeoutError, match="gone"):
-        jobs.call(sleep_until_told, gone=lambda: True)
+        jobs.call(sleep_until_told, disconnected=lambda: True)
     assert jobs.call(add, 2, 2) == 4
 
 

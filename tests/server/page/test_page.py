@@ -15,7 +15,7 @@ import rhino3dm
 
 from compas_cgc import CGCMesh
 from compas_cgc.discrete import gaussian_curvature
-from compas_cgc.io import write_mesh
+from compas_cgc.io import write
 from compas_cgc.server import Limits
 from compas_cgc.server import create_app
 from compas_cgc.server.page.preview import contents
@@ -63,7 +63,7 @@ def nine_regions(K=0.01):
 
 def file_of(mesh, kind, tmp_path):
     path = tmp_path / f"roof.{kind}"
-    write_mesh(path, mesh)
+    write(path, mesh)
     return path
 
 
