@@ -55,7 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     print("\nA dome by a server of this machine, against the solve itself", flush=True)
     figures["server"] = benchmarks.server_overhead()
-    _print(figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds")
+    _print(
+        figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds hang_up_seconds"
+    )
 
     print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:
