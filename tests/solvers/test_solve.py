@@ -194,6 +194,36 @@ def test_when_none_arrives_the_best_surface_is_returned_and_said():
     assert result.max_error <= before
 
 
+def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
+    import compas_cgc.solvers.selection as auto
+
+    errors, tried = {"newton": 0.3, "projection": 0.1, "flow": 0.2}, []
+
+    def run(method, problem, **given):
+        tried.append(method.name)
+        return run_method(method, problem, **given)._replace(status="stalled", max_error=errors[method.name])
+
+    run_method = auto.run_method
+    monkeypatch.setattr(auto, "run_method", run)
+    result = solve(dome())
+    assert tried == ["newton", "projection", "flow"]
+    assert (result.method, result.max_error) == ("projection", 0.1) and result.message.endswith("(newton stalled, flow stalled)")
+
+
+@pytest.mark.parametrize("end", ["infeasible", "cancelled"])
+def test_what_cannot_be_or_is_not_wanted_is_not_tried_by_another_method(monkeypatch, end):
+    import compas_cgc.solvers.selection as auto
+
+    tried = []
+    run_method = auto.run_method
+    monkeypatch.setattr(
+        auto,
+        "run_method",
+        lambda method, problem, **given: tried.append(method.name) or run_method(method, problem, **given)._replace(status=end),
+    )
+    assert solve(dome()).status == end and tried == ["newton"]
+
+
 def test_the_largest_error_is_that_of_the_mesh_returned():
     for method in ("flow", "newton", "projection"):
         result = solve(dome(), method=method)

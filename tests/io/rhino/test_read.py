@@ -17,6 +17,7 @@ from compas_cgc.io.rhino import describe
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino import write_problem
 from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.problem import FIXED
 
 from ...support.rhino_models import ORIGINS
 from ...support.rhino_models import Sketch
@@ -365,6 +366,30 @@ def test_a_crease_that_does_not_follow_edges_is_traced_or_cut(sketch, tmp_path):
     assert np.abs(away).max() < 1e-3
     with pytest.raises(ValueError, match="trace, split"):
         read_3dm(path, crease="bend")
+
+
+def test_a_crease_drawn_a_little_short_of_another_ends_on_it(sketch, tmp_path):
+    """The vertex before the other one is nearer to the end of the curve, but would leave a gap between two regions."""
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces)
+    sketch.curve(vertices[row(N, 4)], "Creases")
+    sketch.curve(np.array([[0, 2.9, 0], [1.7, 3.1, 0], [3.4, 3.1, 0]], float), "Creases")
+    model = read_3dm(sketch.save(tmp_path / "a.3dm"))
+    # The first is in two parts: the second one meets it between its ends.
+    assert len(model.problem.crease_paths()) == 3 and len(mesh_of(model).regions()) == 3
+
+
+def test_a_support_stays_where_it_is_when_the_mesh_is_split_beside_it(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces)
+    column = [3.0, 4.0, 0.0]
+    sketch.points(np.array([column, *vertices[corners_of(N)]]), "Supports")
+    sketch.curve(np.array([[-1, 4.07, 0], [N + 1, 4.07, 0]], float), "Creases")
+    problem = read_3dm(sketch.save(tmp_path / "a.3dm"), crease="split").problem
+    held = problem.vertices[problem.roles == FIXED].tolist()
+    assert len(held) == 5 and column in held
+    # Any other vertex as near to the curve is moved onto it.
+    assert [5.0, 4.0, 0.0] not in problem.vertices.tolist()
 
 
 def test_creases_that_cross_touch_the_boundary_and_close(sketch, tmp_path):

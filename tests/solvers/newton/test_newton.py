@@ -31,6 +31,7 @@ from compas_cgc.solvers.flow import flow
 from compas_cgc.solvers.newton import NewtonSettings
 from compas_cgc.solvers.newton import newton
 from compas_cgc.solvers.newton.damped import damped_newton
+from compas_cgc.solvers.newton.system import Step
 from compas_cgc.solvers.newton.system import System
 
 from ...support import shapes
@@ -174,6 +175,21 @@ def test_any_start_leads_to_the_convex_surface(name):
     assert solution.status == "converged", solution.message
     assert solution.vertices[:, 2].max() == pytest.approx(flat.vertices[:, 2].max(), rel=0.02)
     assert (mean_curvature(solution.vertices, problem.faces)[problem.asked] > 0.9).all()
+
+
+def test_a_vertex_that_leaves_for_good_ends_the_solve_and_the_start_comes_back(monkeypatch):
+    def away(system, shape, *_):
+        for _ in range(50):
+            shape = system.moved(shape, np.eye(len(system.asked))[0], np.array([[0.0, 0.0, 1.0]]))
+            yield Step(shape, 1.0, 1)
+        return False
+
+    monkeypatch.setattr("compas_cgc.solvers.newton.globalization.damped_newton", away)
+    problem = square(6)
+    solution = newton(problem, settings=NewtonSettings(start="given"))
+    diagonals = 50 / np.linalg.norm(np.ptp(problem.vertices, axis=0))
+    assert solution.status == "diverged" and solution.iterations < 0.2 * 50 < diagonals
+    assert np.abs(solution.vertices - problem.vertices).max() <= 2.0 * 2**0.5
 
 
 @pytest.mark.parametrize("n, height", [(6, 2.0), (8, 0.5), (12, 0.2)])
