@@ -142,6 +142,12 @@ def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
     assert [task.result(0) for task in tasks] == [2, 3, 4] and one.processes() == []
 
 
+def test_where_no_worker_starts_nobody_waits_for_ever():
+    with WorkerPool(1, warm_up=die) as none:
+        with pytest.raises(WorkerDied, match="do not start; its log says why"):
+            none.submit(add, 1, 2).result(PATIENCE)
+
+
 def test_a_time_limit_stops_a_task(pool):
     assert pool.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
 
@@ -238,6 +244,17 @@ def test_jobs_survive_the_server(tmp_path):
         engine = Jobs(second, store, solve_job)
         wait_for(lambda: engine.get(waiting.id).over)
         assert engine.get(waiting.id).state == "succeeded"
+
+
+def test_a_stop_in_order_costs_a_job_none_of_its_attempts(tmp_path):
+    for _ in range(3):
+        engine = Jobs(WorkerPool(1), Store(tmp_path / "jobs.sqlite"), solve_job)
+        job, _ = engine.submit(*endless(8), id="restarted")
+        wait_for(lambda engine=engine: engine.get("restarted").state == "running")
+        engine.close()
+    store = Store(tmp_path / "jobs.sqlite")
+    assert [(job.id, job.state, job.attempts) for job in store.unfinished()] == [("restarted", "queued", 0)]
+    store.close()
 
 
 def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
