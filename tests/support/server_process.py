@@ -11,9 +11,13 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
 
 from compas_cgc.client import Client
 
+KILLABLE = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="it looks for processes to kill in /proc")
 PATIENCE = 100.0  # seconds to wait for what comes at once when the machine has time for it
 
 WITH_LIMITS = """
@@ -89,3 +93,28 @@ def wait_for(condition, seconds=PATIENCE, what="waited too long"):
         assert time.monotonic() < end, what
         time.sleep(0.01)
     return found
+
+
+def worker_of(server):
+    """Return the process id of the worker of a server that works at the moment."""
+
+    def ticks(path):
+        parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
+        return int(user) + int(system) if int(parent) == server.process.pid else None
+
+    def times():
+        found = {}
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                found[int(path.parent.name)] = ticks(path)
+            except OSError:
+                continue  # it has ended
+        return {pid: spent for pid, spent in found.items() if spent is not None}
+
+    before = times()
+
+    def busiest():
+        spent, pid = max((spent - before.get(pid, spent), pid) for pid, spent in times().items())
+        return pid if spent >= 10 else None
+
+    return wait_for(busiest)

@@ -1,37 +1,30 @@
-"""What goes wrong with a server in use: clients that hang up, too much at once, and processes that are killed.
-
-``KILLS=10`` kills more often than the few times of every day.
-"""
+"""What goes wrong with a server in use: clients that hang up, too much at once, and a worker that is killed."""
 
 from __future__ import annotations
 
 import http.client
 import json
 import os
-import random
-import re
 import signal
 import socket
-import sqlite3
 import sys
 import time
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from compas_cgc.client import Refused
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 
 from ...support.hops_client import Hops
+from ...support.server_process import KILLABLE
 from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
+from ...support.server_process import worker_of
 from ...support.shapes import grid
 
 KEY = "a-key-for-faults"
-KILLS = int(os.environ.get("KILLS", 2))
 
 
 def hops_body(name, n=6, K=0.01, **inputs):
@@ -274,117 +267,8 @@ def test_the_time_of_a_job_is_bounded(tmp_path):
 
 
 # ----------------------------------------------------------------------
-# Processes that are killed
+# A worker that is killed, and what is no HTTP
 # ----------------------------------------------------------------------
-
-KILLABLE = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="it looks for processes to kill in /proc")
-JOBS = {
-    "a-long-one": job(20, method="flow", settings={"steps": 2000, "tolerance": 0.0}),
-    "small-one": job(8),
-    "small-two": job(9, targets=0.3),
-    "small-three": job(7, targets=0.2, method="projection"),
-}
-
-
-def worker_of(server):
-    """Return the process id of the worker of a server that works at the moment."""
-
-    def ticks(path):
-        parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
-        return int(user) + int(system) if int(parent) == server.process.pid else None
-
-    def times():
-        found = {}
-        for path in Path("/proc").glob("[0-9]*/stat"):
-            try:
-                found[int(path.parent.name)] = ticks(path)
-            except OSError:
-                continue  # it has ended
-        return {pid: spent for pid, spent in found.items() if spent is not None}
-
-    before = times()
-
-    def busiest():
-        spent, pid = max((spent - before.get(pid, spent), pid) for pid, spent in times().items())
-        return pid if spent >= 10 else None
-
-    return wait_for(busiest)
-
-
-def figures(result):
-    """Return a result without what depends on the clock."""
-    return {name: value for name, value in result.items() if name not in ("id", "seconds", "name")}
-
-
-def check_store(store):
-    base = sqlite3.connect(store)
-    try:
-        assert base.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
-    finally:
-        base.close()
-
-
-@pytest.fixture(scope="module")
-def clean(tmp_path_factory):
-    """The results of the jobs when nothing is killed."""
-    with running_server(tmp_path_factory.mktemp("clean") / "jobs.sqlite", workers=1) as server:
-        for name, value in JOBS.items():
-            assert submit(server, {**value, "id": f"{name}-clean"})[0] == 202
-        wait_for(lambda: all(status["state"] == "succeeded" for status in server.client.jobs()))
-        return {name: figures(server.client.result(f"{name}-clean")) for name in JOBS}
-
-
-@KILLABLE
-def test_jobs_outlive_kills_of_the_server_and_come_out_the_same(tmp_path, clean):
-    store, chance = tmp_path / "jobs.sqlite", random.Random(1)
-    for attempt in range(KILLS):
-        with running_server(store, workers=1) as server:
-            for name, value in JOBS.items():
-                assert submit(server, {**value, "id": f"{name}-{attempt}"})[0] == 202
-            if attempt % 2 == 0:
-                wait_for(lambda attempt=attempt: server.client.poll(f"a-long-one-{attempt}")["iteration"] > 0)
-            time.sleep(chance.uniform(0.0, 0.3))
-            server.process.kill()
-            server.process.wait(PATIENCE)
-        check_store(store)
-    # Those of the last kill are finished now, those before it after the kill that followed theirs.
-    with running_server(store, workers=1) as server:
-        wait_for(lambda: all(status["state"] not in ("queued", "running") for status in server.client.jobs()))
-        for attempt in range(KILLS):
-            for name in JOBS:
-                status = server.client.poll(f"{name}-{attempt}")
-                if status["state"] == "failed":
-                    assert re.match(r"the server ended \d times while this job ran", status["message"])
-                else:
-                    assert status["state"] == "succeeded"
-                    assert figures(server.client.result(status["id"])) == clean[name], (name, attempt)
-        assert server.client.poll(f"a-long-one-{KILLS - 1}")["state"] == "succeeded"
-    check_store(store)
-
-
-@KILLABLE
-def test_a_killed_worker_takes_only_its_own_job_with_it(tmp_path, clean):
-    store = tmp_path / "jobs.sqlite"
-    with running_server(store, workers=1) as server:
-        for attempt in range(KILLS):
-            for name, value in JOBS.items():
-                assert submit(server, {**value, "id": f"{name}-{attempt}"})[0] == 202
-            wait_for(lambda attempt=attempt: server.client.poll(f"a-long-one-{attempt}")["iteration"] > 0)
-            worker = worker_of(server)
-            os.kill(worker, signal.SIGKILL)
-            # What waits for a solve is told too.
-            wait_for(lambda attempt=attempt: server.client.poll(f"small-three-{attempt}")["state"] == "succeeded")
-            status = server.client.poll(f"a-long-one-{attempt}")
-            assert status["state"] == "failed" and "killed by signal 9" in status["message"] and "submit the job again" in status["message"]
-            with pytest.raises(Refused, match="killed by signal 9"):
-                server.client.result(status["id"])
-            for name in ("small-one", "small-two", "small-three"):
-                assert figures(server.client.result(f"{name}-{attempt}")) == clean[name]
-            assert server.client.health() == {**server.client.health(), "replaced": attempt + 1, "idle": 1, "status": "ok"}
-        submit(server, {**JOBS["a-long-one"], "id": "once-again"})
-        wait_for(lambda: server.client.poll("once-again")["state"] == "succeeded")
-        assert figures(server.client.result("once-again")) == clean["a-long-one"]
-    check_store(store)
 
 
 @KILLABLE

@@ -323,6 +323,7 @@ def test_the_key_is_asked_for_until_it_is_right(page):
     page.seen(".example")
 
 
+@pytest.mark.slow
 def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     from selenium.webdriver.common.keys import Keys
 
@@ -355,6 +356,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     assert len(asked) > 20 and all(url.startswith((page.server.url, "data:", "blob:")) for url in asked), asked
 
 
+@pytest.mark.slow
 def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp_path):
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
@@ -387,6 +389,7 @@ def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp
     assert json.loads(page.download("json").read_text(encoding="utf-8"))["dtype"].endswith("CGCMesh")
 
 
+@pytest.mark.slow
 def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=40, nx=44), "obj", tmp_path)))
