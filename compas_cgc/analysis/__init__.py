@@ -1,4 +1,4 @@
-"""The honest report: how well a surface meets its targets, by more than one measure."""
+"""Analysis: how well a surface meets its targets, by more than one measure."""
 
 from __future__ import annotations
 
@@ -7,6 +7,5 @@ from .report import MeshQuality
 from .report import RegionReport
 from .report import SurfaceReport
 from .report import analyse
-from .report import analyse_problem
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem", "quadric_curvatures"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "quadric_curvatures"]

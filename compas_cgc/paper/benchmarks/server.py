@@ -1,4 +1,4 @@
-"""What it costs to have a server solve: jobs and calls of Hops against the solve itself."""
+"""Benchmark of the server: jobs and calls of Hops against the solve itself."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,7 +15,7 @@ from ...client import Client
 from ...datastructures import CGCMesh
 from ...io.rhino.meshes import mesh_from_arrays
 from ...model.problem import CGCProblem
-from ...solvers.solve import solve
+from ...solvers.run import solve
 from .solves import square
 from .timing import best_of
 
@@ -83,13 +84,18 @@ def _server() -> Iterator[Client]:
     command = [sys.executable, "-m", "compas_cgc", "serve", "--port", "0", "--workers", "1", "--store", ":memory:"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
-        url = None
-        for line in process.stdout:
-            found = re.search(r"is at (http://\S+)", line)
-            url = found.group(1) if found else url
-            if line.startswith("ready"):
-                break
-        yield Client(url)
+        yield Client(_address(process.stdout or ()))
     finally:
         process.terminate()
         process.wait(10)
+
+
+def _address(lines: Iterable[str]) -> str:
+    """Return where a server is by what it says, once it is ready."""
+    url = ""
+    for line in lines:
+        found = re.search(r"is at (http://\S+)", line)
+        url = found.group(1) if found else url
+        if line.startswith("ready"):
+            return url
+    raise RuntimeError("the server ended before it was ready")
