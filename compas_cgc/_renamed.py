@@ -14,11 +14,11 @@ from typing import Optional
 
 __all__ = ["RENAMED", "RenamedFinder", "install"]
 
-# Longest first where one is a part of another.
 RENAMED = {
     "compas_cgc.atomic": "compas_cgc._atomic_write",
     "compas_cgc.benchmarks": "compas_cgc.paper.benchmarks",
     "compas_cgc.check": "compas_cgc.model.checks",
+    "compas_cgc.client.start": "compas_cgc.client.server_process",
     "compas_cgc.examples": "compas_cgc.paper.examples",
     "compas_cgc.files": "compas_cgc.io",
     "compas_cgc.flow": "compas_cgc.solvers.flow",
@@ -33,6 +33,7 @@ RENAMED = {
     "compas_cgc.rhino.inside": "compas_cgc.io.rhino.rhinocommon",
     "compas_cgc.solver": "compas_cgc.solvers.run",
 }
+_LONGEST_FIRST = sorted(RENAMED, key=len, reverse=True)
 STAYS = ("compas_cgc.flow",)  # the paper's method keeps its short name
 
 
@@ -60,7 +61,7 @@ class RenamedFinder(MetaPathFinder, Loader):
 
 
 def _new_name(name: str) -> Optional[str]:
-    for old in sorted(RENAMED, key=len, reverse=True):
+    for old in _LONGEST_FIRST if name.startswith("compas_cgc.") else ():
         if name == old or name.startswith(f"{old}."):
             return RENAMED[old] + name[len(old) :]
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -57,7 +58,7 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     """
     for stream in (sys.stdout, sys.stderr):
         # A console that cannot show K̄ must not end a solve.
-        if hasattr(stream, "reconfigure"):
+        if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     words = sys.argv[1:] if argv is None else list(argv)
     arguments = build_parser(next(iter(words), None)).parse_args(words)

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..server import serve
+    from ..server.run import serve
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
     names = tuple(name.lower() for name in arguments.name)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING
 from typing import Any
+from typing import Optional
 from typing import Union
 
 from compas.plugins import pluggable
@@ -35,7 +36,7 @@ def _plugin(name: str) -> Callable[..., Any]:
     """Return an implementation that COMPAS has not found: it looks on the path only, where an editable install is not."""
     package = sys.modules[__name__.partition(".")[0]]
     for module in package.__all_plugins__:
-        found = getattr(import_module(module), name, None)
+        found: Optional[Callable[..., Any]] = getattr(import_module(module), name, None)
         if found is not None:
-            return found  # type: ignore[no-any-return]
+            return found
     raise NotImplementedError

@@ -98,10 +98,12 @@ class SolveResult:
 
     @cached_property
     def mesh(self) -> CGCMesh:
-        """A copy of the mesh that was solved, with the new coordinates and without dummies."""
+        """A copy of the mesh that was solved, with the new coordinates and all constraints, without dummies."""
         if self.drawn is None:
             return CGCMesh.from_problem(self.problem)
-        return self.drawn.with_coordinates(self.vertices)
+        mesh = self.drawn.with_coordinates(self.vertices)
+        mesh.set_constraints(self.problem.constraints)
+        return mesh
 
     def to_problem(self) -> CGCProblem:
         """Return the problem on the surface that was found."""

@@ -46,7 +46,7 @@ class _Property(NamedTuple):
 
 class _Element(NamedTuple):
     name: str
-    count: int
+    size: int
     properties: list[_Property]
 
 
@@ -103,7 +103,7 @@ def _text_rows(body: bytes, elements: list[_Element]) -> list[dict[str, list]]:
     tables = []
     for element in elements:
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.count):
+        for _ in range(element.size):
             for p in element.properties:
                 read = float if p.kind[0] == "f" else int
                 table[p.name].append(read(next(words)) if p.length is None else [read(next(words)) for _ in range(int(next(words)))])
@@ -117,12 +117,12 @@ def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -
     for element in elements:
         if all(p.length is None for p in element.properties):
             record = np.dtype([(p.name, order + p.kind) for p in element.properties])
-            rows = np.frombuffer(data, record, element.count, start)
-            start += record.itemsize * element.count
+            rows = np.frombuffer(data, record, element.size, start)
+            start += record.itemsize * element.size
             tables.append({p.name: rows[p.name].tolist() for p in element.properties})
             continue
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.count):
+        for _ in range(element.size):
             for p in element.properties:
                 count = 1
                 if p.length is not None:

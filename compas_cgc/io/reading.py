@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import TYPE_CHECKING
 from typing import NamedTuple
 
 from ..meshing import Diagnostic
 from ..model.checks import refuse
 from ..model.problem import CGCProblem
+
+if TYPE_CHECKING:
+    from ..datastructures import CGCMesh
 
 __all__ = ["ReadProblem"]
 
@@ -28,3 +33,10 @@ class ReadProblem(NamedTuple):
         """
         refuse(list(self.diagnostics))
         return self.problem
+
+    def to_cgcmesh(self) -> CGCMesh:
+        """Return the mesh if all of it could be used; ``CGCMesh.from_problem(read.checked())`` does it."""
+        from ..datastructures import CGCMesh
+
+        warnings.warn("to_cgcmesh() is now CGCMesh.from_problem(read.checked()); the old name will go", DeprecationWarning, stacklevel=2)
+        return CGCMesh.from_problem(self.checked())

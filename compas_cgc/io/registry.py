@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 from typing import Union
+from typing import cast
 
 from ..errors import FileError
 from ..model.problem import PosesProblem
@@ -168,10 +169,10 @@ def _write_3dm(
     from .rhino.result_layers import write_result
     from .rhino.write import write_problem
 
+    kept = source if source is not None and Path(source).suffix.lower() == ".3dm" else None
     # A result says how it ended.
     if hasattr(surface, "status"):
-        kept = source if source is not None and Path(source).suffix.lower() == ".3dm" else None
-        write_result(target, surface, source=kept, version=version, analysis=analysis)
+        write_result(target, cast("SolveResult", surface), source=kept, version=version, analysis=analysis)
     else:
         write_problem(target, surface, version or 7)
 

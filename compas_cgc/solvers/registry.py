@@ -99,7 +99,9 @@ def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None
     for name in values:
         if name not in kind.options():
             own = owners(name)
-            raise ValueError(f"{name} is a setting of {' and '.join(own)}, not of {method}; leave it out, or use the method {own[0]}")
+            raise ValueError(
+                f"{_door_name(name)} is a setting of {' and '.join(own)}, not of {method}; leave it out, or use the method {own[0]}"
+            )
     return kind(**values)
 
 
@@ -119,10 +121,17 @@ def _by_own_names(given: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
+def _door_name(name: str) -> str:
+    """Return what doors call an option, which is what their users know."""
+    return next(shown for shown, own in options().items() if own.name == name)
+
+
 def _only_owner(values: Mapping[str, Any]) -> str:
     able = [name for name, method in METHODS.items() if set(values) <= set(method.settings.options())]
     if len(able) != 1:
-        raise ValueError(f"the settings {', '.join(sorted(values))} do not belong to one method; name it, {', '.join(METHODS)}")
+        raise ValueError(
+            f"the settings {', '.join(sorted(map(_door_name, values)))} do not belong to one method; name it, {', '.join(METHODS)}"
+        )
     return able[0]
 
 

@@ -20,6 +20,7 @@ from compas_cgc import read
 from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.cli import main
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.io.rhino.rhinocommon import mesh_to_arrays
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.result import Solution
@@ -31,6 +32,7 @@ from ..grasshopper.components.test_solve import until_done
 from ..support.gh_stand_ins import place
 from ..support.gh_stand_ins import rhino  # noqa: F401
 from ..support.hops_client import Hops
+from ..support.rhino_models import result_of
 from ..support.server_process import running_server
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900), pytest.mark.usefixtures("rhino")]
@@ -85,7 +87,7 @@ def by_command_line(suffix):
         write(source, posed(brief))
         options = [word for name, value in brief.settings.items() for word in (f"--{name}", str(value))]
         assert main(["solve", str(source), "-o", str(target), "--method", brief.method, *options, "-q"]) == 0
-        return read(target).arrays()[0]
+        return result_of(target)[0] if suffix == ".3dm" else read(target).arrays()[0]
 
     return door
 
@@ -112,12 +114,7 @@ def by_hops(brief, world):
         pytest.skip("Hops has no input for constraints yet")
     inputs = {"S" if name == "s" else name.capitalize(): value for name, value in brief.settings.items()}
     vertices, faces = plan().arrays()
-    mesh = rhino3dm.Mesh()
-    mesh.Vertices.UseDoublePrecisionVertices = True
-    for x, y, z in vertices.tolist():
-        mesh.Vertices.Add(x, y, z)
-    for face in faces.tolist():
-        mesh.Faces.AddFace(*face)
+    mesh = mesh_from_arrays(vertices, faces)
     curves = []
     for path in brief.creases:
         polyline = rhino3dm.Polyline(0)
@@ -127,8 +124,7 @@ def by_hops(brief, world):
     given = {"Mesh": mesh, "K": [brief.K], "Method": brief.method, **({"Creases": curves} if curves else {}), **inputs}
     status, outputs, errors, _ = Hops(f"{world['server'].url}/cgc/solve").solve(**given)
     assert status == 200, errors
-    found = outputs["Mesh"][0]
-    return np.array([[found.Vertices[i].X, found.Vertices[i].Y, found.Vertices[i].Z] for i in range(len(found.Vertices))])
+    return np.array([(p.X, p.Y, p.Z) for p in outputs["Mesh"][0].Vertices.ToPoint3dArray()])
 
 
 def by_rpc(brief, world):

@@ -7,15 +7,14 @@ import struct
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 from typing import NamedTuple
 from typing import Union
 
 from ...errors import FileError
 from .._files import written
-
-if TYPE_CHECKING:
-    import rhino3dm
+from ._types import Archive
+from ._types import Geometry
 
 __all__ = ["Item", "list_items", "read_archive", "rhino3dm_module", "write_archive"]
 
@@ -38,7 +37,7 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 class Item(NamedTuple):
     """An object of a .3dm file."""
 
-    geometry: rhino3dm.GeometryBase
+    geometry: Geometry
     kind: str  # mesh, curve, point, point cloud, text dot, or the class in rhino3dm
     id: str
     layer: str  # full path, such as CGC::Mesh
@@ -53,7 +52,7 @@ class Item(NamedTuple):
         return f"{self.kind} {self.id} on layer {self.layer!r}"
 
 
-def rhino3dm_module():
+def rhino3dm_module() -> Any:
     """Return the rhino3dm module, or say that it is too old for double precision."""
     import rhino3dm
 
@@ -62,7 +61,7 @@ def rhino3dm_module():
     return rhino3dm
 
 
-def read_archive(path: Union[str, os.PathLike]) -> rhino3dm.File3dm:
+def read_archive(path: Union[str, os.PathLike]) -> Archive:
     """Return the archive in a .3dm file.
 
     The file is read by a child process first where there is a Python to run one: what
@@ -82,7 +81,7 @@ def read_archive(path: Union[str, os.PathLike]) -> rhino3dm.File3dm:
     return archive
 
 
-def write_archive(archive: rhino3dm.File3dm, path: Union[str, os.PathLike], version: int = 7) -> None:
+def write_archive(archive: Archive, path: Union[str, os.PathLike], version: int = 7) -> None:
     """Save an archive as a .3dm file, whole or not at all.
 
     Parameters
@@ -108,7 +107,7 @@ def write_archive(archive: rhino3dm.File3dm, path: Union[str, os.PathLike], vers
             raise FileError(f"{path} cannot be written: rhino3dm gave up; is the disk full?")
 
 
-def list_items(archive: rhino3dm.File3dm) -> list[Item]:
+def list_items(archive: Archive) -> list[Item]:
     """Return the objects of an archive in their order; those inside of block definitions are left out."""
     layers = {}
     for layer in archive.Layers:
@@ -134,8 +133,8 @@ def list_items(archive: rhino3dm.File3dm) -> list[Item]:
     return items
 
 
-def _kind(geometry: rhino3dm.GeometryBase) -> str:
-    import rhino3dm
+def _kind(geometry: Geometry) -> str:
+    rhino3dm = rhino3dm_module()
 
     kinds = (
         (rhino3dm.Mesh, "mesh"),
@@ -147,7 +146,7 @@ def _kind(geometry: rhino3dm.GeometryBase) -> str:
     return next((name for kind, name in kinds if isinstance(geometry, kind)), type(geometry).__name__)
 
 
-def _texts(thing: rhino3dm.CommonObject) -> dict[str, str]:
+def _texts(thing: Geometry) -> dict[str, str]:
     return {key.strip().casefold(): value for key, value in thing.GetUserStrings() or ()}
 
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ._types import Curve
+from ._types import Point3d
 from .archive import Item
+from .archive import rhino3dm_module
 from .sketch import Drawn
 from .user_text import dot_target
 from .user_text import user_target
-
-if TYPE_CHECKING:
-    import rhino3dm
 
 __all__ = ["curve_points", "to_drawn"]
 
@@ -35,7 +33,7 @@ def to_drawn(item: Item, tolerance: float) -> Drawn:
     return Drawn(item.label, item.kind, points, target, item.text)
 
 
-def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+def curve_points(curve: Curve, tolerance: float) -> FloatArray:
     """Return points along a curve whose polyline keeps within a tolerance of it.
 
     The corners of polylines come back exactly; the parts of a polycurve are taken one by
@@ -53,7 +51,7 @@ def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     (k, 3) float64
         First and last equal if the curve is closed. Empty if the curve has no finite points.
     """
-    import rhino3dm
+    rhino3dm = rhino3dm_module()
 
     if isinstance(curve, rhino3dm.PolyCurve) and curve.SegmentCount > 1:
         parts = [curve_points(curve.SegmentCurve(i), tolerance) for i in range(curve.SegmentCount)]
@@ -72,7 +70,7 @@ def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     return points
 
 
-def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+def _sample(curve: Curve, tolerance: float) -> FloatArray:
     """Halve the parameter intervals until their middles are within the tolerance of the chords."""
     low, high = curve.Domain.T0, curve.Domain.T1
 
@@ -99,5 +97,5 @@ def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     return points
 
 
-def _places(points: list[rhino3dm.Point3d]) -> FloatArray:
+def _places(points: list[Point3d]) -> FloatArray:
     return np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)

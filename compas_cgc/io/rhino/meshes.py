@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import deque
 from itertools import chain
 from operator import attrgetter
-from typing import TYPE_CHECKING
 from typing import Callable
 from typing import NamedTuple
 from typing import Optional
@@ -18,13 +17,13 @@ from ...errors import FileError
 from ...errors import MeshError
 from ...meshing import face_regions
 from ...meshing.cleanup import tidy
+from ._types import Geometry
+from ._types import Mesh
 from .archive import Item
+from .archive import rhino3dm_module
 from .precision import rounding_of
 from .sketch import Part
 from .user_text import user_target
-
-if TYPE_CHECKING:
-    import rhino3dm
 
 __all__ = ["JoinedMesh", "coloured", "join_meshes", "mesh_from_arrays", "mesh_to_arrays", "to_part"]
 
@@ -67,7 +66,7 @@ def to_part(item: Item) -> tuple[Part, list[str]]:
     return Part(item.label, V, F, rounding, user_target({**item.layer_text, **item.text}), item.text), notes
 
 
-def mesh_to_arrays(mesh: rhino3dm.Mesh) -> tuple[FloatArray, IntArray]:
+def mesh_to_arrays(mesh: Mesh) -> tuple[FloatArray, IntArray]:
     """Return the vertices (n, 3) [L] and faces (m, 4) of a Rhino mesh; a triangle repeats its last corner."""
     points = mesh.Vertices.ToPoint3dArray()
     vertices = np.column_stack([np.fromiter(map(attrgetter(axis), points), np.float64, len(points)) for axis in "XYZ"])
@@ -75,7 +74,7 @@ def mesh_to_arrays(mesh: rhino3dm.Mesh) -> tuple[FloatArray, IntArray]:
     return vertices, faces
 
 
-def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> rhino3dm.Mesh:
+def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> Mesh:
     """Return a Rhino mesh with every bit of the coordinates.
 
     Parameters
@@ -85,7 +84,7 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> rhino3dm.Mesh:
     faces
         ``(m, 3)`` vertex indices.
     """
-    import rhino3dm
+    rhino3dm = rhino3dm_module()
 
     mesh = rhino3dm.Mesh()
     _feed(mesh.Vertices.AddPoint3d, np.asarray(vertices, dtype=np.float64))
@@ -94,7 +93,7 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> rhino3dm.Mesh:
     return mesh
 
 
-def coloured(mesh: rhino3dm.Mesh, colours: IntArray) -> rhino3dm.Mesh:
+def coloured(mesh: Mesh, colours: IntArray) -> Mesh:
     """Return a copy of a Rhino mesh with colours of its vertices (n, 3), red, green and blue in 0..255."""
     copy = mesh.Duplicate()
     copy.VertexColors.Clear()
@@ -107,9 +106,9 @@ def _feed(add: Callable[[float, float, float], object], rows: np.ndarray) -> Non
     deque(map(add, *rows.T.tolist()), maxlen=0)
 
 
-def _render_arrays(geometry: rhino3dm.GeometryBase) -> Optional[tuple[FloatArray, IntArray]]:
+def _render_arrays(geometry: Geometry) -> Optional[tuple[FloatArray, IntArray]]:
     """Return the arrays of the mesh that Rhino saved with a Brep or an extrusion to draw it by, None if there is none."""
-    import rhino3dm
+    rhino3dm = rhino3dm_module()
 
     parts = []
     if isinstance(geometry, rhino3dm.Extrusion):

@@ -10,7 +10,6 @@ from typing import Optional
 from typing import Union
 
 import numpy as np
-import rhino3dm
 
 from ..._version import __version__
 from ...analysis import SurfaceReport
@@ -34,6 +33,7 @@ from .write import new_archive
 
 if TYPE_CHECKING:
     from ...datastructures import SolveResult
+from ._types import Mesh
 
 __all__ = ["write_result"]
 
@@ -102,7 +102,7 @@ def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
     return {"status": result.status, "max error": repr(result.max_error), "method": result.method, "version": __version__, **one}
 
 
-def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: rhino3dm.Mesh, report: SurfaceReport) -> None:
+def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report: SurfaceReport) -> None:
     """Draw one mesh for each region, with its figures as user text."""
     on_regions = writer.layer(f"{RESULT}::Regions", (140, 110, 60), visible=False)
     label = problem.regions()
@@ -115,7 +115,7 @@ def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: rhino3dm.Mesh
         writer.mesh(part, attributes)
 
 
-def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: rhino3dm.Mesh) -> None:
+def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
     """Draw the mesh coloured by curvature and by error, each with a legend."""
     K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
     low, high, size = _extent(problem.vertices)

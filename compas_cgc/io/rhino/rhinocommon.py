@@ -15,6 +15,7 @@ from typing import Optional
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..._lazy import attach
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ..reading import ReadProblem
@@ -35,6 +36,8 @@ __all__ = [
     "polyline_to_rhino",
     "problem_from_rhino",
 ]
+
+__getattr__, __dir__ = attach(__name__, {}, renamed={"model_from_rhino": f"{__name__}.problem_from_rhino"})
 
 
 def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:

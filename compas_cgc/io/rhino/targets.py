@@ -77,7 +77,7 @@ def find_targets(
         if distance > 0.0:
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was given to the nearest region, {r}")
         K[r] = item.target
-    without = np.flatnonzero(np.isnan(K)) if np.isfinite(K).any() else []
+    without = np.flatnonzero(np.isnan(K) & np.isfinite(K).any())
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
     targets = np.full(len(mesh.vertices), np.nan)
     for corner in range(3):

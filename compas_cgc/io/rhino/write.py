@@ -11,7 +11,6 @@ from typing import Optional
 from typing import Union
 
 import numpy as np
-import rhino3dm
 
 from ..._version import __version__
 from ...discrete.arrays import FloatArray
@@ -20,6 +19,10 @@ from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ._types import Archive
+from ._types import Mesh
+from ._types import ObjectAttributes
+from .archive import rhino3dm_module
 from .archive import write_archive
 from .meshes import mesh_from_arrays
 from .sketch import Drawn
@@ -34,6 +37,8 @@ __all__ = ["LayerWriter", "draw_problem", "new_archive", "write_problem"]
 
 _Colour = tuple[int, int, int]
 
+rhino3dm = rhino3dm_module()
+
 
 class LayerWriter:
     """An archive that is being drawn to.
@@ -44,7 +49,7 @@ class LayerWriter:
         A new one, or one that was read.
     """
 
-    def __init__(self, archive: rhino3dm.File3dm):
+    def __init__(self, archive: Archive):
         self.archive = archive
 
     def clear(self, parent: str) -> None:
@@ -68,7 +73,7 @@ class LayerWriter:
 
     def attributes(
         self, layer: int, name: str = "", text: Optional[Mapping[str, str]] = None, colour: Optional[_Colour] = None
-    ) -> rhino3dm.ObjectAttributes:
+    ) -> ObjectAttributes:
         """Return attributes of an object on a layer, with a name, user text and a colour of its own."""
         attributes = rhino3dm.ObjectAttributes()
         attributes.LayerIndex, attributes.Name = layer, name
@@ -78,16 +83,16 @@ class LayerWriter:
             attributes.ObjectColor, attributes.ColorSource = (*colour, 255), rhino3dm.ObjectColorSource.ColorFromObject
         return attributes
 
-    def mesh(self, mesh: rhino3dm.Mesh, attributes: rhino3dm.ObjectAttributes) -> None:
+    def mesh(self, mesh: Mesh, attributes: ObjectAttributes) -> None:
         """Add a mesh."""
         self.archive.Objects.AddMesh(mesh, attributes)
 
-    def points(self, points: FloatArray, attributes: rhino3dm.ObjectAttributes) -> None:
+    def points(self, points: FloatArray, attributes: ObjectAttributes) -> None:
         """Add points (k, 3) [L]."""
         for x, y, z in np.asarray(points, dtype=np.float64).tolist():
             self.archive.Objects.AddPoint(rhino3dm.Point3d(x, y, z), attributes)
 
-    def cloud(self, points: FloatArray, attributes: rhino3dm.ObjectAttributes) -> None:
+    def cloud(self, points: FloatArray, attributes: ObjectAttributes) -> None:
         """Add points (k, 3) [L] as one object: a point cloud where there are several."""
         if len(points) == 1:
             self.points(points, attributes)
@@ -97,12 +102,12 @@ class LayerWriter:
             cloud.Add(rhino3dm.Point3d(x, y, z))
         self.archive.Objects.AddPointCloud(cloud, attributes)
 
-    def polyline(self, points: FloatArray, attributes: rhino3dm.ObjectAttributes) -> None:
+    def polyline(self, points: FloatArray, attributes: ObjectAttributes) -> None:
         """Add a polyline through points (k, 3) [L]."""
         line = [rhino3dm.Point3d(x, y, z) for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
         self.archive.Objects.AddPolyline(line, attributes)
 
-    def dot(self, text: str, place: Sequence[float], attributes: rhino3dm.ObjectAttributes) -> None:
+    def dot(self, text: str, place: Union[FloatArray, Sequence[float]], attributes: ObjectAttributes) -> None:
         """Add a text dot at a place (3,) [L]."""
         self.archive.Objects.AddTextDot(text, rhino3dm.Point3d(*(float(x) for x in place)), attributes)
 
@@ -144,7 +149,7 @@ def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version:
     write_archive(writer.archive, path, version)
 
 
-def new_archive(problem: CGCProblem) -> rhino3dm.File3dm:
+def new_archive(problem: CGCProblem) -> Archive:
     """Return an empty archive for a problem, by default in metres with a tolerance to suit its size."""
     archive = rhino3dm.File3dm()
     archive.ApplicationName = "compas_cgc"
@@ -154,7 +159,7 @@ def new_archive(problem: CGCProblem) -> rhino3dm.File3dm:
     return archive
 
 
-def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: rhino3dm.Mesh, text: Optional[dict[str, str]] = None) -> None:
+def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Mesh, text: Optional[dict[str, str]] = None) -> None:
     """Draw a mesh with its supports as points, creases as polylines and constraints on the sublayers of `parent`.
 
     The user text of the mesh is `text` with what of the problem cannot be drawn.

@@ -7,8 +7,6 @@ import time
 from collections.abc import Mapping
 from typing import Callable
 
-import numpy as np
-
 from ...analysis import analyse
 from ...datastructures import SolveResult
 from ...model.checks import check
@@ -25,7 +23,7 @@ from .requests import READERS
 from .requests import SolveRequest
 from .serialization import pack_result
 
-__all__ = ["Progress", "solve_job", "warm_up"]
+__all__ = ["Progress", "run_request", "solve_job", "warm_up"]
 
 INTERVAL = 0.1  # seconds between two reports
 FIGURES = ("step", "steps", "energy", "error_norm", "max_error", "seconds")
@@ -57,6 +55,11 @@ class Progress:
         return stop_wanted()
 
 
+def run_request(request: SolveRequest) -> SolveResult:
+    """Solve a request and report on the way."""
+    return solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
+
+
 def solve_job(
     kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Callable[[dict, bytes, Limits], SolveRequest]] = READERS
 ) -> JobOutput:
@@ -80,11 +83,9 @@ def solve_job(
         if kind not in readers:
             raise Gone("the request was stored by another version of the server; submit the job again")
         request = readers[kind](options, body, limits)
-        result = solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
+        result = run_request(request)
     except (RequestError, ValueError) as error:
         return JobOutput(str(error))
-    if not np.isfinite(result.vertices).all():
-        return JobOutput("the solve ended with coordinates that are no numbers; check the scale of the mesh and its targets")
     return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled")
 
 
@@ -106,4 +107,4 @@ def warm_up() -> None:
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
     for method in METHODS:
-        analyse(solve(mesh, method=method).mesh)
+        analyse(solve(mesh, method=method))

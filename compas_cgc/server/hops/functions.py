@@ -19,10 +19,9 @@ from ...model.checks import check
 from ...model.problem import CGCProblem
 from ...solvers.flow import FlowSettings
 from ...solvers.registry import method_of
-from ...solvers.run import solve
 from ..api.requests import SolveRequest
 from ..api.rhino_mesh import mesh_text
-from ..api.tasks import Progress
+from ..api.tasks import run_request
 from ..errors import RequestError
 from ..limits import Limits
 from .data_tree import entry
@@ -69,7 +68,7 @@ def _solve(inputs: dict, context: dict, limits: Limits, started: float) -> Reply
 
 def _solved(request: SolveRequest, started: float) -> Reply:
     read = time.perf_counter()
-    result = _run(request)
+    result = run_request(request)
     solved = time.perf_counter()
     notes = list(request.notes)
     if result.status not in GOOD_ENOUGH:
@@ -84,16 +83,12 @@ def _flow(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
     request = dome_request(inputs, context, limits, inputs["K"])
     read = time.perf_counter()
     settings = FlowSettings(steps=inputs["Steps"], finish=False)
-    result = _run(request._replace(method=method_of(settings), settings=settings))
+    result = run_request(request._replace(method=method_of(settings), settings=settings))
     solved = time.perf_counter()
     # Steps that were asked for and taken are no failure.
     warnings = [] if result.status in ("converged", "step_limit") else [result.message]
     values = surface_values(result, "\n".join([result.message, *request.notes]))
     return Reply(200, values, [], warnings, _spent(started, read, solved))
-
-
-def _run(request: SolveRequest) -> SolveResult:
-    return solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
 
 
 def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:

@@ -73,9 +73,7 @@ def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], hint: st
         try:
             # Some clients write the numbers as texts.
             numbers = {key: int(data[key]) for key in ("version", "archive3dm", "opennurbs")}
-            geometry = rhino3dm.CommonObject.Decode(  # type: ignore[attr-defined]
-                {**numbers, "data": data["data"]}
-            )
+            geometry = rhino3dm.CommonObject.Decode({**numbers, "data": data["data"]})
         except Exception:
             geometry = None
     if type(geometry).__name__ not in classes:

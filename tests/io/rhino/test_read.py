@@ -138,6 +138,14 @@ def test_constraints_besides_the_curvature(sketch, tmp_path):
         assert {v for held in found["Fixed"] for v in held.vertices} == {57, *row(N, 7)}
 
 
+def test_the_points_of_a_cloud_are_one_constraint_for_each_height(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh")
+    sketch.cloud(vertices[[55, 33, 57]] + [[0, 0, 3.5], [0, 0, 2], [0, 0, 3.5]], "CGC::Constraints")
+    high, low = read_3dm(sketch.save(tmp_path / "a.3dm")).checked().constraints
+    assert (high.vertices, high.height) == ([55, 57], 3.5) and (low.vertices, low.height) == ([33], 2.0)
+
+
 def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
     vertices, faces = plan()
     broken = {
