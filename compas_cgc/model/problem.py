@@ -115,7 +115,7 @@ class CGCProblem:
     >>> a = np.array([k for k in range(90) if k % 10 < 9])
     >>> faces = np.vstack([np.column_stack([a, a + 10, a + 11]), np.column_stack([a, a + 11, a + 1])])
     >>> problem = CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01)
-    >>> problem.asked.sum(), problem.target_scale
+    >>> int(problem.asked.sum()), problem.target_scale
     (64, 0.01)
     """
 
