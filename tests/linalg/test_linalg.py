@@ -101,9 +101,10 @@ def test_as_many_entries_in_other_places_are_another_sparsity(meshed, backend):
     other = A[order][:, order].tocsr()
     other.sort_indices()
     assert other.nnz == A.nnz and not np.array_equal(other.indices, A.indices)
-    solver, b = linear_solver(n, backend=backend), right_side(n)
+    # Without refinement, which would find wrong factors out and make others.
+    solver, b = linear_solver(n, backend=backend, refine=False), right_side(n)
     x = solver.factorise(A).solve(b)
-    assert np.allclose(solver.factorise(other).solve(b[order]), x[order], rtol=1e-8, atol=1e-10)
+    assert np.allclose(solver.factorise(other).solve(b[order]), x[order], rtol=1e-6, atol=1e-8)
 
 
 @pytest.mark.parametrize("backend", DIRECT)
