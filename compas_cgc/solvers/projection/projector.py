@@ -113,12 +113,12 @@ class Projector:
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        for taken in ways(system, equations, start, settings) if status == "stalled" else ():
+        for taken in ways(system, equations, start, settings, vertices is not None) if status == "stalled" else ():
             here = system.at(taken.vertices, equations)
             best = min(best, here, key=lambda point: point.badness)
             errors = (here.error_norm / scale2, here.max_error / scale2)
             rows.append((energy(here.vertices) * self._frame.scale, *errors, taken.length, taken.trials, True))
-            if here.fulfils(goal, system.floor):
+            if taken.settled and here.fulfils(goal, system.floor):
                 status, best = "converged", here
             elif len(rows) == settings.steps:
                 status = "step_limit"

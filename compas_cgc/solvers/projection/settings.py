@@ -6,7 +6,11 @@ import math
 from dataclasses import asdict
 from dataclasses import dataclass
 
-__all__ = ["ProjectionSettings"]
+__all__ = ["AUTO", "KEEP", "ProjectionSettings"]
+
+# What nearness weighs in plan and in height, by what the designer wants to keep.
+KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
+AUTO = "auto"
 
 
 @dataclass(frozen=True)
@@ -20,11 +24,16 @@ class ProjectionSettings:
     tolerance
         Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets
         are zero: of one over the area of the mesh), or when what is left is rounding.
+    keep
+        What of the drawing the surface keeps: its ``"plan"``, seen along the direction that the
+        mesh faces, while heights go where the surface bends least; its ``"shape"``, plan
+        and heights; or ``"nothing"`` but the supports. With ``"auto"`` its shape where
+        it bends far more than its supports make it, and its plan elsewhere.
     nearness
-        Weight of staying near the input. Only its ratio to ``smoothness`` counts.
+        Weight of what is kept. Only its ratio to ``smoothness`` counts.
     smoothness
-        Length over which the move is kept smooth, as a part of the square root of the
-        area, where ``nearness`` is one. Small: the surface keeps to the input and K
+        Length over which bending outweighs nearness, as a part of the square root of the
+        area, where ``nearness`` is one. Small: the surface keeps to the drawing and K
         is mended on the spot. Large: it bends as a whole, like a plate.
     crease_stiffness
         Bending stiffness across creases, as a part of that elsewhere: zero lets them
@@ -40,6 +49,7 @@ class ProjectionSettings:
 
     steps: int = 100
     tolerance: float = 1e-12
+    keep: str = AUTO
     nearness: float = 1.0
     smoothness: float = 0.1
     crease_stiffness: float = 0.1
@@ -50,6 +60,7 @@ class ProjectionSettings:
         rules = {
             "steps": (isinstance(self.steps, int) and not isinstance(self.steps, bool) and self.steps >= 1, "a whole number from 1 up"),
             "tolerance": (_is_number(self.tolerance) and self.tolerance >= 0, "a number from 0 up"),
+            "keep": (isinstance(self.keep, str) and self.keep in (AUTO, *KEEP), f"one of {', '.join((AUTO, *KEEP))}"),
             "nearness": (_is_number(self.nearness) and self.nearness > 0, "a positive number"),
             "smoothness": (_is_number(self.smoothness) and self.smoothness > 0, "a positive number"),
             "crease_stiffness": (_is_number(self.crease_stiffness) and 0 <= self.crease_stiffness <= 1, "between 0 and 1"),

@@ -3,59 +3,88 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Optional
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .gauss_newton import in_stages
-from .initial_guess import flat_vertices
-from .initial_guess import seeded
 from .iterate import Point
 from .messages import enclosed_negative
+from .sequential import NEAR
+from .sequential import Reached
+from .sequential import approach
 from .settings import ProjectionSettings
+from .starts import starts
 from .system import System
+from .trust_region import refine
 
 __all__ = ["ways"]
 
-FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
-LESS, MORE = 0.5, 2.5  # other smoothness to try, against the one asked for
+CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
+FINISH = 4  # steps to rounding without much gain after which it is reached
+TRIED = 2  # starts whose results are compared
 
 
-def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> Iterator[Taken]:
-    """Take steps straight to the targets and, should that stall, in other ways from the start again."""
-    if settings.seed_height > 0:
-        start = _seeded(system, equations, start, settings.seed_height)
-    start = system.at(system.settled(start.vertices), equations)
+def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
+    """Take steps to the fairest shape and, should that stall, in other ways from the start again.
+
+    A warm start is gone on from; others are compared with starts of our own.
+    """
+    tried = [system.at(system.settled(start.vertices), equations)] if warm else starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
         # Over-determined: to insist on it would crumple the surface.
-        yield from descend(system, equations, start, IMPATIENT)
+        yield from descend(system, equations, tried[0], IMPATIENT)
         return
-    yield from descend(system, equations, start)
-    if settings.retry:
-        yield from descend(system.smoother(LESS), equations, start)
-        smooth = system.smoother(MORE)
-        yield from descend(smooth, equations, start)
-        yield from in_stages(smooth, equations.targets, start.vertices)
+    reached = yield from _fairest(system, equations, tried[:TRIED])
+    if reached is None and settings.retry:
+        others = starts(system, equations, start, settings) if warm else tried[TRIED:]
+        reached = yield from _fairest(system, equations, others)
+    if reached is not None:
+        yield from _finished(system, equations, reached)
+    elif settings.retry:
+        yield from _nearest(system.keeping("shape"), equations, tried[0])
 
 
-def _seeded(system: System, equations: CurvatureEquations, start: Point, highest: float) -> Point:
-    rows, targets = system.rows, equations.targets[system.rows]
-    wanted = np.zeros(len(start.vertices))
-    wanted[rows] = targets * start.areas
-    flat = flat_vertices(start.vertices, system.faces, wanted)
-    if not np.abs(wanted[flat]).sum() > FLAT_SHARE * np.abs(wanted).sum():
-        return start
+def _nearest(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
+    """Take least-norm steps to the equations, the fairness of which comes after."""
+    reached = yield from _closed(system, equations, Reached(start, np.zeros(len(system.leading))))
+    if system.missing(reached.point, equations) <= NEAR:
+        yield from _finished(system, equations, reached)
+    else:
+        yield from in_stages(system, equations.targets, start.vertices)
 
-    def defects(vertices: FloatArray) -> FloatArray:
-        residual, areas = equations.measure(vertices)
-        result = np.zeros(len(vertices))
-        result[rows] = residual + targets * areas
-        return result
 
-    wanted = np.where(flat, wanted, 0.0)
-    shape = seeded(start.vertices, system.faces, system.columns, system.fairness.plate, wanted, defects, highest)
-    return system.at(shape, equations)
+def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> Iterator[Taken]:
+    """Approach the equations from several starts; return the one that ends with the least energy, if any."""
+    best: Optional[Reached] = None
+    least = 0.0
+    for point in tried:
+        reached = yield from approach(system, equations, point)
+        if NEAR < system.missing(reached.point, equations) <= CLOSE:
+            reached = yield from _closed(system, equations, reached)
+        if system.missing(reached.point, equations) > NEAR:
+            continue
+        energy = system.fairness.energy(reached.point.vertices)[0]
+        if best is None or energy < least:
+            best, least = reached, energy
+    return best
+
+
+def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+    """Take least-norm steps until the equations are near enough."""
+    here = reached.point
+    for taken in descend(system, equations, here):
+        here = system.at(taken.vertices, equations)
+        yield taken._replace(settled=False)
+        if system.missing(here, equations) <= NEAR:
+            break
+    return Reached(here, reached.multipliers)
+
+
+def _finished(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+    reached = yield from refine(system, equations, reached)
+    yield from descend(system, equations, reached.point, patience=FINISH)
