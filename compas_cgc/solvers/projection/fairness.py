@@ -30,7 +30,7 @@ __all__ = ["Fairness"]
 LEAST_MASS = 1e-6  # of a vertex, against the mean
 SEED_MASS = 1e-4  # what holds a plate that nothing else holds
 DRAWN = 3.0  # bending of a drawing, against that of the fairest shape through its supports, from which it is meant
-FLAT = 1e-15  # squared distance, in the local frame, that is rounding
+FLAT = 1e-15  # squared height, in the local frame, that is rounding
 FACING = 0.25  # part of the area that faces one way from which a mesh has a plan
 
 
@@ -96,7 +96,16 @@ class Fairness:
 
     def drawn(self) -> bool:
         """Return whether the drawing bends far more than the fairest shape through its supports: someone meant it."""
-        return self._bent(self._drawing) > DRAWN * self._bent(self.fairest_through(self._drawing)) + FLAT * self._bending.diagonal().sum()
+        return self.bends() and self._bent(self._drawing) > DRAWN * self._bent(self.fairest_through(self._drawing))
+
+    def bends(self) -> bool:
+        """Return whether the drawing is not flat."""
+        return self._bent(self._drawing) > FLAT * self._bending.diagonal().sum()
+
+    def relaxed(self) -> FloatArray:
+        """Return the drawing (n, 3) with the heights of the fairest shape through its supports."""
+        up = self.axes[2]
+        return self._drawing + ((self.fairest_through(self._drawing) - self._drawing) @ up)[:, None] * up
 
     def _bent(self, vertices: FloatArray) -> float:
         return dot(vertices.ravel(), (self._bending @ vertices).ravel())

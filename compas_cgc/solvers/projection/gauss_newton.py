@@ -34,6 +34,7 @@ class Taken(NamedTuple):
     length: float  # part of the full step
     trials: int
     settled: bool = True  # whether nothing but the equations is left to be met
+    equations: Optional[CurvatureEquations] = None  # those that it was for, where they are not the ones asked
 
 
 def descend(system: System, equations: CurvatureEquations, start: Point, slow: float = SLOW, patience: int = PATIENCE) -> Iterator[Taken]:

@@ -19,7 +19,9 @@ ROUNDS = 60  # of the Lanczos method
 SPREAD = 1.7  # step of the first vector's phase: some of every mode
 
 
-def bending_modes(system: System, equations: CurvatureEquations, vertices: FloatArray, lacking: FloatArray, count: int = 2) -> list[FloatArray]:
+def bending_modes(
+    system: System, equations: CurvatureEquations, vertices: FloatArray, lacking: FloatArray, count: int = 2
+) -> list[FloatArray]:
     """Return moves along the normals that bring the most curvature, where it is lacking, for their bending energy.
 
     Where a surface is flat, or its curvature does not change with a small move, the defects change with the square of

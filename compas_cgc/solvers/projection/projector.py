@@ -114,7 +114,7 @@ class Projector:
         elif not len(system.columns):
             status = "infeasible"
         for taken in ways(system, equations, start, settings, vertices is not None) if status == "stalled" else ():
-            here = system.at(taken.vertices, equations)
+            here = system.at(taken.vertices, taken.equations or equations)
             best = min(best, here, key=lambda point: point.badness)
             errors = (here.error_norm / scale2, here.max_error / scale2)
             rows.append((energy(here.vertices) * self._frame.scale, *errors, taken.length, taken.trials, True))

@@ -11,6 +11,7 @@ __all__ = ["AUTO", "KEEP", "ProjectionSettings"]
 # What nearness weighs in plan and in height, by what the designer wants to keep.
 KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
 AUTO = "auto"
+MEASURES = ("defect", "smooth")
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,9 @@ class ProjectionSettings:
         mesh faces, while heights go where the surface bends least; its ``"shape"``, plan
         and heights; or ``"nothing"`` but the supports. With ``"auto"`` its shape where
         it bends far more than its supports make it, and its plan elsewhere.
+    measure
+        How K is read off the mesh: by angle ``"defect"`` over area, the paper's; or ``"smooth"``, by
+        that less what the layout of the mesh puts into it, so that an irregular mesh leaves no wrinkles.
     nearness
         Weight of what is kept. Only its ratio to ``smoothness`` counts.
     smoothness
@@ -47,9 +51,10 @@ class ProjectionSettings:
         and at last targets that come from the curvature of the start in stages.
     """
 
-    steps: int = 100
+    steps: int = 300
     tolerance: float = 1e-12
     keep: str = AUTO
+    measure: str = "defect"
     nearness: float = 1.0
     smoothness: float = 0.1
     crease_stiffness: float = 0.1
@@ -61,6 +66,7 @@ class ProjectionSettings:
             "steps": (isinstance(self.steps, int) and not isinstance(self.steps, bool) and self.steps >= 1, "a whole number from 1 up"),
             "tolerance": (_is_number(self.tolerance) and self.tolerance >= 0, "a number from 0 up"),
             "keep": (isinstance(self.keep, str) and self.keep in (AUTO, *KEEP), f"one of {', '.join((AUTO, *KEEP))}"),
+            "measure": (self.measure in MEASURES, f"one of {', '.join(MEASURES)}"),
             "nearness": (_is_number(self.nearness) and self.nearness > 0, "a positive number"),
             "smoothness": (_is_number(self.smoothness) and self.smoothness > 0, "a positive number"),
             "crease_stiffness": (_is_number(self.crease_stiffness) and 0 <= self.crease_stiffness <= 1, "between 0 and 1"),

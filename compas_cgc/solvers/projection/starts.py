@@ -49,7 +49,7 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     candidates = [_Candidate(drawing, 1.0)]
     if seed is not None:
         candidates.append(_Candidate(seed, 1.0))
-    plate = system.at(system.settled(system.fairness.fairest_through(drawing.vertices)), equations)
+    plate = system.at(system.settled(system.fairness.relaxed()), equations)
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]

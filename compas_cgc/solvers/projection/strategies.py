@@ -12,6 +12,8 @@ from .gauss_newton import Taken
 from .gauss_newton import descend
 from .gauss_newton import in_stages
 from .iterate import Point
+from .measure import FINISH
+from .measure import smoothed
 from .messages import enclosed_negative
 from .sequential import NEAR
 from .sequential import Reached
@@ -25,14 +27,14 @@ __all__ = ["ways"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
-FINISH = 4  # steps to rounding without much gain after which it is reached
 TRIED = 2  # starts whose results are compared
 
 
 def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
     """Take steps to the fairest shape and, should that stall, in other ways from the start again.
 
-    A warm start is gone on from; others are compared with starts of our own.
+    A warm start is gone on from; others are compared with starts of our own. The smooth measure is turned to once
+    the surface is fair by angle defects: only then do fits tell the layout of the mesh from wrinkles.
     """
     tried = [system.at(system.settled(start.vertices), equations)] if warm else starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
@@ -43,19 +45,16 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     if reached is None and settings.retry:
         others = starts(system, equations, start, settings) if warm else tried[TRIED:]
         reached = yield from _fairest(system, equations, others)
-    if reached is not None:
-        yield from _finished(system, equations, reached)
-    elif settings.retry:
-        yield from _nearest(system.keeping("shape"), equations, tried[0])
-
-
-def _nearest(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
-    """Take least-norm steps to the equations, the fairness of which comes after."""
-    reached = yield from _closed(system, equations, Reached(start, np.zeros(len(system.leading))))
-    if system.missing(reached.point, equations) <= NEAR:
-        yield from _finished(system, equations, reached)
+    if reached is None and settings.retry:
+        system = system.keeping("shape")
+        reached = yield from _nearest(system, equations, tried[0])
+    if reached is None:
+        return
+    reached = yield from refine(system, equations, reached)
+    if settings.measure == "smooth":
+        yield from smoothed(system, equations, reached)
     else:
-        yield from in_stages(system, equations.targets, start.vertices)
+        yield from descend(system, equations, reached.point, patience=FINISH)
 
 
 def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> Iterator[Taken]:
@@ -85,6 +84,14 @@ def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> 
     return Reached(here, reached.multipliers)
 
 
-def _finished(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
-    reached = yield from refine(system, equations, reached)
-    yield from descend(system, equations, reached.point, patience=FINISH)
+def _nearest(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
+    """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
+    nothing = np.zeros(len(system.leading))
+    reached = yield from _closed(system, equations, Reached(start, nothing))
+    if system.missing(reached.point, equations) > NEAR:
+        here = start
+        for taken in in_stages(system, equations.targets, start.vertices):
+            here = system.at(taken.vertices, equations)
+            yield taken._replace(settled=False)
+        reached = Reached(here, nothing)
+    return reached if system.missing(reached.point, equations) <= NEAR else None

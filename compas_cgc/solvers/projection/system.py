@@ -13,6 +13,7 @@ from scipy import sparse
 
 from ...discrete import edge_faces
 from ...discrete import face_areas
+from ...discrete import vertex_areas
 from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
@@ -24,6 +25,7 @@ from ...model.constraints import Placing
 from ...model.constraints import indices
 from ...model.problem import CGCProblem
 from .fairness import Fairness
+from .initial_guess import flat_share
 from .iterate import TINY
 from .iterate import Point
 from .least_norm import LeastNorm
@@ -41,6 +43,8 @@ __all__ = ["System"]
 EPS = float(np.finfo(float).eps)
 SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
 STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
+FLAT_SHARE = 0.5  # of a drawing, from which its heights mean nothing
+RELAXING = 2  # times that drawn heights are let go
 SETTLING = 5  # moves that bring a shape onto curved constraints
 
 
@@ -82,14 +86,20 @@ class System:
         if len(symmetries) > 1 and keep_faces(F, symmetries):
             self.leading = np.unique(self.places.head[self.rows], return_index=True)[1]
 
-        def fairness(keep: str) -> Fairness:
-            return Fairness(problem, self.faces, self.columns, self.size, replace(settings, keep=keep), constraints)
+        def fairness(keep: str, rest: FloatArray) -> Fairness:
+            return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, replace(settings, keep=keep), constraints)
 
         self._fairness = fairness
         self.keep = "plan" if settings.keep == AUTO else settings.keep
-        self.fairness = fairness(self.keep)
-        if settings.keep == AUTO and self.fairness.drawn():
-            self.keep, self.fairness = "shape", fairness("shape")
+        self.fairness = fairness(self.keep, V)
+        # Supports pulled out of a flat sheet bend it, but nobody meant it so.
+        flat = flat_share(V, self.faces, vertex_areas(V, self.faces) / self.size**2)
+        if settings.keep == AUTO and flat < FLAT_SHARE and self.fairness.drawn():
+            self.keep, self.fairness = "shape", fairness("shape", V)
+        if self.keep != "shape":
+            # The drawn heights are not kept, so they must not count in what bending means either.
+            for _ in range(RELAXING if self.fairness.bends() else 0):
+                self.fairness = fairness(self.keep, self.fairness.relaxed())
         self._equations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         self.floor = EPS * (8.0 + 2.0 * valence)  # rounding of a sum of angles (k,) [rad]
@@ -103,7 +113,7 @@ class System:
     def keeping(self, keep: str) -> System:
         """Return the same system for another setting of what is kept of the drawing."""
         system = copy.copy(self)
-        system.keep, system.fairness = keep, self._fairness(keep)
+        system.keep, system.fairness = keep, self._fairness(keep, self.places.start)
         return system
 
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
