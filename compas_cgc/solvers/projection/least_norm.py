@@ -121,7 +121,7 @@ class LeastNorm:
         return lambda v: weight * (v - normal @ factor.solve(weight * (transposed @ v)))
 
     def _close(self, start: Cheapest, goal: float, most: int, hope: float = math.inf) -> Cheapest:
-        """Return the best that conjugate gradients find. The move is added up alongside: to form it from y at the end would cost a solve."""
+        """Return the best that conjugate gradients find; the move is added up alongside, as to form it from y at the end costs a solve."""
         precondition = self.preconditioner or self._rows
         move, y, residual = start
         least, best = norm(residual), start

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import islice
 
@@ -9,10 +10,10 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.local_fits import LocalFits
 from ...discrete.local_fits import local_fits
 from .gauss_newton import Taken
 from .gauss_newton import descend
-from .iterate import Point
 from .sequential import Reached
 from .system import System
 from .trust_region import refine
@@ -23,6 +24,7 @@ DEGREE, RINGS = 4, 3  # of the polynomials
 ROUNDS = 2  # of the search for the fairest shape
 RENEWALS = 12  # of the equations after it
 STEPS = 2  # to the equations between renewals
+LESS = 0.8  # part of the change before, above which they do not converge
 STILL = 1e-6  # change of their targets, against the largest, that is none
 FINISH = 4  # steps to rounding without much gain after which it is reached
 
@@ -38,9 +40,7 @@ def smooth_equations(system: System, equations: CurvatureEquations, vertices: Fl
     ----------
     Stetter, doi:10.1007/BF01432879.
     """
-    asked = np.zeros(len(vertices), bool)
-    asked[system.rows] = True
-    fits = local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS)
+    fits = _fits(system, equations, vertices)
     # No layout puts more into a defect than the curvatures that are there; beside edges a fit may claim so.
     most = fits.mean**2 + np.abs(fits.gaussian)
     error = np.where(np.isfinite(fits.truncation), np.clip(fits.truncation, -most, most), 0.0)
@@ -54,27 +54,45 @@ def smoothed(system: System, equations: CurvatureEquations, reached: Reached) ->
         asked = smooth_equations(system, equations, before.point.vertices)
         steps = refine(system, asked, Reached(system.at(before.point.vertices, asked), before.multipliers))
         reached = yield from _for(asked, steps)
-        if _missing(system, equations, reached.point) > _missing(system, equations, before.point):
+        if _off(system, equations, reached.point.vertices) > _off(system, equations, before.point.vertices):
             # The fits took for layout what was a wrinkle: only the nearest surface is safe.
             reached = before
             break
-    scale = float(np.abs(equations.targets[system.rows]).max(initial=0.0)) or 1.0 / system.size**2
     vertices, asked = reached.point.vertices, smooth_equations(system, equations, reached.point.vertices)
+    change = math.inf
     for _ in range(RENEWALS):
+        moved = vertices
         for taken in islice(descend(system, asked, system.at(vertices, asked)), STEPS):
-            vertices = taken.vertices
+            moved = taken.vertices
             yield taken._replace(settled=False, equations=asked)
-        before, asked = asked, smooth_equations(system, equations, vertices)
-        if np.abs(asked.targets - before.targets)[system.rows].max(initial=0.0) <= STILL * scale:
+        after = smooth_equations(system, equations, moved)
+        before, change = change, _change(system, asked, after)
+        if change > LESS * before:
+            break
+        vertices, asked = moved, after
+        if change <= STILL:
             break
     for taken in descend(system, asked, system.at(vertices, asked), patience=FINISH):
         yield taken._replace(equations=asked)
 
 
-def _missing(system: System, equations: CurvatureEquations, point: Point) -> float:
-    """Return what a shape lacks in the smooth measure."""
-    asked = smooth_equations(system, equations, point.vertices)
-    return system.missing(system.at(point.vertices, asked), equations)
+def _change(system: System, before: CurvatureEquations, after: CurvatureEquations) -> float:
+    """Return the largest change of a target, against the largest target."""
+    targets = np.abs(before.targets[system.rows]).max(initial=1e-3 / system.size**2)
+    return float(np.abs(after.targets - before.targets)[system.rows].max(initial=0.0) / targets)
+
+
+def _off(system: System, equations: CurvatureEquations, vertices: FloatArray) -> float:
+    """Return how far the fitted polynomials of a shape (n, 3) are from their targets, in the middle."""
+    fitted = _fits(system, equations, vertices).gaussian
+    away = np.abs(fitted - equations.targets)[system.rows]
+    return float(np.median(away[np.isfinite(away)])) if np.isfinite(away).any() else 0.0
+
+
+def _fits(system: System, equations: CurvatureEquations, vertices: FloatArray) -> LocalFits:
+    asked = np.zeros(len(vertices), bool)
+    asked[system.rows] = True
+    return local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS)
 
 
 def _for(equations: CurvatureEquations, steps: Iterator[Taken]) -> Iterator[Taken]:

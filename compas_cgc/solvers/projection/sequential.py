@@ -16,7 +16,6 @@ from .linearised import Linearised
 from .system import System
 from .turning import Turning
 from .vectors import dot
-from .vectors import norm
 
 __all__ = ["NEAR", "Reached", "approach", "corrected"]
 
