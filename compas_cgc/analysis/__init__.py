@@ -8,5 +8,7 @@ from .report import RegionReport
 from .report import SurfaceReport
 from .report import analyse
 from .report import analyse_problem
+from .verdict import Verdict
+from .verdict import verdict
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem", "quadric_curvatures"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "Verdict", "analyse", "analyse_problem", "quadric_curvatures", "verdict"]
