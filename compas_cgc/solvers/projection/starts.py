@@ -18,6 +18,7 @@ from .modes import bending_modes
 from .settings import ProjectionSettings
 from .system import System
 from .vectors import dot
+from .vectors import norm
 
 __all__ = ["starts"]
 
@@ -27,6 +28,7 @@ AMPLITUDES = 0.02 * 1.25 ** np.arange(17)  # of a mode, against the size of the 
 OTHER_SIDE = 1.5  # how much dearer a start is on the side away from the drawing
 CANDIDATES = 4  # of which the move to the equations is worked out
 DEAREST = 3.0  # a start, against the cheapest, that is worth a try
+UNSOLVED = 0.5  # part of the right side that no move accounts for, from which a start is hopeless, such as a flat one
 ROUGH = 1e-2  # residual of the linear system for that
 
 
@@ -41,7 +43,7 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     The cost is the metric length of the least move that fulfils the linear equations. Where the
     drawing is nearly there, or its shape is to be kept and has curvature, it is the only start.
     """
-    flat = flat_share(drawing.vertices, system.faces, system.wanted(drawing, equations)) > FLAT_SHARE
+    flat = _is_flat(system, equations, drawing)
     seed = _seeded(system, equations, drawing, settings.seed_height) if flat and settings.seed_height > 0.0 else None
     drawing = system.at(system.settled(drawing.vertices), equations)
     if settings.seed_height == 0.0 or system.missing(drawing, equations) <= NEARLY or (system.keep == "shape" and not flat):
@@ -51,9 +53,11 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
         candidates.append(_Candidate(seed, 1.0))
     plate = system.at(system.settled(system.fairness.relaxed()), equations)
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
+    candidates = [one for one in candidates if not _is_flat(system, equations, one.point)] or candidates
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
-    return [best[k].point for k in np.argsort(costs, kind="stable") if costs[k] <= DEAREST * min(costs)]
+    order = np.argsort(costs, kind="stable")
+    return [best[k].point for k in order if costs[k] <= DEAREST * costs[order[0]]]
 
 
 def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: Point) -> list[_Candidate]:
@@ -76,9 +80,16 @@ def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: 
     return found
 
 
+def _is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:
+    return flat_share(point.vertices, system.faces, system.wanted(point, equations)) > FLAT_SHARE
+
+
 def _cost(system: System, equations: CurvatureEquations, point: Point) -> float:
     linear = system.linearised(point, equations)
-    move = linear.solver.cheapest(linear.right, ROUGH).move
+    found = linear.solver.cheapest(linear.right, ROUGH)
+    if not norm(found.residual) <= UNSOLVED * norm(linear.right):
+        return math.inf
+    move = found.move
     return math.sqrt(max(0.0, dot(move, linear.solver.metric.times(move))))
 
 
