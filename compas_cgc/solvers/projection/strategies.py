@@ -27,6 +27,7 @@ __all__ = ["ways"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
+SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 TRIED = 2  # starts whose results are compared
 
 
@@ -46,8 +47,8 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         others = starts(system, equations, start, settings) if warm else tried[TRIED:]
         reached = yield from _fairest(system, equations, others)
     if reached is None and settings.retry:
-        system = system.keeping("shape")
         reached = yield from _nearest(system, equations, tried[0])
+        system = system.keeping("shape")
     if reached is None:
         return
     reached = yield from refine(system, equations, reached)
@@ -87,11 +88,13 @@ def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> 
 def _nearest(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
     """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
     nothing = np.zeros(len(system.leading))
-    reached = yield from _closed(system, equations, Reached(start, nothing))
-    if system.missing(reached.point, equations) > NEAR:
-        here = start
-        for taken in in_stages(system, equations.targets, start.vertices):
-            here = system.at(taken.vertices, equations)
-            yield taken._replace(settled=False)
-        reached = Reached(here, nothing)
-    return reached if system.missing(reached.point, equations) <= NEAR else None
+    for smoother in SMOOTHER:
+        other = system.keeping("shape", smoother)
+        reached = yield from _closed(other, equations, Reached(start, nothing))
+        if system.missing(reached.point, equations) <= NEAR:
+            return reached
+    here = start
+    for taken in in_stages(other, equations.targets, start.vertices):
+        here = system.at(taken.vertices, equations)
+        yield taken._replace(settled=False)
+    return Reached(here, nothing) if system.missing(here, equations) <= NEAR else None

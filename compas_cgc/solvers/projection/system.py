@@ -86,8 +86,9 @@ class System:
         if len(symmetries) > 1 and keep_faces(F, symmetries):
             self.leading = np.unique(self.places.head[self.rows], return_index=True)[1]
 
-        def fairness(keep: str, rest: FloatArray) -> Fairness:
-            return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, replace(settings, keep=keep), constraints)
+        def fairness(keep: str, rest: FloatArray, smoother: float = 1.0) -> Fairness:
+            own = replace(settings, keep=keep, smoothness=smoother * settings.smoothness)
+            return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, own, constraints)
 
         self._fairness = fairness
         self.keep = "plan" if settings.keep == AUTO else settings.keep
@@ -110,10 +111,10 @@ class System:
         equations.targets = np.ascontiguousarray(targets)
         return equations
 
-    def keeping(self, keep: str) -> System:
-        """Return the same system for another setting of what is kept of the drawing."""
+    def keeping(self, keep: str, smoother: float = 1.0) -> System:
+        """Return the same system for another setting of what is kept of the drawing, with so many times the smoothness."""
         system = copy.copy(self)
-        system.keep, system.fairness = keep, self._fairness(keep, self.places.start)
+        system.keep, system.fairness = keep, self._fairness(keep, self.places.start, smoother)
         return system
 
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
