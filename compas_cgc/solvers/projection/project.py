@@ -1,4 +1,4 @@
-"""One call from a problem to the nearest fair surface of the curvature asked for."""
+"""One call from a problem to the fairest surface of the curvature asked for."""
 
 from __future__ import annotations
 
@@ -22,22 +22,24 @@ def project(
     constraints: Sequence[Constraint] = (),
     callback: Optional[Callable[[SolveState], object]] = None,
 ) -> Solution:
-    r"""Move the vertices by the least that gives them the curvature asked for.
+    r"""Return the fairest surface with the curvature asked for.
 
     Unknown are the three coordinates of every vertex that may move; there is an equation
     :math:`r_i = \text{defect}_i - \bar K_i A_i = 0` at every internal vertex, and none on
-    creases and free edges. Of the many solutions, every step of Gauss-Newton takes the one
-    that is smallest in a fairness metric,
+    creases and free edges. Of the many solutions it is one that bends least, and keeps to the
+    drawing as far as the settings say,
 
-    .. math:: \min \tfrac12\, dx^T W\, dx \quad \text{subject to} \quad J\, dx = -r,
+    .. math:: \min \tfrac12\, x^T B x + \tfrac12\, |x - x_0|^2 \quad \text{subject to} \quad r(x) = 0,
 
-    with W the area-weighted distance plus the bending energy of the move, and is shortened
-    until it brings what it promises. K may have any sign; no dummy mesh is needed.
+    with B the bending energy of the shape and the distance weighed apart in plan and height. The
+    way there is sequential quadratic programming from starts of its own or the one given, then Newton's
+    method with the second derivatives of the equations, then least-norm steps to rounding. K may
+    have any sign; no dummy mesh is needed.
 
     Parameters
     ----------
     problem
-        Vertices, faces, roles and targets. The vertices are the shape to stay near to.
+        Vertices, faces, roles and targets. The vertices are the drawing, of which the settings say what is kept.
     settings
         Parameters.
     constraints
@@ -59,6 +61,7 @@ def project(
     References
     ----------
     Tang, Sun, Gomes, Wallner, Pottmann, *Form-finding with polyhedral meshes made simple*,
-    doi:10.1145/2601097.2601213.
+    doi:10.1145/2601097.2601213. Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for
+    inextensible surfaces*, doi:10.2312/SGP/SGP06/227-230.
     """
     return Projector(problem, settings, constraints).solve(callback=callback)

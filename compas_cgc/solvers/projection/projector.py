@@ -37,7 +37,7 @@ class Projector:
     Parameters
     ----------
     problem
-        Vertices, faces, roles and targets. The vertices are the shape to stay near to.
+        Vertices, faces, roles and targets. The vertices are the drawing.
     settings
         Parameters.
     constraints
@@ -77,15 +77,15 @@ class Projector:
         vertices: Optional[ArrayLike] = None,
         callback: Optional[Callable[[SolveState], object]] = None,
     ) -> Solution:
-        """Move the vertices by the least that gives them the curvature asked for.
+        """Return the fairest surface with the curvature asked for.
 
         Parameters
         ----------
         targets
             K̄ [1/L^2], one number or ``(n,)``. Default: those of the problem.
         vertices
-            ``(n, 3)`` shape to set out from, such as the last result [L]; what is fixed has
-            to be where it is in the problem. Default: the vertices of the problem.
+            ``(n, 3)`` shape to go on from, such as the last result [L]; what is fixed has
+            to be where it is in the problem. Default: the vertices of the problem, and starts of our own.
         callback
             Called with a :class:`~compas_cgc.model.result.SolveState` after every step. To cancel,
             return True or raise ``StopIteration``.
@@ -135,7 +135,7 @@ class Projector:
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(rows), max_error, start.max_error / scale2, goal / scale2, why),
+            message(status, len(rows), max_error, start.max_error / scale2, goal / scale2, why, settings.measure),
             len(rows),
             time.perf_counter() - started,
             max_error,
