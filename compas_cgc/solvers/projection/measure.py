@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from collections.abc import Iterator
 from itertools import islice
 
@@ -50,13 +51,13 @@ def smooth_equations(system: System, equations: CurvatureEquations, vertices: Fl
 def smoothed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
     """Take steps from a fair shape to the fairest one in the smooth measure, and on until its equations no longer change."""
     for _ in range(ROUNDS):
-        before = reached
-        asked = smooth_equations(system, equations, before.point.vertices)
-        steps = refine(system, asked, Reached(system.at(before.point.vertices, asked), before.multipliers))
+        earlier = reached
+        asked = smooth_equations(system, equations, earlier.point.vertices)
+        steps = refine(system, asked, Reached(system.at(earlier.point.vertices, asked), earlier.multipliers))
         reached = yield from _for(asked, steps)
-        if _off(system, equations, reached.point.vertices) > _off(system, equations, before.point.vertices):
+        if _off(system, equations, reached.point.vertices) > _off(system, equations, earlier.point.vertices):
             # The fits took for layout what was a wrinkle: only the nearest surface is safe.
-            reached = before
+            reached = earlier
             break
     vertices, asked = reached.point.vertices, smooth_equations(system, equations, reached.point.vertices)
     change = math.inf
@@ -95,7 +96,7 @@ def _fits(system: System, equations: CurvatureEquations, vertices: FloatArray) -
     return local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS)
 
 
-def _for(equations: CurvatureEquations, steps: Iterator[Taken]) -> Iterator[Taken]:
+def _for(equations: CurvatureEquations, steps: Generator[Taken, None, Reached]) -> Generator[Taken, None, Reached]:
     """Pass on steps that are for other equations than those asked, and what they come to."""
     while True:
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import NamedTuple
 from typing import Optional
 
@@ -17,7 +17,7 @@ from .system import System
 from .turning import Turning
 from .vectors import dot
 
-__all__ = ["NEAR", "Reached", "approach", "corrected"]
+__all__ = ["MOST", "NEAR", "Reached", "approach", "corrected"]
 
 MOST = 30  # steps
 LONGEST = 0.25  # of a step's longest move, against the size of the mesh
@@ -45,8 +45,8 @@ class _Step(NamedTuple):
     square: float  # of the move's length in the metric
 
 
-def approach(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
-    r"""Take steps towards the least energy for as long as its second derivative is all that is needed.
+def approach(system: System, equations: CurvatureEquations, start: Point, most: int = MOST) -> Generator[Taken, None, Reached]:
+    r"""Take steps towards the least energy, at most so many, for as long as its second derivative is all that is needed.
 
     Each step solves
 
@@ -66,7 +66,7 @@ def approach(system: System, equations: CurvatureEquations, start: Point) -> Ite
     Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5.
     """
     here, multipliers, weight, kept, tired = start, np.zeros(len(system.leading)), 0.0, None, 0
-    for _ in range(MOST):
+    for _ in range(most):
         linear = system.linearised(here, equations, kept)
         kept = linear.kept
         energy, gradient = system.fairness.energy(here.vertices)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from collections.abc import Iterator
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -15,6 +17,7 @@ from .iterate import Point
 from .measure import FINISH
 from .measure import smoothed
 from .messages import enclosed_negative
+from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
@@ -27,8 +30,19 @@ __all__ = ["ways"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
+LONG = 12  # steps after which smaller targets are tried first
+SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
+GROWING = 15  # most steps for each
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 TRIED = 2  # starts whose results are compared
+
+
+class _Found(NamedTuple):
+    reached: Reached
+    steps: int  # that it took
+
+
+_Search = Generator[Taken, None, Optional[_Found]]
 
 
 def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
@@ -42,39 +56,74 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # Over-determined: to insist on it would crumple the surface.
         yield from descend(system, equations, tried[0], IMPATIENT)
         return
-    reached = yield from _fairest(system, equations, tried[:TRIED])
-    if reached is None and settings.retry:
+    found = yield from _fairest(system, equations, tried[:TRIED])
+    if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
+        found = yield from _better(found, _grown(system, equations, start, settings), system)
+    if found is None and settings.retry:
         others = starts(system, equations, start, settings) if warm else tried[TRIED:]
-        reached = yield from _fairest(system, equations, others)
-    if reached is None and settings.retry:
-        reached = yield from _nearest(system, equations, tried[0])
+        found = yield from _fairest(system, equations, others)
+    if found is None and settings.retry:
+        found = yield from _nearest(system, equations, tried[0])
         system = system.keeping("shape")
-    if reached is None:
+    if found is None:
         return
-    reached = yield from refine(system, equations, reached)
+    reached = yield from refine(system, equations, found.reached)
     if settings.measure == "smooth":
         yield from smoothed(system, equations, reached)
     else:
         yield from descend(system, equations, reached.point, patience=FINISH)
 
 
-def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> Iterator[Taken]:
+def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> _Search:
     """Approach the equations from several starts; return the one that ends with the least energy, if any."""
-    best: Optional[Reached] = None
-    least = 0.0
+    best: Optional[_Found] = None
     for point in tried:
-        reached = yield from approach(system, equations, point)
-        if NEAR < system.missing(reached.point, equations) <= CLOSE:
-            reached = yield from _closed(system, equations, reached)
-        if system.missing(reached.point, equations) > NEAR:
-            continue
-        energy = system.fairness.energy(reached.point.vertices)[0]
-        if best is None or energy < least:
-            best, least = reached, energy
+        best = yield from _better(best, _approached(system, equations, point), system)
     return best
 
 
-def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+def _better(found: Optional[_Found], search: _Search, system: System) -> _Search:
+    """Search on; return what that comes to where it has less energy than what was found, or nothing was."""
+    other = yield from search
+    if found is None or other is None:
+        return found or other
+    energies = [system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other)]
+    return found if energies[0] <= energies[1] else other
+
+
+def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
+    """Approach the equations from a start, and close in on them should that not get near."""
+    steps, search = 0, approach(system, equations, point, most)
+    while True:
+        try:
+            taken = next(search)
+        except StopIteration as end:
+            reached = end.value
+            break
+        steps += 1
+        yield taken
+    if NEAR < system.missing(reached.point, equations) <= CLOSE:
+        reached = yield from _closed(system, equations, reached)
+    return _Found(reached, steps) if system.missing(reached.point, equations) <= NEAR else None
+
+
+def _grown(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> _Search:
+    """Approach smaller targets first, and let them grow to those asked for, each from the shape for the last."""
+    if not equations.targets[system.rows].any():
+        return None
+    point: Optional[Point] = None
+    found: Optional[_Found] = None
+    for share in SHARES:
+        part = system.equations(share * equations.targets)
+        point = starts(system, part, start, settings)[0] if point is None else system.at(point.vertices, part)
+        found = yield from _approached(system, part, point, GROWING)
+        if found is None:
+            return None
+        point = found.reached.point
+    return found
+
+
+def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
     """Take least-norm steps until the equations are near enough."""
     here = reached.point
     for taken in descend(system, equations, here):
@@ -85,16 +134,16 @@ def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> 
     return Reached(here, reached.multipliers)
 
 
-def _nearest(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
+def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
     """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
     nothing = np.zeros(len(system.leading))
     for smoother in SMOOTHER:
         other = system.keeping("shape", smoother)
         reached = yield from _closed(other, equations, Reached(start, nothing))
         if system.missing(reached.point, equations) <= NEAR:
-            return reached
+            return _Found(reached, 0)
     here = start
     for taken in in_stages(other, equations.targets, start.vertices):
         here = system.at(taken.vertices, equations)
         yield taken._replace(settled=False)
-    return Reached(here, nothing) if system.missing(here, equations) <= NEAR else None
+    return _Found(Reached(here, nothing), 0) if system.missing(here, equations) <= NEAR else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator
 from typing import Optional
 
 import numpy as np
@@ -32,7 +32,7 @@ POINTLESS = 3e-4  # decrease, against the energy, that is not worth steps that h
 ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
 
-def refine(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+def refine(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
     """Take steps to the least energy, quadratically convergent and past saddles, until nothing moves any more.
 
     Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
