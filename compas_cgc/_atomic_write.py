@@ -1,4 +1,4 @@
-"""Files that are whole or not there: written beside, then put in place."""
+"""Atomic writes: a file is written to a temporary one temporary it, which then takes its place."""
 
 from __future__ import annotations
 
@@ -12,34 +12,34 @@ from typing import Union
 __all__ = ["replacing", "write_text"]
 
 # The mask can be read by setting it only, which is not safe when threads write files.
-UMASK = os.umask(0)
-os.umask(UMASK)
+_UMASK = os.umask(0)
+os.umask(_UMASK)
 
 
 @contextmanager
 def replacing(path: Union[str, Path]) -> Iterator[Path]:
-    """Give the name of a new file beside `path`, and put it in its place when the block ends well.
+    """Give the name of a temporary file beside `path`, and put it in its place when the block ends well.
 
-    When the block raises, the new file is removed and what was at `path` is left alone.
-    The new file has the suffix of `path`, for writers that go by it.
+    When the block raises, the temporary file is removed and what was at `path` is left alone.
+    It has the suffix of `path`, for writers that go by it.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
     os.close(handle)
-    beside = Path(name)
+    temporary = Path(name)
     try:
-        yield beside
+        yield temporary
         if path.exists():
-            os.chmod(beside, path.stat().st_mode)
+            os.chmod(temporary, path.stat().st_mode)
         else:
-            os.chmod(beside, 0o666 & ~UMASK)
-        os.replace(beside, path)
+            os.chmod(temporary, 0o666 & ~_UMASK)
+        os.replace(temporary, path)
     finally:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def write_text(path: Union[str, Path], text: str) -> None:
     """Write a text file in UTF-8 with plain line ends."""
-    with replacing(path) as beside:
-        beside.write_bytes(text.encode("utf-8"))
+    with replacing(path) as temporary:
+        temporary.write_bytes(text.encode("utf-8"))

@@ -1,12 +1,14 @@
-"""What can go wrong, in one place: every error is a sentence for the person who can mend it."""
+"""Errors of the package: each is a sentence for the person who can put it right."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 __all__ = ["CGCError", "FileError", "MeshError", "ProblemError"]
 
 
 class CGCError(ValueError):
-    """Base of all errors that a user of the package can cause and mend."""
+    """Base of all errors that a user of the package can cause and put right."""
 
 
 class MeshError(CGCError):
@@ -26,6 +28,6 @@ class ProblemError(CGCError):
         The sentences of :meth:`compas_cgc.datastructures.CGCMesh.check` that refuse it.
     """
 
-    def __init__(self, problems: list[str]):
+    def __init__(self, problems: Sequence[str]):
         self.problems = list(problems)
         super().__init__("; ".join(self.problems))

@@ -12,12 +12,11 @@ from matplotlib.figure import Figure
 from compas_cgc import CGCMesh
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
-from compas_cgc.model.problem import CGCProblem
 from compas_cgc.paper.examples import example4
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import hero
 from compas_cgc.plot import save
-from compas_cgc.solvers.solve import solve
+from compas_cgc.solvers.run import solve
 
 DOCS = Path(__file__).parent
 
@@ -46,22 +45,17 @@ def reproduction() -> None:
 def roof() -> None:
     """Draw the picture of the README."""
     mesh, settings = example4(centre=4.0, around=1.0)
-    result = solve(mesh, settings=settings).mesh
-    problem = CGCProblem.from_mesh(result)
-    index = {key: i for i, key in enumerate(result.vertices())}
-    creases = np.array([[index[u], index[v]] for u, v in result.crease_edges()])
-    save(hero(problem.vertices, problem.faces, problem.roles, creases), DOCS / "images" / "nine_regions.png")
+    problem = solve(mesh, settings=settings).problem
+    save(hero(problem.vertices, problem.faces, problem.roles, problem.creases), DOCS / "images" / "nine_regions.png")
 
 
 def convention() -> None:
     """Draw which layer of a Rhino file means what."""
     mesh = CGCMesh.from_3dm(DOCS.parent / "examples" / "nine_regions.3dm")
-    problem = CGCProblem.from_mesh(mesh)
-    index = {key: i for i, key in enumerate(mesh.vertices())}
-    creases = np.array([[index[u], index[v]] for u, v in mesh.crease_edges()])
+    problem = mesh.to_problem()
     figure = Figure(figsize=(8, 4.6), dpi=160)
     ax = figure.add_axes((0.02, 0.03, 0.56, 0.94))
-    draw_shape(problem.vertices, problem.faces, problem.roles, creases, view="plan", ax=ax)
+    draw_shape(problem.vertices, problem.faces, problem.roles, problem.creases, view="plan", ax=ax)
     for region in range(9):
         x, y, _ = np.mean([mesh.face_centroid(face) for face in mesh.regions()[region]], axis=0)
         dot = dict(boxstyle="round", facecolor="#f4d35e", edgecolor="none")

@@ -1,7 +1,21 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import hypothesis
+import pytest
 
 # The compiled kernels make the first example of a property slow, so no deadline.
 hypothesis.settings.register_profile("default", deadline=None, max_examples=40, derandomize=True)
 hypothesis.settings.load_profile("default")
+
+PROCESSES = {"cli", "client", "grasshopper", "paper", "plot", "rpc", "server", "system"}
+LONG = 600  # seconds that a test may take that starts processes or is system-sized
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give tests that start processes, and slow ones, more time than the others: a busy machine may need it."""
+    for item in items:
+        folder = Path(item.path).relative_to(Path(__file__).parent).parts[0]
+        if (folder in PROCESSES or item.get_closest_marker("slow")) and item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(LONG))

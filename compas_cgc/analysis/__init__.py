@@ -1,4 +1,4 @@
-"""The honest report: how well a surface meets its targets, by more than one measure."""
+"""Analysis: how well a surface meets its targets, by more than one measure."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from .report import MeshQuality
 from .report import RegionReport
 from .report import SurfaceReport
 from .report import analyse
-from .report import analyse_problem
 from .verdict import Verdict
 from .verdict import verdict
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "Verdict", "analyse", "analyse_problem", "quadric_curvatures", "verdict"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "Verdict", "analyse", "quadric_curvatures", "verdict"]

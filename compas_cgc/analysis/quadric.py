@@ -1,4 +1,4 @@
-"""Curvatures by a local quadric fit: a second measure beside the angle defect."""
+"""Quadric fitting: curvatures by local least squares, a second measure beside the angle defect."""
 
 from __future__ import annotations
 
@@ -14,6 +14,11 @@ from scipy import sparse
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import Mask
+from ..discrete.arrays import PerVertex
+from ..discrete.arrays import Vectors
+from ..discrete.arrays import Vertices
 
 __all__ = ["QuadricCurvatures", "quadric_curvatures"]
 
@@ -21,14 +26,14 @@ __all__ = ["QuadricCurvatures", "quadric_curvatures"]
 class QuadricCurvatures(NamedTuple):
     """Curvatures of fitted quadrics, NaN where no fit was made."""
 
-    gaussian: FloatArray  # (n,) [1/L^2]
-    mean: FloatArray  # (n,) positive where convex towards the normal [1/L]
-    largest: FloatArray  # (n,) larger principal curvature [1/L]
-    smallest: FloatArray  # (n,) smaller principal curvature [1/L]
+    gaussian: PerVertex  # (n,) [1/L^2]
+    mean: PerVertex  # (n,) positive where convex towards the normal [1/L]
+    largest: PerVertex  # (n,) larger principal curvature [1/L]
+    smallest: PerVertex  # (n,) smaller principal curvature [1/L]
 
 
 @njit(cache=True)
-def across(n0, n1, n2):
+def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
     """Return the cross product of a vector with the axis that it leans to least."""
     a0, a1, a2 = abs(n0), abs(n1), abs(n2)
     if a0 <= a1 and a0 <= a2:
@@ -39,7 +44,7 @@ def across(n0, n1, n2):
 
 
 @njit(cache=True)
-def solve_in_place(M, r):
+def solve_in_place(M: FloatArray, r: FloatArray) -> None:
     """Turn r into the solution of M x = r, of which the lower half of M counts and is used up."""
     n = len(r)
     trace = 0.0
@@ -66,7 +71,7 @@ def solve_in_place(M, r):
 
 
 @njit(cache=True)
-def fit(V, N, start, near, through, wanted):
+def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, wanted: Mask) -> FloatArray:
     """Return K and H (n, 2) of the quadric through each wanted vertex that is nearest to its two rings.
 
     The second ring is reached through vertices of `through` only, so that a fit does
@@ -164,8 +169,8 @@ def quadric_curvatures(
     graph = sparse.csr_matrix((ones, (np.r_[u, v], np.r_[v, u])), shape=(n, n))
     graph.sort_indices()
     everywhere = np.ones(n, bool)
-    wanted = everywhere if wanted is None else np.asarray(wanted, dtype=bool)
-    through = everywhere if through is None else np.asarray(through, dtype=bool)
-    K, H = fit(V, vertex_normals(V, F), graph.indptr.astype(np.int64), graph.indices.astype(np.int64), through, wanted).T
+    where = everywhere if wanted is None else np.asarray(wanted, dtype=bool)
+    reached = everywhere if through is None else np.asarray(through, dtype=bool)
+    K, H = fit(V, vertex_normals(V, F), graph.indptr.astype(np.int64), graph.indices.astype(np.int64), reached, where).T
     spread = np.sqrt(np.maximum(H * H - K, 0.0))
     return QuadricCurvatures(K, H, H + spread, H - spread)

@@ -1,11 +1,10 @@
-"""How well a surface meets its targets, region by region, and how far that can be trusted."""
+"""Analysis report: curvature errors region by region, the quality of the mesh, and the rounding floor."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
@@ -15,17 +14,18 @@ from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete import vertex_areas
-from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.arrays import Vertices
 from ..meshing import vertex_labels
-from ..model.problem import INTERNAL
 from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from ..model.roles import INTERNAL
 from .quadric import quadric_curvatures
 
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
-
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "analyse_problem"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
 
 
 @dataclass(frozen=True)
@@ -104,36 +104,29 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
-def analyse(mesh: CGCMesh, reference: Optional[CGCMesh] = None) -> SurfaceReport:
-    """Measure a mesh against its targets.
+def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> SurfaceReport:
+    """Measure a surface against its targets.
 
     Parameters
     ----------
-    mesh
-        A result, or any mesh with targets. Dummies are left out.
+    surface
+        A result, mesh or problem with targets. Dummies are left out.
     reference
-        The mesh that it was made from, to tell how far it moved.
+        What it was made from, to tell how far it moved.
 
     Returns
     -------
     SurfaceReport
         Its text is meant to be read; ``to_dict`` gives the same as plain data.
+
+    Raises
+    ------
+    ValueError
+        If the reference has another number of vertices.
     """
-    return analyse_problem(CGCProblem.from_mesh(mesh), None if reference is None else reference.arrays()[0])
-
-
-def analyse_problem(problem: CGCProblem, before: Optional[FloatArray] = None) -> SurfaceReport:
-    """Measure the vertices of a problem against its targets, as :func:`analyse` does.
-
-    Parameters
-    ----------
-    problem
-        Vertices, faces, roles, targets and creases.
-    before
-        ``(n, 3)`` where its real vertices were before [L].
-    """
-    problem = problem.without_dummies()
+    problem = surface.to_problem().without_dummies()
     V, F = problem.vertices, problem.faces
+    before = None if reference is None else reference.to_problem().without_dummies().vertices
     if before is not None and before.shape != V.shape:
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
@@ -147,7 +140,7 @@ def analyse_problem(problem: CGCProblem, before: Optional[FloatArray] = None) ->
     )
 
 
-def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[RegionReport]:
+def _regions(problem: CGCProblem, label: IntArray, creases: Edges) -> list[RegionReport]:
     V, F, asked = problem.vertices, problem.faces, problem.roles == INTERNAL
     defect, cell, area = angle_defects(V, F), vertex_areas(V, F), face_areas(V, F)
     fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
@@ -182,7 +175,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: IntArray) -> list[Re
     return reports
 
 
-def _concave_edges(V: FloatArray, F: IntArray, label: IntArray, creases: IntArray) -> IntArray:
+def _concave_edges(V: Vertices, F: Faces, label: IntArray, creases: Edges) -> IntArray:
     """Return the region of every edge inside a region that folds inwards by more than rounding."""
     edges = edge_faces(F)
     edges = edges[edges[:, 3] >= 0]
@@ -195,7 +188,7 @@ def _concave_edges(V: FloatArray, F: IntArray, label: IntArray, creases: IntArra
     return label[left[sine < -1e-9 * np.linalg.norm(V[v] - V[u], axis=1)]]
 
 
-def _quality(V: FloatArray, F: IntArray, asked: np.ndarray) -> MeshQuality:
+def _quality(V: Vertices, F: Faces, asked: Mask) -> MeshQuality:
     corners = V[F]
     ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     length = np.linalg.norm(ahead, axis=2)

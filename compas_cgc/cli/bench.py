@@ -7,15 +7,15 @@ import json
 
 from .exits import DONE
 
-SIZES = (100, 1_000, 10_000, 100_000)
+__all__ = ["add_arguments", "run"]
+
+_SIZES = (100, 1_000, 10_000, 100_000)
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command and its arguments."""
-    parser = subparsers.add_parser(
-        "bench",
-        help="measure the speed on this machine",
-        description="Time the paper's examples, the growth with the mesh, the solves and the curvature kernel, as ratios within one run.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Time the paper's examples, the growth with the mesh, the solves and the curvature kernel, as ratios within one run."
     )
     parser.add_argument("--large", action="store_true", help="go on to a million vertices, which takes minutes and gigabytes")
     parser.add_argument("--backend", default="auto", help="linear solver of Newton's method: auto (default), superlu or pardiso")
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     print("\nNewton's method on a square with a fixed edge and K̄ w² = 1, from a flat start, against one SuperLU")
     print("factorisation of the Laplacian of the same mesh", flush=True)
-    sizes = (*SIZES, 1_000_000) if arguments.large else SIZES
+    sizes = (*_SIZES, 1_000_000) if arguments.large else _SIZES
     figures["newton"] = benchmarks.newton_growth(sizes, arguments.backend)
     _print(figures["newton"], "vertices status steps seconds ratio residual max_error rounding_floor peak_memory_bytes")
     print(f"the time grows as vertices to the power {benchmarks.fitted_exponent(figures['newton'], 'seconds'):.2f}")
@@ -55,7 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     print("\nA dome by a server of this machine, against the solve itself", flush=True)
     figures["server"] = benchmarks.server_overhead()
-    _print(figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds")
+    _print(
+        figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds hang_up_seconds"
+    )
 
     print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:

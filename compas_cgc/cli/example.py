@@ -6,14 +6,12 @@ import argparse
 
 from .exits import DONE
 
+__all__ = ["add_arguments", "run"]
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command and its arguments."""
-    parser = subparsers.add_parser(
-        "example",
-        help="run one of the paper's examples",
-        description="Run an example of the paper and write its mesh, its pictures and a record.",
-    )
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Run an example of the paper and write its mesh, its pictures and a record."
     parser.add_argument("number", type=int, choices=range(1, 8), metavar="NUMBER", help="1 to 7")
     parser.add_argument("--variant", help="one variant only, such as 'a' of Example 4 (default: all)")
     parser.add_argument("--out", default="out", metavar="DIR", help="directory for the files (default: out)")

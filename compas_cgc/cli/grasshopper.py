@@ -8,22 +8,19 @@ from typing import Optional
 
 from .exits import DONE
 
-EPILOG = """\
+__all__ = ["add_arguments", "build", "install", "uninstall"]
+
+_EPILOG = """\
 examples:
   compas-cgc grasshopper install
   compas-cgc grasshopper build -o grasshopper
 """
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command and its arguments."""
-    parser = subparsers.add_parser(
-        "grasshopper",
-        help="make and install the Grasshopper components",
-        description="Make the components, example definitions and the package for Grasshopper in Rhino 8, or install the components.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Make the components, example definitions and the package for Grasshopper in Rhino 8, or install the components."
+    parser.epilog = _EPILOG
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     building = actions.add_parser("build", help="make everything below a folder")
     building.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
@@ -41,7 +38,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def build(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper build``."""
-    from ..grasshopper.build.everything import build as build_all
+    from ..grasshopper.build.build_all import build_all
 
     for path in build_all(Path(arguments.output), _path(arguments.source)):
         print(path)
@@ -50,7 +47,7 @@ def build(arguments: argparse.Namespace) -> int:
 
 def install(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper install``."""
-    from ..grasshopper.build.everything import user_object_files
+    from ..grasshopper.build.build_all import user_object_files
     from ..grasshopper.build.install import install as put
     from ..grasshopper.build.install import user_objects_folder
 

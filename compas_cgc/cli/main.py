@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from typing import Optional
 
 from .._version import __version__
-from . import bench
-from . import check
-from . import example
-from . import grasshopper
-from . import reproduce
-from . import serve
-from . import solve
 from .exits import INTERRUPTED
 from .exits import REFUSED
 
-__all__ = ["main"]
+__all__ = ["build_parser", "main"]
 
-COMMANDS = (solve, check, example, reproduce, bench, serve, grasshopper)
+# Each is a module here with a function add_arguments, which is called when the command is.
+COMMANDS = {
+    "solve": "solve a mesh file",
+    "check": "say what a file holds and what keeps it from being solved",
+    "example": "run one of the paper's examples",
+    "reproduce": "run all of the paper's examples and tables",
+    "bench": "measure the speed on this machine",
+    "serve": "run the compute server",
+    "grasshopper": "make and install the Grasshopper components",
+}
 
 EXITS = """\
 exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 130 interrupted
 """
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands."""
+def build_parser(called: Optional[str] = None) -> argparse.ArgumentParser:
+    """Return the parser, which knows the arguments of the command that is called, and name and purpose of the others."""
     parser = argparse.ArgumentParser(
         prog="compas-cgc",
         description="Surfaces of piecewise constant Gaussian curvature.",
@@ -37,8 +41,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"compas_cgc {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for command in COMMANDS:
-        command.add_parser(subparsers)
+    for name, text in COMMANDS.items():
+        own = subparsers.add_parser(name, help=text, formatter_class=argparse.RawDescriptionHelpFormatter)
+        if name == called:
+            import_module(f".{name}", __package__).add_arguments(own)
     return parser
 
 
@@ -52,9 +58,10 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     """
     for stream in (sys.stdout, sys.stderr):
         # A console that cannot show K̄ must not end a solve.
-        if hasattr(stream, "reconfigure"):
+        if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    arguments = build_parser().parse_args(argv)
+    words = sys.argv[1:] if argv is None else list(argv)
+    arguments = build_parser(next(iter(words), None)).parse_args(words)
     try:
         return arguments.run(arguments)
     except KeyboardInterrupt:

@@ -8,14 +8,12 @@ from pathlib import Path
 
 from .exits import DONE
 
+__all__ = ["add_arguments", "run"]
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command and its arguments."""
-    parser = subparsers.add_parser(
-        "reproduce",
-        help="run all of the paper's examples and tables",
-        description="Run Examples 1 to 7 in all variants and Table 2, and write tables, meshes, pictures and records.",
-    )
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Run Examples 1 to 7 in all variants and Table 2, and write tables, meshes, pictures and records."
     parser.add_argument("--out", default="out", metavar="DIR", help="directory for the files (default: out)")
     parser.add_argument("--no-pictures", action="store_true", help="write meshes, records and tables only")
     parser.set_defaults(run=run)

@@ -7,21 +7,18 @@ import os
 
 from .exits import DONE
 
-EPILOG = """\
+__all__ = ["add_arguments", "run"]
+
+_EPILOG = """\
 The key is better given as the environment variable COMPAS_CGC_KEY than as an argument, which other users of the machine can see.
 In Grasshopper put a Hops component and set its path to http://127.0.0.1:7331/cgc/dome (or /cgc/solve, /cgc/flow, /cgc/analyse).
 """
 
 
-def add_parser(subparsers: argparse._SubParsersAction) -> None:
-    """Add the command and its arguments."""
-    parser = subparsers.add_parser(
-        "serve",
-        help="run the compute server",
-        description="Run the compute server for Grasshopper (Hops) and scripts until Ctrl-C.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Run the compute server for Grasshopper (Hops) and scripts until Ctrl-C."
+    parser.epilog = _EPILOG
     parser.add_argument(
         "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other needs a key"
     )
@@ -37,7 +34,7 @@ def add_parser(subparsers: argparse._SubParsersAction) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..server import serve
+    from ..server.run import serve
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
     names = tuple(name.lower() for name in arguments.name)

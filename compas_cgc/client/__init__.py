@@ -7,6 +7,6 @@ from .errors import ClientError
 from .errors import Failed
 from .errors import Refused
 from .errors import ServerUnavailable
-from .start import ensure_server
+from .server_process import ensure_server
 
 __all__ = ["Client", "ClientError", "Failed", "Refused", "ServerUnavailable", "ensure_server"]

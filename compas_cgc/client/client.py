@@ -1,4 +1,4 @@
-"""Solve on a server as if it were here."""
+"""HTTP client: solve on a server as if it were here."""
 
 from __future__ import annotations
 
@@ -9,12 +9,17 @@ import time
 import urllib.error
 import urllib.request
 import uuid
+from collections.abc import Iterable
 from collections.abc import Mapping
-from collections.abc import Sequence
 from contextlib import suppress
+from typing import Any
 from typing import Callable
+from typing import Literal
 from typing import Optional
+from typing import Protocol
 from typing import Union
+from typing import overload
+from typing import runtime_checkable
 from urllib.parse import quote
 from urllib.parse import urlencode
 
@@ -22,6 +27,7 @@ from .errors import ClientError
 from .errors import Failed
 from .errors import Refused
 from .errors import ServerUnavailable
+from .packed import Rows
 from .packed import pack
 from .packed import unpack
 
@@ -31,6 +37,15 @@ API = 1
 LOST = (OSError, http.client.HTTPException)
 # A proxy of the system between this program and its own machine would only be in the way.
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+
+
+@runtime_checkable
+class Listable(Protocol):
+    """An array of NumPy, or one of its numbers."""
+
+    def tolist(self) -> Any:
+        """Return lists of numbers of Python, or such a number."""
+        ...
 
 
 class Client:
@@ -60,12 +75,13 @@ class Client:
 
     def solve(
         self,
-        vertices: Sequence[Sequence[float]],
-        faces: Sequence[Sequence[int]],
+        vertices: Rows,
+        faces: Rows,
         on_progress: Optional[Callable[[dict], object]] = None,
         cancel: Optional[Callable[[], bool]] = None,
         interval: float = 0.2,
-        **asked: object,
+        id: Optional[str] = None,
+        **options: object,
     ) -> dict:
         """Solve and wait for the result.
 
@@ -81,7 +97,9 @@ class Client:
             Asked at every look; True stops the solve.
         interval
             Seconds between two looks; less where `cancel` is asked.
-        asked
+        id
+            Of the job. Default: a new one.
+        options
             ``supports``, ``creases``, ``targets``, ``constraints``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
         Returns
@@ -94,7 +112,7 @@ class Client:
         ServerUnavailable, Refused, Failed
             With a sentence to show.
         """
-        id = self.submit(vertices, faces, **asked)
+        id = self.submit(vertices, faces, id, **options)
         try:
             return self._followed(id, on_progress, cancel, interval)
         except (Failed, Refused, ServerUnavailable):
@@ -124,19 +142,19 @@ class Client:
             # The server answers at once when too many wait for their jobs.
             time.sleep(max(0.0, pause - (time.monotonic() - looked)))
 
-    def submit(self, vertices: Sequence[Sequence[float]], faces: Sequence[Sequence[int]], id: Optional[str] = None, **asked: object) -> str:
+    def submit(self, vertices: Rows, faces: Rows, id: Optional[str] = None, **options: object) -> str:
         """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
         body = {
             "id": id or uuid.uuid4().hex,
             "vertices": _packed(vertices, "f8"),
             "faces": _packed(faces, "i4"),
-            **{name: _rows(value) if hasattr(value, "tolist") else value for name, value in asked.items()},
+            **{name: value.tolist() if isinstance(value, Listable) else value for name, value in options.items()},
         }
         return self._json("POST", "/api/v1/jobs", body)["id"]
 
-    def submit_file(self, content: bytes, kind: str, **asked: object) -> str:
+    def submit_file(self, content: bytes, kind: str, **options: object) -> str:
         """Hand in the bytes of a ``3dm`` or ``obj`` file and return the id of the job."""
-        query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **asked})})
+        query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **options})})
         return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
 
     def poll(self, id: str, wait: float = 0.0) -> dict:
@@ -150,6 +168,12 @@ class Client:
             Seconds that the server may wait for the end of the job with its answer.
         """
         return self._json("GET", f"/api/v1/jobs/{quote(id)}" + (f"?wait={min(wait, 0.5 * self.timeout):g}" if wait > 0 else ""))
+
+    @overload
+    def result(self, id: str, format: Literal["arrays"] = "arrays", beside: Optional[bytes] = None) -> dict: ...
+
+    @overload
+    def result(self, id: str, format: str, beside: Optional[bytes] = None) -> Union[dict, bytes]: ...
 
     def result(self, id: str, format: str = "arrays", beside: Optional[bytes] = None) -> Union[dict, bytes]:
         """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``.
@@ -220,14 +244,14 @@ class Client:
         headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.key}"} if self.key else {})}
         attempt = 0
         while True:
-            asked = urllib.request.Request(self.url + path, body, headers, method=method)
+            sent = urllib.request.Request(self.url + path, body, headers, method=method)
             try:
-                with _DIRECT.open(asked, timeout=self.timeout) as answer:
+                with _DIRECT.open(sent, timeout=self.timeout) as answer:
                     return answer.read()
             except urllib.error.HTTPError as error:
-                refusal = Refused(_sentence(error), error.code)
+                refused = Refused(_sentence(error), error.code)
                 if error.code not in (429, 502, 503) or attempt == self.retries:
-                    raise refusal from None
+                    raise refused from None
             except LOST as error:
                 if attempt == self.retries:
                     reason = getattr(error, "reason", error)
@@ -243,7 +267,7 @@ class Client:
             raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
 
 
-def _packed(rows: object, kind: str) -> object:
+def _packed(rows: Rows, kind: str) -> Union[dict, list]:
     """Return rows of three numbers in packed form; other rows go as lists, for the server to take or to refuse."""
     try:
         return pack(rows, kind, 3)
@@ -251,11 +275,11 @@ def _packed(rows: object, kind: str) -> object:
         return _rows(rows)
 
 
-def _rows(value: object) -> object:
-    """Return arrays as lists; numbers of .NET and numpy as those of Python."""
-    if hasattr(value, "tolist"):
+def _rows(value: Union[Listable, Iterable[Union[Listable, Iterable[float]]]]) -> list:
+    """Return arrays as lists; numbers of .NET and NumPy as those of Python."""
+    if isinstance(value, Listable):
         return value.tolist()
-    return [row.tolist() if hasattr(row, "tolist") else list(row) for row in value]
+    return [list(row) if isinstance(row, (list, tuple)) or not isinstance(row, Listable) else row.tolist() for row in value]
 
 
 def _sentence(error: urllib.error.HTTPError) -> str:

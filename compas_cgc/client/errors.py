@@ -1,4 +1,4 @@
-"""What can go wrong between a client and the server, each with a sentence to show."""
+"""Errors of the client, each with a sentence to show."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class ClientError(Exception):
 
 
 class ServerUnavailable(ClientError):
-    """No server answers, or it is none of this package."""
+    """No server answers, or what answers is not one of this package."""
 
 
 class Refused(ClientError):

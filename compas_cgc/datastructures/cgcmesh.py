@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
 from itertools import chain
+from typing import Any
 from typing import Optional
 from typing import Union
 
@@ -18,7 +19,7 @@ from compas.datastructures import Mesh
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
-from ..meshing import Problem
+from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing import crease_paths
 from ..meshing import dummy_ring
@@ -27,8 +28,19 @@ from ..meshing import named_supports
 from ..meshing import path_edges
 from ..meshing import triangles_of
 from ..meshing import triangulate
-from ..model.checks import Names
-from ..model.problem import ROLES
+from ..model.checks import check
+from ..model.checks import refuse
+from ..model.constraint_data import as_constraints
+from ..model.constraint_data import constraint_data
+from ..model.constraints import Constraint
+from ..model.constraints import check_indices
+from ..model.problem import CGCProblem
+from ..model.problem import Drawing
+from ..model.problem import Names
+from ..model.roles import ROLES
+from .check import diagnostics_of_keys
+from .pluggables import mesh_from_3dm
+from .pluggables import mesh_to_3dm
 
 __all__ = ["CGCMesh"]
 
@@ -83,7 +95,7 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     @classmethod
-    def from_vertices_and_faces(cls, vertices: object, faces: object) -> CGCMesh:
+    def from_vertices_and_faces(cls, vertices: Any, faces: Any) -> CGCMesh:
         """Make a mesh from vertices and faces; quads and n-gons are triangulated.
 
         Parameters
@@ -155,13 +167,11 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_3dm(cls, path: Union[str, os.PathLike], **options: object) -> CGCMesh:
-        """Read a mesh with supports, creases and targets from a Rhino file, see :func:`compas_cgc.io.rhino.read_model`."""
-        from ..io.rhino import read_model
-
-        return read_model(path, **options).to_cgcmesh()
+        """Read a mesh with supports, creases, targets and constraints from a Rhino file, see :func:`compas_cgc.io.read_mesh`."""
+        return mesh_from_3dm(path, **options)
 
     def to_3dm(self, path: Union[str, os.PathLike], version: int = 7) -> None:
-        """Write the mesh with supports, creases and targets as a Rhino file that :meth:`from_3dm` reads.
+        """Write the mesh with supports, creases, targets and constraints as a Rhino file that :meth:`from_3dm` reads.
 
         Parameters
         ----------
@@ -170,9 +180,7 @@ class CGCMesh(Mesh):
         version
             Of Rhino: 7 or 8.
         """
-        from ..io.rhino import write_model
-
-        write_model(path, self, version)
+        mesh_to_3dm(self, path, version)
 
     def triangulate(self) -> None:
         """Split the faces with more than three corners."""
@@ -212,9 +220,56 @@ class CGCMesh(Mesh):
             return vertices, faces
         return vertices[~dummy], (np.cumsum(~dummy) - 1)[faces[~dummy[faces].any(axis=1)]]
 
-    def names(self) -> Names:
-        """Return the keys of vertices (n,) and faces (m,), dummies too, in the order of :meth:`arrays`."""
-        return Names(np.array(list(self.vertex), dtype=np.int64), np.array(list(self.face), dtype=np.int64))
+    def to_problem(self) -> CGCProblem:
+        """Return the problem that the mesh poses, with any dummy mesh, in the order of its vertices.
+
+        Raises
+        ------
+        ProblemError
+            If it holds what arrays cannot: coordinates that are no numbers, polygons, creases between lost vertices.
+        """
+        refuse(diagnostics_of_keys(self))
+        vertices, faces = self.arrays(dummies=True)
+        names = Names(np.array(list(self.vertex), dtype=np.int64), np.array(list(self.face), dtype=np.int64))
+        default = self.default_vertex_attributes.get("role")
+        number = {role: i for i, role in enumerate(ROLES)}
+        return CGCProblem(
+            vertices,
+            faces,
+            np.array([number[own.get("role", default)] for own in self.vertex.values()], dtype=np.int64),
+            targets=self._numbers("target"),
+            s=self._numbers("s"),
+            e=self._numbers("e"),
+            creases=self._positions(np.array(self.crease_edges(), dtype=np.int64).reshape(-1, 2)),
+            constraints=self.constraints(),
+            names=names,
+            drawing=Drawing(self.name or "mesh", self.attributes.get("units"), self.attributes.get("tolerance")),
+        )
+
+    @classmethod
+    def from_problem(cls, problem: CGCProblem) -> CGCMesh:
+        """Make the mesh of a problem, by the user's names."""
+        keys = problem.names.vertices.tolist()
+        faces = problem.names.vertices[problem.faces].tolist()
+        mesh = Mesh.from_vertices_and_faces.__func__(
+            cls, dict(zip(keys, problem.vertices.tolist())), dict(zip(problem.names.faces.tolist(), faces))
+        )
+        columns = (problem.roles, problem.targets, problem.s, problem.e)
+        for key, role, target, s, e in zip(keys, *(column.tolist() for column in columns)):
+            values = {"target": target, "s": s, "e": e if e != e else int(e)}
+            mesh.vertex[key].update(role=ROLES[role], **{name: value for name, value in values.items() if value == value})
+        for edge in problem.names.vertices[problem.creases].tolist():
+            mesh.edge_attribute(tuple(edge), "is_crease", True)
+        mesh.name = problem.drawing.name
+        known = {"units": problem.drawing.units, "tolerance": problem.drawing.tolerance}
+        mesh.attributes.update({name: value for name, value in known.items() if value is not None})
+        mesh.set_constraints(problem.constraints)
+        return mesh
+
+    def _numbers(self, name: str) -> FloatArray:
+        default = self.default_vertex_attributes.get(name)
+        values = (own.get(name, default) for own in self.vertex.values())
+        return np.fromiter((np.nan if value is None else value for value in values), np.float64, len(self.vertex))
 
     def _positions(self, keys: IntArray) -> IntArray:
         """Return the positions of vertices in the order of the mesh."""
@@ -246,7 +301,7 @@ class CGCMesh(Mesh):
 
     def vertices_role(self, keys: Optional[Iterable[int]] = None) -> list[str]:
         """Return the roles of some or all vertices."""
-        return [self.vertex_role(key) for key in (self.vertices() if keys is None else keys)]
+        return [self.vertex_attribute(key, "role") for key in (self.vertices() if keys is None else keys)]
 
     def vertices_where_role(self, role: str) -> list[int]:
         """Return the vertices of a role."""
@@ -446,11 +501,42 @@ class CGCMesh(Mesh):
 
     def vertex_s(self, key: int, s: Optional[float] = None) -> Optional[float]:
         """Get or set the factor s of a crease vertex; None where the settings hold."""
-        return self.vertex_attribute(key, "s") if s is None else self.set_strategy(s=s, vertices=[key])
+        if s is None:
+            return self.vertex_attribute(key, "s")
+        self.set_strategy(s=s, vertices=[key])
+        return None
 
     def vertex_e(self, key: int, e: Optional[int] = None) -> Optional[int]:
         """Get or set the delay e of a crease vertex; None where the settings hold."""
-        return self.vertex_attribute(key, "e") if e is None else self.set_strategy(e=e, vertices=[key])
+        if e is None:
+            return self.vertex_attribute(key, "e")
+        self.set_strategy(e=e, vertices=[key])
+        return None
+
+    # ------------------------------------------------------------------
+    # Constraints
+    # ------------------------------------------------------------------
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Return what is asked of vertices besides K; they are counted in the order of :meth:`vertices`."""
+        return as_constraints(self.attributes.get("constraints"))
+
+    def set_constraints(self, constraints: Iterable[Union[Constraint, Mapping]], add: bool = False) -> None:
+        """Ask for something besides K.
+
+        Parameters
+        ----------
+        constraints
+            Constraints such as :class:`AtHeight`, or their plain data; they count vertices in the order of :meth:`vertices`.
+        add
+            Keep the constraints set before.
+        """
+        kept = self.constraints() if add else ()
+        data = [constraint_data(constraint) for constraint in (*kept, *as_constraints(constraints))]
+        check_indices(as_constraints(data), self.number_of_vertices())
+        self.attributes.pop("constraints", None)
+        if data:
+            self.attributes["constraints"] = data
 
     # ------------------------------------------------------------------
     # Dummy mesh
@@ -500,16 +586,14 @@ class CGCMesh(Mesh):
     # Check
     # ------------------------------------------------------------------
 
-    def check(self) -> list[Problem]:
+    def check(self) -> list[Diagnostic]:
         """List what keeps the mesh from being solved, in readable sentences.
 
         Returns
         -------
-        list of Problem
+        list of Diagnostic
             Strings; those with ``fatal`` set make a solve refuse with the same text.
         """
-        from .check import check
-
         return check(self)
 
     def _known(self, key: int) -> int:
@@ -522,7 +606,7 @@ def _copied(values: dict) -> dict:
     return {name: value if isinstance(value, (str, int, float, type(None))) else deepcopy(value) for name, value in values.items()}
 
 
-def _plain(items: object, kind: type) -> object:
+def _plain(items: Any, kind: type) -> Any:
     """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
     if isinstance(items, np.ndarray):
         return items.tolist()
@@ -531,7 +615,7 @@ def _plain(items: object, kind: type) -> object:
     return [[kind(x) for x in item] for item in items]
 
 
-def _number(value: object, what: str) -> float:
+def _number(value: Any, what: str) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):

@@ -1,43 +1,31 @@
-"""What keeps a CGCMesh from being solved, before it can be taken as arrays and after."""
+"""What of a CGCMesh arrays cannot hold."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
-from ..meshing import Problem
+from compas.datastructures import Mesh
+
+from ..meshing import Diagnostic
 from ..meshing.checks import listed
-from ..model.checks import check as check_problem
 from ..model.checks import dropped_faces
 from ..model.checks import lost_creases
-from ..model.problem import CGCProblem
 
-if TYPE_CHECKING:
-    from .cgcmesh import CGCMesh
-
-__all__ = ["check", "problems_of_keys"]
+__all__ = ["diagnostics_of_keys"]
 
 
-def check(mesh: CGCMesh) -> list[Problem]:
-    """List the problems of a mesh: first of its geometry, then of what is asked of it."""
-    problems = problems_of_keys(mesh)
-    if any(problem.fatal for problem in problems):
-        return problems
-    return problems + check_problem(CGCProblem.from_mesh(mesh), mesh.names())
-
-
-def problems_of_keys(mesh: CGCMesh) -> list[Problem]:
+def diagnostics_of_keys(mesh: Mesh) -> list[Diagnostic]:
     """List what arrays cannot hold: numbers that are none, lost faces, polygons, creases between lost vertices."""
     problems = []
     broken = [v for v, own in mesh.vertex.items() if not all(math.isfinite(own[axis]) for axis in "xyz")]
     if broken:
-        problems.append(Problem(f"vertices {listed(broken)} have coordinates that are no finite numbers; correct them"))
+        problems.append(Diagnostic(f"vertices {listed(broken)} have coordinates that are no finite numbers; correct them"))
     dropped = mesh.attributes.get("dropped_faces") or []
     if dropped:
         problems.append(dropped_faces([key for key, _ in dropped]))
     large = [face for face, corners in mesh.face.items() if len(corners) > 3]
     if large:
-        problems.append(Problem(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate() does)"))
+        problems.append(Diagnostic(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate() does)"))
     lost = [tuple(int(v) for v in name.strip("()").split(",")) for name, values in mesh.edgedata.items() if values.get("is_crease")]
     lost = [(u, v) for u, v in lost if u not in mesh.vertex or v not in mesh.vertex]
     if lost:
@@ -45,7 +33,7 @@ def problems_of_keys(mesh: CGCMesh) -> list[Problem]:
     wrong = {v: own["target"] for v, own in mesh.vertex.items() if not _is_target(own.get("target")) and own.get("role") == "internal"}
     if wrong:
         values = listed([repr(value) for value in list(wrong.values())[:3]])
-        problems.append(Problem(f"the targets of vertices {listed(list(wrong))} are not finite numbers ({values}); set numbers"))
+        problems.append(Diagnostic(f"the targets of vertices {listed(list(wrong))} are not finite numbers ({values}); set numbers"))
     return problems
 
 

@@ -6,10 +6,17 @@ import numpy as np
 from numba import njit
 
 from ._kernels import corner
+from .arrays import CSRIndices
+from .arrays import Faces
+from .arrays import FloatArray
+from .arrays import Indices
+from .arrays import PerVertex
+from .arrays import Vectors
+from .arrays import Vertices
 
 
 @njit(cache=True)
-def pattern(F, row_of, column_of, k):
+def pattern(F: Faces, row_of: Indices, column_of: Indices, k: int) -> tuple[CSRIndices, CSRIndices]:
     """Return the CSR pattern of `k` rows: the columns among the corners of the faces around each row's vertex."""
     n = len(row_of)
     start = np.zeros(n + 1, np.int64)
@@ -56,7 +63,7 @@ def pattern(F, row_of, column_of, k):
 
 
 @njit(cache=True)
-def slots(F, row_of, column_of, indptr, indices):
+def slots(F: Faces, row_of: Indices, column_of: Indices, indptr: CSRIndices, indices: CSRIndices) -> CSRIndices:
     """Return where the derivative of corner a's equation by corner b's move is kept (m, 3, 3), -1 for nowhere."""
     S = np.full((F.shape[0], 3, 3), -1, np.int32)
     for f in range(F.shape[0]):
@@ -75,7 +82,9 @@ def slots(F, row_of, column_of, indptr, indices):
 
 
 @njit(cache=True, inline="always")
-def face_derivatives(V, F, f, K, E, M, D, T, G):
+def face_derivatives(
+    V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, M: FloatArray, D: FloatArray, T: FloatArray, G: FloatArray
+) -> bool:
     """Write into G (3, 3, 3) what face `f` adds to the derivative of equation a by the corner b.
 
     ``E`` (3, 3) takes the edges, ``M`` the edges turned inwards by a right angle, ``D``
@@ -135,7 +144,7 @@ def face_derivatives(V, F, f, K, E, M, D, T, G):
 
 
 @njit(cache=True, error_model="numpy")
-def everywhere(V, F, K, S, size):
+def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) -> FloatArray:
     """Return the derivatives by all coordinates, in the slots S, (size, 3)."""
     data = np.zeros((size, 3))
     E, M = np.empty((3, 3)), np.empty((3, 3))
@@ -152,7 +161,7 @@ def everywhere(V, F, K, S, size):
 
 
 @njit(cache=True, error_model="numpy")
-def along(V, F, K, S, size, U):
+def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
     """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,)."""
     data = np.zeros(size)
     E, M = np.empty((3, 3)), np.empty((3, 3))
@@ -169,7 +178,7 @@ def along(V, F, K, S, size, U):
 
 
 @njit(cache=True)
-def stiffness(V, F, S, size):
+def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
     """Return the negative cotangent Laplacian, in the slots S, (size,)."""
     data = np.zeros(size)
     for f in range(F.shape[0]):

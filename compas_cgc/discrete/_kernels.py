@@ -1,4 +1,4 @@
-"""Compiled loops over faces and edges; `F`, `V` are checked before they get here."""
+"""Compiled kernels over faces and edges; `F`, `V` are checked before they get here."""
 
 from __future__ import annotations
 
@@ -7,11 +7,18 @@ import math
 import numpy as np
 from numba import njit
 
+from .arrays import Edges
+from .arrays import Faces
+from .arrays import PerFace
+from .arrays import PerVertex
+from .arrays import Vectors
+from .arrays import Vertices
+
 MIXED, VORONOI, BARYCENTRIC = 0, 1, 2
 
 
 @njit(cache=True, inline="always")
-def corner(V, F, f):
+def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, float, float, float, float, float]:
     """Return the indices of face `f`, its cross vector (twice the vector area) and what follows from it.
 
     ``ij``, ``jk``, ``ki`` are the dot products of the two edges that meet at i, j, k.
@@ -27,7 +34,7 @@ def corner(V, F, f):
 
 
 @njit(cache=True, inline="always")
-def cell_areas(kind, double, di, dj, dk):
+def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tuple[float, float, float]:
     """Return the shares of a face's area that belong to its corners i, j, k.
 
     Voronoi: (cot_j |ik|^2 + cot_k |ij|^2) / 8, with cot = dot / double area. Mixed: the
@@ -50,8 +57,8 @@ def cell_areas(kind, double, di, dj, dk):
 
 
 @njit(cache=True)
-def angle_sums_and_areas(V, F, kind):
-    """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass."""
+def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, PerVertex]:
+    """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass, for Eq. 10."""
     angle = np.zeros(len(V))
     area = np.zeros(len(V))
     for f in range(F.shape[0]):
@@ -69,8 +76,8 @@ def angle_sums_and_areas(V, F, kind):
 
 
 @njit(cache=True)
-def cross_vectors(V, F):
-    """Return twice the vector area of every face (m, 3)."""
+def cross_vectors(V: Vertices, F: Faces) -> Vectors:
+    """Return twice the vector area of every face, which is that of Eq. 11 (m, 3)."""
     C = np.empty((F.shape[0], 3))
     for f in range(F.shape[0]):
         _, _, _, C[f, 0], C[f, 1], C[f, 2], _, _, _, _ = corner(V, F, f)
@@ -78,8 +85,8 @@ def cross_vectors(V, F):
 
 
 @njit(cache=True)
-def sum_at_vertices(n, F, C):
-    """Return the sum of the face vectors `C` around every vertex (n, 3)."""
+def sum_at_vertices(n: int, F: Faces, C: Vectors) -> Vectors:
+    """Return the sum of the face vectors `C` around every vertex, Eq. 12 (n, 3)."""
     N = np.zeros((n, 3))
     for f in range(F.shape[0]):
         for c in range(3):
@@ -91,7 +98,7 @@ def sum_at_vertices(n, F, C):
 
 
 @njit(cache=True)
-def mean_curvature_vectors(V, F):
+def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return the cotangent sums A_i H_i of Eq. 14 at every vertex (n, 3)."""
     L = np.zeros((len(V), 3))
     for f in range(F.shape[0]):
@@ -110,7 +117,7 @@ def mean_curvature_vectors(V, F):
 
 
 @njit(cache=True, inline="always")
-def fold(V, C, u, v, f, g):
+def fold(V: Vertices, C: Vectors, u: int, v: int, f: int, g: int) -> tuple[float, float]:
     """Return length and signed exterior dihedral angle of the edge u-v, convex positive."""
     ex, ey, ez = V[v, 0] - V[u, 0], V[v, 1] - V[u, 1], V[v, 2] - V[u, 2]
     length = math.sqrt(ex * ex + ey * ey + ez * ez)
@@ -123,7 +130,7 @@ def fold(V, C, u, v, f, g):
 
 
 @njit(cache=True)
-def total_fold(V, C, E):
+def total_fold(V: Vertices, C: Vectors, E: Edges) -> float:
     """Return half the sum of length times exterior angle over the edges with two sides."""
     total = 0.0
     for e in range(E.shape[0]):
@@ -134,8 +141,11 @@ def total_fold(V, C, E):
 
 
 @njit(cache=True)
-def pyramids(V, F, weight):
-    """Return the weighted sum of the pyramids of Eq. 19 over the faces."""
+def pyramids(V: Vertices, F: Faces, weight: PerFace) -> float:
+    """Return the weighted sum of the pyramids of Eq. 16 over the faces, Eq. 19 where all weights are one.
+
+    By Eq. 18 any corner of a face will do as the foot of its pyramid.
+    """
     total = 0.0
     for f in range(F.shape[0]):
         i, _, _, cx, cy, cz, _, _, _, _ = corner(V, F, f)
@@ -144,7 +154,7 @@ def pyramids(V, F, weight):
 
 
 @njit(cache=True)
-def add_pyramid_gradient(V, F, weight, out):
+def add_pyramid_gradient(V: Vertices, F: Faces, weight: PerFace, out: Vectors) -> None:
     """Subtract the gradient of :func:`pyramids` from `out` (n, 3)."""
     for f in range(F.shape[0]):
         for c in range(3):
@@ -156,7 +166,7 @@ def add_pyramid_gradient(V, F, weight, out):
 
 
 @njit(cache=True)
-def fold_gradient(V, F, C, E):
+def fold_gradient(V: Vertices, F: Faces, C: Vectors, E: Edges) -> Vectors:
     """Return the gradient of :func:`total_fold` (n, 3).
 
     Schlaefli: on a closed surface the angles' own variation sums to zero and only the

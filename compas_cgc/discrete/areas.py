@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _kernels
-from .arrays import FloatArray
+from .arrays import PerFace
+from .arrays import PerVertex
 from .arrays import mesh_arrays
 
 __all__ = ["face_areas", "vertex_areas"]
@@ -21,7 +22,7 @@ def area_code(kind: str) -> int:
     return KINDS[kind]
 
 
-def face_areas(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
+def face_areas(vertices: ArrayLike, faces: ArrayLike) -> PerFace:
     """Return the area of every face.
 
     Parameters
@@ -40,7 +41,7 @@ def face_areas(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
     return 0.5 * np.linalg.norm(_kernels.cross_vectors(V, F), axis=1)
 
 
-def vertex_areas(vertices: ArrayLike, faces: ArrayLike, kind: str = "mixed") -> FloatArray:
+def vertex_areas(vertices: ArrayLike, faces: ArrayLike, kind: str = "mixed") -> PerVertex:
     """Return the area of the cell around every vertex.
 
     Parameters
@@ -69,7 +70,7 @@ def vertex_areas(vertices: ArrayLike, faces: ArrayLike, kind: str = "mixed") -> 
 
     References
     ----------
-    Paper, Section 3.1, ``A_i``. Mixed cells: Meyer, Desbrun, Schroeder, Barr,
+    Paper, Section 3.1, ``A_i`` of Eq. 10. Mixed cells: Meyer, Desbrun, Schroeder, Barr,
     doi:10.1007/978-3-662-05105-4_2.
     """
     code = area_code(kind)

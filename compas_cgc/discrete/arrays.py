@@ -1,4 +1,4 @@
-"""The one gate through which meshes enter the compiled kernels."""
+"""Array types by shape, and the validation of triangle meshes."""
 
 from __future__ import annotations
 
@@ -8,13 +8,49 @@ from numpy.typing import NDArray
 
 from ..errors import MeshError
 
-__all__ = ["FloatArray", "IntArray", "MeshError", "mesh_arrays"]
+__all__ = [
+    "CSRIndices",
+    "Edges",
+    "Faces",
+    "FloatArray",
+    "Indices",
+    "IntArray",
+    "Mask",
+    "MeshError",
+    "PerFace",
+    "PerVertex",
+    "Vectors",
+    "Vertices",
+    "mesh_arrays",
+]
 
 FloatArray = NDArray[np.float64]
+"""Floating-point numbers of any shape."""
 IntArray = NDArray[np.int64]
+"""Whole numbers of any shape."""
+
+# NumPy's types know the kind of number and not the shape; these names tell readers.
+Vertices = FloatArray
+"""``(n, 3)`` coordinates [L]."""
+Faces = IntArray
+"""``(m, 3)`` vertex indices of triangles, anticlockwise seen from outside."""
+Edges = IntArray
+"""``(e, 2)`` vertex indices, or ``(e, 4)`` followed by the faces to the left and right, -1 for none."""
+Indices = IntArray
+"""``(k,)`` indices of vertices or faces."""
+Mask = NDArray[np.bool_]
+"""``(n,)`` or ``(m,)`` truth of something for every vertex or face."""
+PerVertex = FloatArray
+"""``(n,)`` one number for every vertex."""
+PerFace = FloatArray
+"""``(m,)`` one number for every face."""
+Vectors = FloatArray
+"""``(n, 3)`` or ``(m, 3)`` one vector for every vertex or face."""
+CSRIndices = NDArray[np.signedinteger]
+"""``indptr`` or ``indices`` of a sparse matrix, or labels of its components, int32 or int64."""
 
 
-def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[FloatArray, IntArray]:
+def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]:
     """Return contiguous float64 vertices and int64 faces, or say what is wrong with them.
 
     Arrays that already fit are passed on without a copy.

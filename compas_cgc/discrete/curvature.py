@@ -7,14 +7,14 @@ from numpy.typing import ArrayLike
 
 from . import _kernels
 from .areas import area_code
-from .arrays import FloatArray
+from .arrays import PerVertex
 from .arrays import mesh_arrays
 from .topology import boundary_mask
 
 __all__ = ["angle_defects", "gaussian_curvature"]
 
 
-def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
+def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> PerVertex:
     """Return the angle defect of every vertex.
 
     Inside the mesh ``2 pi`` less the sum of the angles, which is the curvature that the
@@ -49,7 +49,7 @@ def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
     return defect
 
 
-def gaussian_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> FloatArray:
+def gaussian_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> PerVertex:
     """Return the Gaussian curvature of every vertex: angle defect over cell area.
 
     Parameters

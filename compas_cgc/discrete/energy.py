@@ -1,4 +1,4 @@
-"""The energy that the Gaussian curvature flow decreases."""
+"""Energy of the Gaussian curvature flow, and its gradient."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _kernels
-from .arrays import FloatArray
+from .arrays import PerFace
+from .arrays import Vectors
 from .arrays import mesh_arrays
 from .mean import total_mean_curvature
 from .topology import edge_faces
@@ -14,7 +15,7 @@ from .topology import edge_faces
 __all__ = ["energy", "energy_gradient"]
 
 
-def face_targets(targets: ArrayLike, m: int) -> FloatArray:
+def face_targets(targets: ArrayLike, m: int) -> PerFace:
     """Return the targets as one number per face (m,)."""
     K = np.asarray(targets, dtype=np.float64)
     if K.ndim and K.shape != (m,):
@@ -49,14 +50,14 @@ def energy(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike, kind: str 
 
     References
     ----------
-    Paper, Eqs. 2 and 8.
+    Paper, Eq. 2 and Eq. 8.
     """
     V, F = mesh_arrays(vertices, faces)
     weight = face_targets(targets, len(F))
     return total_mean_curvature(V, F, kind) - float(_kernels.pyramids(V, F, weight))
 
 
-def energy_gradient(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike) -> FloatArray:
+def energy_gradient(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike) -> Vectors:
     r"""Return the exact gradient of the Steiner :func:`energy`.
 
     Inside the mesh :math:`\tfrac12 \sum_j \theta_{ij} (p_i - p_j) / l_{ij}` by Schlaefli's

@@ -10,8 +10,13 @@ from numba import njit
 
 from . import _kernels
 from . import edge_faces
-from .arrays import FloatArray
-from .arrays import IntArray
+from .arrays import Edges
+from .arrays import Faces
+from .arrays import Mask
+from .arrays import PerFace
+from .arrays import PerVertex
+from .arrays import Vectors
+from .arrays import Vertices
 
 __all__ = ["Measure", "Measurement"]
 
@@ -19,8 +24,10 @@ STEINER, COTANGENT = 0, 1
 
 
 @njit(cache=True)
-def measure(V, F, E, weight, clamp, inside, kind):
-    """Return K (n,), A (n,), unit normals (n, 3) and the energy Φ of a shape."""
+def measure(
+    V: Vertices, F: Faces, E: Edges, weight: PerFace, clamp: Vectors, inside: Mask, kind: int
+) -> tuple[PerVertex, PerVertex, Vectors, float]:
+    """Return K of Eq. 10 (n,), A (n,), unit normals of Eq. 13 (n, 3) and the energy Φ of a shape, Eq. 2 with its sign turned."""
     n, m = V.shape[0], F.shape[0]
     angle, area = _kernels.angle_sums_and_areas(V, F, _kernels.MIXED)
     C = np.empty((m + clamp.shape[0], 3))
@@ -53,9 +60,9 @@ def measure(V, F, E, weight, clamp, inside, kind):
 class Measurement(NamedTuple):
     """A shape as the flow sees it."""
 
-    curvature: FloatArray  # (n,) K of Eq. 10, meaningless on an open boundary [1/L^2]
-    area: FloatArray  # (n,) A_i [L^2]
-    normal: FloatArray  # (n, 3) n_i of Eq. 13
+    curvature: PerVertex  # (n,) K of Eq. 10, meaningless on an open boundary [1/L^2]
+    area: PerVertex  # (n,) A_i [L^2]
+    normal: Vectors  # (n, 3) n_i of Eq. 13
     energy: float  # Φ [L]
 
 
@@ -78,7 +85,7 @@ class Measure:
         ``"steiner"`` or ``"cotangent"`` (Eq. 15).
     """
 
-    def __init__(self, vertices: FloatArray, faces: IntArray, face_targets: FloatArray, energy: str = "steiner"):
+    def __init__(self, vertices: Vertices, faces: Faces, face_targets: PerFace, energy: str = "steiner"):
         self.faces = faces
         self.weight = face_targets
         self.edges = edge_faces(faces)
@@ -90,6 +97,6 @@ class Measure:
         self.edges[rim, 3] = len(faces) + np.arange(len(rim))
         self.kind = STEINER if energy == "steiner" else COTANGENT
 
-    def __call__(self, vertices: FloatArray) -> Measurement:
+    def __call__(self, vertices: Vertices) -> Measurement:
         """Return the measurement of a shape with vertices (n, 3)."""
         return Measurement(*measure(vertices, self.faces, self.edges, self.weight, self.clamp, self.inside, self.kind))

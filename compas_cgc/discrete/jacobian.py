@@ -1,4 +1,4 @@
-"""The curvature equations ``defect_i - K̄_i A_i = 0`` and their exact derivatives."""
+"""Jacobian of the curvature equations ``defect_i - K̄_i A_i = 0``."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ from scipy import sparse
 from . import _derivatives
 from . import _kernels
 from . import _second_derivatives
+from .arrays import Faces
 from .arrays import FloatArray
-from .arrays import IntArray
 from .arrays import MeshError
+from .arrays import PerVertex
+from .arrays import Vectors
+from .arrays import Vertices
 from .sparsity import RingPattern
 from .topology import boundary_mask
 
@@ -48,8 +51,8 @@ class CurvatureEquations:
     Paper, Eq. 10. Mixed areas: Meyer, Desbrun, Schroeder, Barr, doi:10.1007/978-3-662-05105-4_2.
     """
 
-    def __init__(self, faces: IntArray, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
-        self.targets: FloatArray = np.ascontiguousarray(targets, dtype=np.float64)
+    def __init__(self, faces: Faces, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
+        self.targets: PerVertex = np.ascontiguousarray(targets, dtype=np.float64)
         n = len(self.targets)
         self.pattern = RingPattern(faces, n, rows, columns)
         self.faces, self.rows, self.columns = self.pattern.faces, self.pattern.rows, self.pattern.columns
@@ -60,17 +63,17 @@ class CurvatureEquations:
             vertex = int(self.rows[without_ring[0]])
             raise MeshError(f"vertex {vertex} has no closed ring of faces, so it has no K; fix it, free it or carry it by a dummy ring")
 
-    def measure(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def measure(self, vertices: Vertices) -> tuple[FloatArray, FloatArray]:
         """Return the residuals [rad] and the mixed areas [L^2] at the rows, ``(k,)`` each, of a shape (n, 3)."""
         angle, area = _kernels.angle_sums_and_areas(vertices, self.faces, _kernels.MIXED)
         area = area[self.rows]
         return 2 * math.pi - angle[self.rows] - self.targets[self.rows] * area, area
 
-    def residual(self, vertices: FloatArray) -> FloatArray:
+    def residual(self, vertices: Vertices) -> FloatArray:
         """Return ``defect_i - K̄_i A_i`` at the rows (k,) [rad] of a shape (n, 3)."""
         return self.measure(vertices)[0]
 
-    def jacobian(self, vertices: FloatArray, directions: Optional[FloatArray] = None, areas: bool = True) -> sparse.csr_matrix:
+    def jacobian(self, vertices: Vertices, directions: Optional[Vectors] = None, areas: bool = True) -> sparse.csr_matrix:
         """Return the derivative of the residuals.
 
         Where an angle passes the right angle the mixed area is continuous, but its

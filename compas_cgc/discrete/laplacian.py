@@ -1,4 +1,4 @@
-"""The cotangent Laplacian."""
+"""Cotangent Laplacian."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from . import _derivatives
-from .arrays import FloatArray
+from .arrays import Vertices
 from .arrays import mesh_arrays
 from .sparsity import RingPattern
 
@@ -47,7 +47,7 @@ def cotangent_laplacian(vertices: ArrayLike, faces: ArrayLike) -> sparse.csr_mat
     return -cotangent_stiffness(V, RingPattern(F, len(V), everywhere, everywhere))
 
 
-def cotangent_stiffness(vertices: FloatArray, pattern: RingPattern) -> sparse.csr_matrix:
+def cotangent_stiffness(vertices: Vertices, pattern: RingPattern) -> sparse.csr_matrix:
     """Return the negative cotangent Laplacian on the rows and columns of a pattern.
 
     Parameters

@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike
 
 from . import _kernels
 from .areas import area_code
-from .arrays import FloatArray
-from .arrays import IntArray
+from .arrays import Faces
+from .arrays import PerVertex
+from .arrays import Vertices
 from .arrays import mesh_arrays
 from .topology import boundary_mask
 from .topology import closed_vertices
@@ -17,15 +18,15 @@ from .topology import edge_faces
 __all__ = ["mean_curvature", "total_mean_curvature"]
 
 
-def _signed_lengths(V: FloatArray, F: IntArray) -> FloatArray:
-    """Return ½ |A_i H_i| with the sign of convexity (n,): positive where H_i points inwards."""
+def _signed_lengths(V: Vertices, F: Faces) -> PerVertex:
+    """Return ½ |A_i H_i| of Eq. 14 with the sign of convexity (n,): positive where H_i points inwards."""
     vectors = _kernels.mean_curvature_vectors(V, F)
     normals = _kernels.sum_at_vertices(len(V), F, _kernels.cross_vectors(V, F))
     inward = -np.einsum("ij,ij->i", vectors, normals)
     return 0.5 * np.copysign(np.linalg.norm(vectors, axis=1), inward)
 
 
-def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> FloatArray:
+def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> PerVertex:
     """Return the mean curvature of every vertex by the cotangent Laplacian.
 
     Positive where the surface is convex towards its normal, +1/r on a sphere of radius
@@ -86,7 +87,7 @@ def total_mean_curvature(vertices: ArrayLike, faces: ArrayLike, kind: str = "ste
 
     References
     ----------
-    Paper, Eqs. 14-15. Steiner's formula: Bobenko, Schroeder, Sullivan, Ziegler,
+    Paper, Eq. 15. Steiner's formula: Bobenko, Schroeder, Sullivan, Ziegler,
     *Discrete Differential Geometry*, doi:10.1007/978-3-7643-8621-4.
     """
     V, F = mesh_arrays(vertices, faces)

@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _kernels
-from .arrays import FloatArray
+from .arrays import Vectors
 from .arrays import mesh_arrays
 
 __all__ = ["face_normals", "unit_vectors", "vertex_normals"]
 
 
-def unit_vectors(vectors: FloatArray) -> FloatArray:
-    """Return vectors ``(n, 3)`` at length one, zero where they have none."""
+def unit_vectors(vectors: Vectors) -> Vectors:
+    """Return vectors ``(n, 3)`` at length one, as in Eq. 13, zero where they have none."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
 
 
-def face_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
+def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     """Return the outward unit normal of every face (Eq. 17).
 
     Parameters
@@ -37,8 +37,8 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
     return unit_vectors(_kernels.cross_vectors(V, F))
 
 
-def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> FloatArray:
-    """Return the outward unit normal of every vertex: the area-weighted mean of its faces (Eqs. 11-13).
+def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
+    """Return the outward unit normal of every vertex (Eq. 13): the area-weighted mean (Eq. 12) of its faces (Eq. 11).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where the entries of a matrix that couples neighbouring vertices lie."""
+"""Sparsity pattern of matrices that couple neighbouring vertices."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from . import _derivatives
+from .arrays import CSRIndices
+from .arrays import Faces
 from .arrays import FloatArray
-from .arrays import IntArray
+from .arrays import Indices
 
 __all__ = ["RingPattern"]
 
@@ -30,10 +32,10 @@ class RingPattern:
         ``(c,)`` distinct vertices that have a column, in the order of the columns.
     """
 
-    def __init__(self, faces: IntArray, n: int, rows: ArrayLike, columns: ArrayLike):
-        self.faces: IntArray = np.ascontiguousarray(faces, dtype=np.int64)
-        self.rows: IntArray = np.ascontiguousarray(rows, dtype=np.int64)
-        self.columns: IntArray = np.ascontiguousarray(columns, dtype=np.int64)
+    def __init__(self, faces: Faces, n: int, rows: ArrayLike, columns: ArrayLike):
+        self.faces: Faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self.rows: Indices = np.ascontiguousarray(rows, dtype=np.int64)
+        self.columns: Indices = np.ascontiguousarray(columns, dtype=np.int64)
         row_of, column_of = (_places(chosen, n) for chosen in (self.rows, self.columns))
         self.indptr, self.indices = _derivatives.pattern(self.faces, row_of, column_of, len(self.rows))
         self.slots = _derivatives.slots(self.faces, row_of, column_of, self.indptr, self.indices)
@@ -53,14 +55,14 @@ class RingPattern:
         return _csr(data.ravel(), indices, 3 * self.indptr, (len(self.rows), 3 * len(self.columns)))
 
 
-def _places(chosen: IntArray, n: int) -> IntArray:
+def _places(chosen: Indices, n: int) -> Indices:
     """Return the place of every vertex in `chosen`, -1 where it is not there (n,)."""
     place = np.full(n, -1, np.int64)
     place[chosen] = np.arange(len(chosen))
     return place
 
 
-def _csr(data: FloatArray, indices: np.ndarray, indptr: np.ndarray, shape: tuple[int, int]) -> sparse.csr_matrix:
+def _csr(data: FloatArray, indices: CSRIndices, indptr: CSRIndices, shape: tuple[int, int]) -> sparse.csr_matrix:
     matrix = sparse.csr_matrix((data, indices, indptr), shape=shape, copy=False)
     matrix.has_sorted_indices = True
     matrix.has_canonical_format = True

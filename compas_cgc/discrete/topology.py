@@ -1,22 +1,23 @@
-"""Which vertices and edges lie on an open boundary."""
+"""Edges, their faces, and open boundaries."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
-from numpy.typing import NDArray
 
-from .arrays import FloatArray
-from .arrays import IntArray
+from .arrays import Edges
+from .arrays import Faces
+from .arrays import Mask
 from .arrays import MeshError
+from .arrays import Vertices
 from .arrays import mesh_arrays
 
 __all__ = ["boundary_vertices", "edge_faces"]
 
 
 @njit(cache=True)
-def _scramble(i):
+def _scramble(i: int) -> np.uint64:
     # The bijective finaliser of splitmix64: distinct vertices have distinct images.
     z = np.uint64(i) + np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -25,7 +26,7 @@ def _scramble(i):
 
 
 @njit(cache=True)
-def boundary_mask(n, F):
+def boundary_mask(n: int, F: Faces) -> Mask:
     """Mark the vertices whose fan of faces is not closed.
 
     Around a closed fan every neighbour is once the next and once the previous one, so
@@ -42,7 +43,7 @@ def boundary_mask(n, F):
     return balance != np.uint64(0)
 
 
-def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.bool_]:
+def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
     """Mark the vertices on an open boundary.
 
     Parameters
@@ -60,7 +61,7 @@ def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> NDArray[np.bool_
     return boundary_mask(len(V), F)
 
 
-def edge_faces(faces: ArrayLike) -> IntArray:
+def edge_faces(faces: ArrayLike) -> Edges:
     """List every edge once with the faces on its two sides.
 
     Parameters
@@ -100,13 +101,12 @@ def edge_faces(faces: ArrayLike) -> IntArray:
     wrong[paired] |= u[second] == edges[paired, 0]
     if wrong.any():
         a, b = edges[np.flatnonzero(wrong)[0], :2].tolist()
-
         raise MeshError(f"edge {a}-{b} does not join exactly two faces of opposite direction; the mesh is not an oriented manifold")
     edges[paired, 3] = owner[second]
     return edges[np.argsort(left, kind="stable")]
 
 
-def closed_vertices(V: FloatArray, F: IntArray) -> NDArray[np.bool_]:
+def closed_vertices(V: Vertices, F: Faces) -> Mask:
     """Mark the vertices of a closed fan: used, and not on a boundary."""
     used = np.zeros(len(V), bool)
     used[F.ravel()] = True

@@ -1,4 +1,4 @@
-"""Volume between a surface and a point (Eq. 19)."""
+"""Enclosed volume (Eq. 19)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def enclosed_volume(vertices: ArrayLike, faces: ArrayLike) -> float:
 
     References
     ----------
-    Paper, Eqs. 16-19.
+    Paper, Eq. 19, the sum of Eq. 16.
     """
     V, F = mesh_arrays(vertices, faces)
     return float(_kernels.pyramids(V, F, np.ones(len(F))))

@@ -1,9 +1,12 @@
-"""Mesh files in and out."""
+"""Files in and out: a problem of any format, and what was made of it."""
 
 from __future__ import annotations
 
+from .reading import ReadProblem
 from .registry import SUFFIXES
+from .registry import read
 from .registry import read_mesh
-from .registry import write_mesh
+from .registry import read_problem
+from .registry import write
 
-__all__ = ["SUFFIXES", "read_mesh", "write_mesh"]
+__all__ = ["SUFFIXES", "ReadProblem", "read", "read_mesh", "read_problem", "write"]

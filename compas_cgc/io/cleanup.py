@@ -1,60 +1,98 @@
-"""What a file holds to a clean mesh."""
+"""Mesh cleanup: the polygons of a file to a problem on clean triangles."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Optional
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..errors import FileError
 from ..errors import MeshError
 from ..meshing.cleanup import tidy
-from .meshfile import MeshFile
+from ..model.problem import CGCProblem
+from ..model.problem import Drawing
+from .reading import ReadProblem
 
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
-
-__all__ = ["tidied"]
+__all__ = ["clean_problem"]
 
 
-def tidied(found: MeshFile, source: Path) -> tuple[CGCMesh, list[str]]:
-    """Return a clean mesh with the roles that still apply, and notes.
+def clean_problem(
+    source: Path,
+    vertices: FloatArray,
+    faces: list[list[int]],
+    *,
+    supports: Sequence[int] = (),
+    creases: Sequence[Sequence[int]] = (),
+    targets: Optional[FloatArray] = None,
+    notes: Sequence[str] = (),
+) -> ReadProblem:
+    """Return the problem of the polygons in a file, welded, triangulated and oriented where they need it.
+
+    Parameters
+    ----------
+    source
+        The file.
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        Vertex indices of every polygon.
+    supports
+        Fixed vertices.
+    creases
+        Vertex paths; those that do not follow edges are left out.
+    targets
+        ``(n,)`` target Gaussian curvature [1/L^2], NaN where there is none.
+    notes
+        What has been said already.
 
     Raises
     ------
     FileError
-        If the vertices and faces of the file do not form a mesh.
+        If vertices and faces do not form a mesh.
     """
-    n = len(found.vertices)
-    wrong = next((i for i, face in enumerate(found.faces) if any(not 0 <= v < n for v in face)), None)
-    if wrong is not None:
-        raise FileError(f"{source}: face {wrong} names a vertex that does not exist; export it again")
-    if not np.isfinite(found.vertices).all():
-        bad = int(np.flatnonzero(~np.isfinite(found.vertices).all(axis=1))[0])
-        raise FileError(f"{source}: vertex {bad} has a coordinate that is no finite number; correct it")
+    _check(source, vertices, faces)
     try:
-        clean = tidy(found.vertices, found.faces, 0.0)
+        clean = tidy(vertices, faces, 0.0)
     except MeshError as error:
         raise FileError(f"{source}: {error}") from None
-    index = _places(found.vertices, clean.vertices, clean.index)
-    targets = None
-    if found.targets is not None:
-        targets = [None] * len(clean.vertices)
-        for old, K in enumerate(found.targets):
-            if index[old] >= 0 and K is not None:
-                targets[index[old]] = K
-    creases = [[int(index[v]) for v in path] for path in found.creases]
-    on = _follow(creases, clean.faces)
-    notes = [*found.notes, *clean.notes]
+    index = _places(vertices, clean.vertices, clean.index)
+    K = np.full(len(clean.vertices), np.nan)
+    if targets is not None:
+        known = (index >= 0) & ~np.isnan(targets)
+        K[index[known]] = targets[known]
+    paths = [[int(index[v]) for v in path] for path in creases]
+    on = _follow(paths, clean.faces)
+    said = [*notes, *clean.notes]
     if not all(on):
-        notes.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were left out")
-    supports = sorted({int(index[v]) for v in found.supports if index[v] >= 0})
-    kept = MeshFile(clean.vertices, clean.faces.tolist(), supports, [path for path, good in zip(creases, on) if good], targets)
-    return kept.to_cgcmesh(source.stem), notes
+        said.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were left out")
+    problem = CGCProblem(
+        clean.vertices,
+        clean.faces,
+        targets=K,
+        creases=[path for path, good in zip(paths, on) if good],  # type: ignore[arg-type]
+        drawing=Drawing(source.stem),
+    )
+    fixed = {int(index[v]) for v in supports if index[v] >= 0}
+    return ReadProblem(problem.with_supports(sorted(fixed)), tuple(said))
 
 
-def _follow(paths: list[list[int]], faces: np.ndarray) -> list[bool]:
+def _check(source: Path, vertices: FloatArray, faces: list[list[int]]) -> None:
+    n = len(vertices)
+    if not n or not len(faces):
+        raise FileError(f"{source} holds no mesh; give one with vertices and faces")
+    wrong = next((i for i, face in enumerate(faces) if any(not 0 <= v < n for v in face)), None)
+    if wrong is not None:
+        raise FileError(f"{source}: face {wrong} names a vertex that does not exist; export it again")
+    if not np.isfinite(vertices).all():
+        bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
+        raise FileError(f"{source}: vertex {bad} has a coordinate that is no finite number; correct it")
+
+
+def _follow(paths: list[list[int]], faces: IntArray) -> list[bool]:
     """Tell which vertex paths run along edges of faces (m, 3)."""
     n = int(faces.max()) + 1
     edges = np.concatenate([faces * n + np.roll(faces, shift, axis=1) for shift in (1, -1)]) if paths else faces
@@ -65,7 +103,7 @@ def _follow(paths: list[list[int]], faces: np.ndarray) -> list[bool]:
     return [len(own) > 1 and bad == 0 for own, bad in zip(paths, wrong.tolist())]
 
 
-def _places(old: np.ndarray, new: np.ndarray, index: np.ndarray) -> np.ndarray:
+def _places(old: FloatArray, new: FloatArray, index: IntArray) -> IntArray:
     """Return the new index of every old vertex; one of no face, as points and lines of other programs have, goes by its place."""
     lost = np.flatnonzero(index < 0)
     if not len(lost):

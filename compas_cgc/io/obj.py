@@ -8,16 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileError
-from ._text import read_lines
-from .asked import Asked
-from .meshfile import MeshFile
+from ..model.problem import CGCProblem
+from ._files import read_lines
+from .cleanup import clean_problem
+from .reading import ReadProblem
 
 __all__ = ["obj_text", "read_obj"]
 
 _TARGET = re.compile(r"^K=(\S+)$")
 
 
-def read_obj(path: Path) -> MeshFile:
+def read_obj(path: Path) -> ReadProblem:
     """Read a .obj file.
 
     Faces of any number of corners; ``l`` elements are creases, ``p`` elements supports,
@@ -55,22 +56,23 @@ def read_obj(path: Path) -> MeshFile:
                 K = float(found[0]) if found else None
         except ValueError as error:
             raise FileError(f"{path}, line {number}: {line.strip()[:60]!r} cannot be read ({error}); correct it or export again") from None
-    values = [targets.get(v) for v in range(len(vertices))] if targets else None
-    return MeshFile(np.array(vertices, dtype=np.float64).reshape(-1, 3), faces, points, lines, values)
+    places = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+    values = np.array([targets.get(v, np.nan) for v in range(len(vertices))])
+    return clean_problem(path, places, faces, supports=points, creases=lines, targets=values)
 
 
-def obj_text(mesh: Asked) -> str:
+def obj_text(problem: CGCProblem) -> str:
     """Return a mesh as the text of a .obj file."""
-    targets = mesh.region_targets()
-    lines = ["# compas_cgc: l = creases, p = supports, K = target Gaussian curvature", f"o {' '.join(mesh.name.split())}"]
-    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
+    targets = problem.region_targets()
+    lines = ["# compas_cgc: l = creases, p = supports, K = target Gaussian curvature", f"o {' '.join(problem.drawing.name.split())}"]
+    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in zip(*problem.vertices.T.tolist())]
     last = None
-    for a, b, c, region in zip(*(mesh.faces.T + 1).tolist(), mesh.regions.tolist()):
+    for a, b, c, region in zip(*(problem.faces.T + 1).tolist(), problem.regions().tolist()):
         if region != last:
             lines.append(f"g region_{region}" + ("" if targets[region] is None else f" K={targets[region]!r}"))
             last = region
         lines.append(f"f {a} {b} {c}")
-    lines += ["l " + " ".join(str(v + 1) for v in path) for path in mesh.creases]
-    supports = [str(v + 1) for v in mesh.supports.tolist()]
+    lines += ["l " + " ".join(str(v + 1) for v in path) for path in problem.crease_paths()]
+    supports = [str(v + 1) for v in problem.supports.tolist()]
     lines += ["p " + " ".join(supports[i : i + 20]) for i in range(0, len(supports), 20)]
     return "\n".join(lines) + "\n"

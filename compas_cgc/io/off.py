@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import FileError
-from ._text import read_lines
-from .asked import Asked
-from .meshfile import MeshFile
+from ..model.problem import CGCProblem
+from ._files import read_lines
+from .cleanup import clean_problem
+from .reading import ReadProblem
 
 __all__ = ["off_text", "read_off"]
 
 
-def read_off(path: Path) -> MeshFile:
+def read_off(path: Path) -> ReadProblem:
     """Read a .off file; colours and normals are passed over."""
     lines = [line for _, line in read_lines(path)]
     if not lines or not lines[0].split()[0].upper().endswith("OFF"):
@@ -31,14 +32,15 @@ def read_off(path: Path) -> MeshFile:
         for line in body[n : n + m]:
             words = line.split()
             faces.append([int(i) for i in words[1 : int(words[0]) + 1]])
-        return MeshFile(np.array(vertices, dtype=np.float64).reshape(n, 3), faces)
+        places = np.array(vertices, dtype=np.float64).reshape(n, 3)
     except (IndexError, ValueError) as error:
         raise FileError(f"{path} cannot be read ({error}); export it again") from None
+    return clean_problem(path, places, faces)
 
 
-def off_text(mesh: Asked) -> str:
+def off_text(problem: CGCProblem) -> str:
     """Return a mesh as the text of a .off file, which has no place for roles."""
-    lines = ["OFF", f"{len(mesh.vertices)} {len(mesh.faces)} 0"]
-    lines += [f"{x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
-    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*mesh.faces.T.tolist())]
+    lines = ["OFF", f"{len(problem.vertices)} {len(problem.faces)} 0"]
+    lines += [f"{x!r} {y!r} {z!r}" for x, y, z in zip(*problem.vertices.T.tolist())]
+    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*problem.faces.T.tolist())]
     return "\n".join(lines) + "\n"

@@ -9,23 +9,32 @@ from typing import Optional
 import numpy as np
 
 from ..errors import FileError
-from ..model.problem import FIXED
-from ..model.problem import ROLES
-from ._text import read_bytes
-from .asked import Asked
-from .meshfile import MeshFile
+from ..model.problem import CGCProblem
+from ..model.roles import FIXED
+from ..model.roles import ROLES
+from ._files import read_bytes
+from .cleanup import clean_problem
+from .reading import ReadProblem
 
 __all__ = ["ply_text", "read_ply"]
 
 _TYPES = {
-    **{name: "i1" for name in ("char", "int8")},
-    **{name: "u1" for name in ("uchar", "uint8")},
-    **{name: "i2" for name in ("short", "int16")},
-    **{name: "u2" for name in ("ushort", "uint16")},
-    **{name: "i4" for name in ("int", "int32")},
-    **{name: "u4" for name in ("uint", "uint32")},
-    **{name: "f4" for name in ("float", "float32")},
-    **{name: "f8" for name in ("double", "float64")},
+    "char": "i1",
+    "int8": "i1",
+    "uchar": "u1",
+    "uint8": "u1",
+    "short": "i2",
+    "int16": "i2",
+    "ushort": "u2",
+    "uint16": "u2",
+    "int": "i4",
+    "int32": "i4",
+    "uint": "u4",
+    "uint32": "u4",
+    "float": "f4",
+    "float32": "f4",
+    "double": "f8",
+    "float64": "f8",
 }
 
 
@@ -37,11 +46,11 @@ class _Property(NamedTuple):
 
 class _Element(NamedTuple):
     name: str
-    count: int
+    size: int
     properties: list[_Property]
 
 
-def read_ply(path: Path) -> MeshFile:
+def read_ply(path: Path) -> ReadProblem:
     """Read a .ply file, text or binary of either byte order.
 
     The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as
@@ -60,12 +69,13 @@ def read_ply(path: Path) -> MeshFile:
         marked = zip(edges["vertex1"], edges["vertex2"], edges["crease"]) if "crease" in edges else ()
         creases = [[int(u), int(v)] for u, v, on in marked if on]
         roles = np.asarray(table.get("role", []), dtype=np.int64)
-        targets = [None if np.isnan(K) else float(K) for K in table["target"]] if "target" in table else None
+        targets = np.asarray(table["target"], dtype=np.float64) if "target" in table else None
     except (KeyError, IndexError, ValueError, StopIteration, OverflowError) as error:
         raise FileError(f"{path} cannot be read as .ply ({error or 'it ends too early'}); export it again") from None
     single = any(p.kind == "f4" and p.name == "x" for element in elements for p in element.properties) and kind != "ascii"
     notes = ("this .ply carries seven digits only; a .3dm or .obj keeps them all",) if single else ()
-    return MeshFile(vertices, faces, np.flatnonzero(roles == FIXED).tolist(), creases, targets, notes)
+    supports = np.flatnonzero(roles == FIXED).tolist()
+    return clean_problem(path, vertices, faces, supports=supports, creases=creases, targets=targets, notes=notes)
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], int]:
@@ -93,7 +103,7 @@ def _text_rows(body: bytes, elements: list[_Element]) -> list[dict[str, list]]:
     tables = []
     for element in elements:
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.count):
+        for _ in range(element.size):
             for p in element.properties:
                 read = float if p.kind[0] == "f" else int
                 table[p.name].append(read(next(words)) if p.length is None else [read(next(words)) for _ in range(int(next(words)))])
@@ -107,12 +117,12 @@ def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -
     for element in elements:
         if all(p.length is None for p in element.properties):
             record = np.dtype([(p.name, order + p.kind) for p in element.properties])
-            rows = np.frombuffer(data, record, element.count, start)
-            start += record.itemsize * element.count
+            rows = np.frombuffer(data, record, element.size, start)
+            start += record.itemsize * element.size
             tables.append({p.name: rows[p.name].tolist() for p in element.properties})
             continue
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.count):
+        for _ in range(element.size):
             for p in element.properties:
                 count = 1
                 if p.length is not None:
@@ -125,15 +135,15 @@ def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -
     return tables
 
 
-def ply_text(mesh: Asked) -> str:
+def ply_text(problem: CGCProblem) -> str:
     """Return a mesh as a .ply file in text."""
     lines = ["ply", "format ascii 1.0", f"comment compas_cgc: role = {', '.join(f'{i} {role}' for i, role in enumerate(ROLES))}"]
-    lines += [f"element vertex {len(mesh.vertices)}", *(f"property double {axis}" for axis in "xyz")]
+    lines += [f"element vertex {len(problem.vertices)}", *(f"property double {axis}" for axis in "xyz")]
     lines += ["property uchar role", "property double target"]
-    lines += [f"element face {len(mesh.faces)}", "property list uchar int vertex_indices"]
-    lines += [f"element edge {len(mesh.edges)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
-    columns = zip(*mesh.vertices.T.tolist(), mesh.roles.tolist(), mesh.targets.tolist())
+    lines += [f"element face {len(problem.faces)}", "property list uchar int vertex_indices"]
+    lines += [f"element edge {len(problem.creases)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
+    columns = zip(*problem.vertices.T.tolist(), problem.roles.tolist(), problem.targets.tolist())
     lines += [f"{x!r} {y!r} {z!r} {role} {K!r}" for x, y, z, role, K in columns]
-    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*mesh.faces.T.tolist())]
-    lines += [f"{u} {v} 1" for u, v in mesh.edges.tolist()]
+    lines += [f"3 {a} {b} {c}" for a, b, c in zip(*problem.faces.T.tolist())]
+    lines += [f"{u} {v} 1" for u, v in problem.creases.tolist()]
     return "\n".join(lines) + "\n"

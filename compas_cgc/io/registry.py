@@ -1,4 +1,4 @@
-"""One door for meshes of all formats."""
+"""Formats by suffix: one way in and one way out for meshes of all of them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 from typing import Union
+from typing import cast
 
 from ..errors import FileError
-from .asked import asked_of
-from .cleanup import tidied
+from ..model.problem import PosesProblem
+from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
 from .obj import obj_text
@@ -20,33 +21,36 @@ from .off import off_text
 from .off import read_off
 from .ply import ply_text
 from .ply import read_ply
+from .reading import ReadProblem
 from .stl import read_stl
 from .stl import stl_text
-from .written import written
 
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
-    from ..model.result import SolveResult
+    from ..datastructures import SolveResult
 
-__all__ = ["SUFFIXES", "read_mesh", "write_mesh"]
+__all__ = ["SUFFIXES", "read", "read_mesh", "read_problem", "write"]
+
+PathLike = Union[str, "os.PathLike[str]"]
 
 _READERS = {".obj": read_obj, ".off": read_off, ".ply": read_ply, ".stl": read_stl}
 _WRITERS = {".obj": obj_text, ".off": off_text, ".ply": ply_text, ".stl": stl_text}
 SUFFIXES = (".3dm", ".json", *sorted(_WRITERS))
 
 
-def read_mesh(
-    path: Union[str, os.PathLike],
+def read_problem(
+    path: PathLike,
+    *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
-) -> tuple[CGCMesh, list[str]]:
-    """Read a mesh with the supports, creases and targets that the file holds.
+) -> ReadProblem:
+    """Read a mesh with all that the file asks of it.
 
-    .3dm and COMPAS .json hold all of them, .ply all but single strategies, .obj all but
-    targets that vary inside of a region; .off and .stl hold none. Meshes are welded,
+    .3dm and COMPAS .json hold supports, creases, targets and constraints; .ply all but constraints and single
+    strategies, .obj also not targets that vary inside of a region; .off and .stl hold none. Meshes are welded,
     triangulated and oriented where they need it.
 
     Parameters
@@ -54,64 +58,91 @@ def read_mesh(
     path
         A .3dm, .json, .obj, .off, .ply or .stl file.
     layers, crease, tolerance, edge_length
-        For .3dm, see :func:`compas_cgc.io.rhino.read_model`.
+        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
 
     Returns
     -------
-    mesh, notes
-        The notes say in sentences what was found and done.
+    ReadProblem
+        The problem, notes on what was found and done, and what of the file could not be used.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read.
+    """
+    source = Path(path)
+    suffix = _suffix(source)
+    if suffix == ".3dm":
+        from .rhino.read import read_3dm
+
+        return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+    if suffix == ".json":
+        return ReadProblem(read_json(source).to_problem())
+    return _READERS[suffix](source)
+
+
+def read_mesh(
+    path: PathLike,
+    *,
+    layers: Optional[Mapping[str, object]] = None,
+    crease: str = "trace",
+    tolerance: Optional[float] = None,
+    edge_length: Optional[float] = None,
+) -> tuple[CGCMesh, list[str]]:
+    """Read a mesh, and notes on what was found and done, see :func:`read_problem`.
 
     Raises
     ------
     FileError
         If the file cannot be read.
     ProblemError
-        If supports, creases or targets of a .3dm do not fit the mesh.
+        If supports, creases, targets or constraints of a .3dm do not fit the mesh.
     """
-    source = Path(path)
-    suffix = _suffix(source)
-    if suffix == ".3dm":
-        from .rhino import read_model
+    from ..datastructures import CGCMesh
 
-        model = read_model(source, layers, crease, tolerance, edge_length)
-        return model.to_cgcmesh(), list(model.notes)
-    if suffix == ".json":
-        return read_json(source), []
-    found = _READERS[suffix](source)
-    if not len(found.vertices) or not len(found.faces):
-        raise FileError(f"{path} holds no mesh; give one with vertices and faces")
-    return tidied(found, source)
+    if _suffix(Path(path)) == ".json":
+        return read_json(Path(path)), []
+    found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+    return CGCMesh.from_problem(found.checked()), list(found.notes)
 
 
-def write_mesh(
-    path: Union[str, os.PathLike],
-    mesh: CGCMesh,
-    result: Optional[SolveResult] = None,
-    source: Union[str, os.PathLike, None] = None,
-    settings: Optional[Mapping[str, object]] = None,
+def read(
+    path: PathLike,
+    *,
+    layers: Optional[Mapping[str, object]] = None,
+    crease: str = "trace",
+    tolerance: Optional[float] = None,
+    edge_length: Optional[float] = None,
+) -> CGCMesh:
+    """Read a mesh with supports, creases, targets and constraints, see :func:`read_mesh`."""
+    return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)[0]
+
+
+def write(
+    path: PathLike,
+    surface: Union[SolveResult, PosesProblem],
+    *,
+    source: Optional[PathLike] = None,
     version: Optional[int] = None,
     analysis: Optional[SurfaceReport] = None,
 ) -> None:
-    """Write a mesh in the format of the suffix, whole or not at all; every digit is kept.
+    """Write a surface in the format of the suffix, whole or not at all; every digit is kept.
 
     Parameters
     ----------
     path
-        A .3dm, .json, .obj, .off, .ply or .stl file; an older one is replaced when the
-        new one is complete.
-    mesh
-        The mesh; a dummy mesh is left out of all formats but .json.
-    result
-        The result of a solve, whose mesh is written; a .3dm shows all of it.
+        A .3dm, .json, .obj, .off, .ply or .stl file; an older one is replaced when the new
+        one is complete.
+    surface
+        A result, mesh or problem. A dummy mesh is left out of all formats but .json; a .3dm
+        shows all of a result.
     source
-        The file that the problem was read from; if both are .3dm, all that was in it
-        is kept.
-    settings
-        Settings of the solve, noted in a .3dm.
+        The file that the problem of a result was read from; if both are .3dm, all that was
+        in it is kept.
     version
         Of a .3dm: 7 or 8.
     analysis
-        The report on the result, shown in a .3dm. Default: made here.
+        The report on a result, shown in a .3dm. Default: made here.
 
     Raises
     ------
@@ -121,18 +152,29 @@ def write_mesh(
     target = Path(path)
     suffix = _suffix(target)
     if suffix == ".3dm":
-        from .rhino import write_model
-        from .rhino import write_result
-
-        if result is None:
-            write_model(target, mesh, version or 7)
-        else:
-            write_result(target, result, source if source is not None and _is_3dm(source) else None, settings, version, analysis)
+        _write_3dm(target, surface, source, version, analysis)
         return
-    solved = mesh if result is None else result.mesh
-    text = json_text(solved) if suffix == ".json" else _WRITERS[suffix](asked_of(solved))
-    with written(target) as beside:
-        beside.write_bytes(text.encode("utf-8"))
+    text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](surface.to_problem().without_dummies())
+    with written(target) as temporary:
+        temporary.write_bytes(text.encode("utf-8"))
+
+
+def _write_3dm(
+    target: Path,
+    surface: Union[SolveResult, PosesProblem],
+    source: Optional[PathLike],
+    version: Optional[int],
+    analysis: Optional[SurfaceReport],
+) -> None:
+    from .rhino.result_layers import write_result
+    from .rhino.write import write_problem
+
+    kept = source if source is not None and Path(source).suffix.lower() == ".3dm" else None
+    # A result says how it ended.
+    if hasattr(surface, "status"):
+        write_result(target, cast("SolveResult", surface), source=kept, version=version, analysis=analysis)
+    else:
+        write_problem(target, surface, version or 7)
 
 
 def _suffix(path: Path) -> str:
@@ -140,7 +182,3 @@ def _suffix(path: Path) -> str:
     if suffix not in SUFFIXES:
         raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {', '.join(SUFFIXES)}")
     return suffix
-
-
-def _is_3dm(path: Union[str, os.PathLike]) -> bool:
-    return Path(path).suffix.lower() == ".3dm"

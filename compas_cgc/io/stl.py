@@ -9,9 +9,10 @@ import numpy as np
 
 from ..discrete import face_normals
 from ..errors import FileError
-from ._text import read_bytes
-from .asked import Asked
-from .meshfile import MeshFile
+from ..model.problem import CGCProblem
+from ._files import read_bytes
+from .cleanup import clean_problem
+from .reading import ReadProblem
 
 __all__ = ["read_stl", "stl_text"]
 
@@ -19,7 +20,7 @@ _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def read_stl(path: Path) -> MeshFile:
+def read_stl(path: Path) -> ReadProblem:
     """Read a .stl file, binary or text; corners at the same place become one vertex."""
     data = read_bytes(path)
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
@@ -36,16 +37,16 @@ def read_stl(path: Path) -> MeshFile:
             raise FileError(f"{path} is not complete, a triangle has not three corners; export it again")
     else:
         raise FileError(f"{path} is no whole .stl file; export it again")
-    return MeshFile(corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
+    return clean_problem(path, corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
 
 
-def stl_text(mesh: Asked) -> str:
+def stl_text(problem: CGCProblem) -> str:
     """Return a mesh as the text of a .stl file, which has no place for roles."""
-    name = "_".join(mesh.name.split())
-    points = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in zip(*mesh.vertices.T.tolist())]
-    normals = face_normals(mesh.vertices, mesh.faces)
+    name = "_".join(problem.drawing.name.split())
+    points = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in zip(*problem.vertices.T.tolist())]
+    normals = face_normals(problem.vertices, problem.faces)
     lines = [f"solid {name}"]
-    for a, b, c, x, y, z in zip(*mesh.faces.T.tolist(), *normals.T.tolist()):
+    for a, b, c, x, y, z in zip(*problem.faces.T.tolist(), *normals.T.tolist()):
         corners = f"{points[a]}\n{points[b]}\n{points[c]}"
         lines.append(f"facet normal {x!r} {y!r} {z!r}\nouter loop\n{corners}\nendloop\nendfacet")
     lines.append(f"endsolid {name}")

@@ -1,4 +1,4 @@
-"""What a backend raises."""
+"""The error of singular matrices."""
 
 from __future__ import annotations
 

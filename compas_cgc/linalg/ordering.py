@@ -1,4 +1,4 @@
-"""Elimination orders that keep the factors of mesh matrices sparse."""
+"""Nested dissection: elimination orders that keep the factors of mesh matrices sparse."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import IntArray
 
 __all__ = ["nested_dissection"]
 
@@ -18,7 +21,7 @@ SHORT = 0.3  # extent, against the largest, of a direction in which no cut is tr
 LEFT, RIGHT = 1, 2
 
 
-def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None, leaf: int = 8) -> NDArray[np.int64]:
+def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None, leaf: int = 8) -> Indices:
     """Return an elimination order that halves the unknowns by place, over and over.
 
     A part is cut at the median of one coordinate, the one that leaves the fewest unknowns next to
@@ -51,7 +54,7 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
 
 
 @njit(cache=True)
-def _distances(indptr, indices):
+def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
     """Return the distances (3, n) from landmarks; parts that are not joined lie behind one another."""
     n = len(indptr) - 1
     places = np.zeros((LANDMARKS, n))
@@ -81,7 +84,7 @@ def _distances(indptr, indices):
 
 
 @njit(cache=True)
-def _spread(indptr, indices, first, level, queue):
+def _spread(indptr: CSRIndices, indices: CSRIndices, first: int, level: IntArray, queue: IntArray) -> int:
     """Set the distance from a first unknown where it is -1, in the order of the queue; return how many are reached."""
     level[first], queue[0] = 0, first
     done, reached = 0, 1
@@ -98,7 +101,7 @@ def _spread(indptr, indices, first, level, queue):
 
 
 @njit(cache=True)
-def _dissect(indptr, indices, places, leaf):
+def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: int) -> Indices:
     n, d = len(indptr) - 1, len(places)
     order = np.arange(n)
     half = np.zeros(n, np.int8)
@@ -142,7 +145,7 @@ def _dissect(indptr, indices, places, leaf):
 
 
 @njit(cache=True)
-def _halve(part, key, half):
+def _halve(part: Indices, key: FloatArray, half: NDArray[np.int8]) -> None:
     """Mark the unknowns of a part below the median of their keys as left, the others as right."""
     middle = len(part) // 2
     median = np.partition(key, middle)[middle]
@@ -157,7 +160,7 @@ def _halve(part, key, half):
 
 
 @njit(cache=True)
-def _beside(indptr, indices, part, half):
+def _beside(indptr: CSRIndices, indices: CSRIndices, part: Indices, half: NDArray[np.int8]) -> tuple[int, int]:
     """Return how many unknowns of the left half touch the right one, and the other way round."""
     lefts, rights = 0, 0
     for i in part:
@@ -170,7 +173,7 @@ def _beside(indptr, indices, part, half):
 
 
 @njit(cache=True)
-def _touches(indptr, indices, i, half):
+def _touches(indptr: CSRIndices, indices: CSRIndices, i: int, half: NDArray[np.int8]) -> bool:
     other = LEFT + RIGHT - half[i]
     for at in range(indptr[i], indptr[i + 1]):
         if half[indices[at]] == other:

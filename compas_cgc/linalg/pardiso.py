@@ -1,4 +1,4 @@
-"""Intel's PARDISO, by the package pypardiso: threads, and a symbolic factorisation that is kept."""
+"""PARDISO of Intel's MKL, by the package pypardiso: threads, and a symbolic factorisation that is kept."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from .errors import SingularMatrixError
 
@@ -48,7 +49,7 @@ class Pardiso:
 
         self._symmetric = symmetric
         self._refine = refine
-        self._pattern: Optional[tuple[np.ndarray, np.ndarray]] = None
+        self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
         self._solver = PyPardisoSolver(mtype=POSITIVE_DEFINITE if symmetric else UNSYMMETRIC)
         # Otherwise the last bits depend on where in memory a vector happens to lie.
         self._solver.libmkl.MKL_CBWR_Set(REPRODUCIBLE)

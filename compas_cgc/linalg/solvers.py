@@ -1,4 +1,4 @@
-"""The interface of the backends, and which one a system gets."""
+"""Linear solvers: the interface of the backends, and the choice between them."""
 
 from __future__ import annotations
 
@@ -29,9 +29,11 @@ class LinearSolver(Protocol):
 
         Raises :class:`SingularMatrixError` where the matrix has no inverse.
         """
+        ...
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return the solution ``(n,)`` or ``(n, k)`` of the last matrix for a right side of that shape."""
+        ...
 
 
 def linear_solver(

@@ -1,16 +1,21 @@
-"""SciPy's SuperLU, ordered for meshes."""
+"""SuperLU, as in SciPy, ordered for meshes."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from .errors import SingularMatrixError
 from .ordering import nested_dissection
+
+if TYPE_CHECKING:
+    from scipy.sparse.linalg import SuperLU as Factors
 
 __all__ = ["SuperLU"]
 
@@ -39,7 +44,9 @@ class SuperLU:
         self._points = points
         self._symmetric = symmetric
         self._refine = refine
-        self._pattern: Optional[tuple[np.ndarray, np.ndarray]] = None
+        self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
+        self._lu: Optional[Factors] = None
+        self._pivoted = False
 
     def factorise(self, matrix: sparse.csr_matrix) -> SuperLU:
         """Take a matrix in."""
@@ -93,6 +100,8 @@ class SuperLU:
         self._lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})
 
     def _apply(self, rhs: FloatArray) -> FloatArray:
+        if self._lu is None:
+            raise SingularMatrixError("there are no factors; factorise a matrix first")
         if self._pivoted:
             return self._lu.solve(rhs)
         # Several right sides at once are solved faster by the factors than by their transposed.

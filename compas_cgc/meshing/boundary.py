@@ -1,4 +1,4 @@
-"""The open edges of a mesh, as loops."""
+"""Boundary loops, and the supports that are named after them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 from ..discrete.topology import boundary_mask
 
@@ -68,7 +69,7 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
 
 
-def _turns(points: FloatArray, angle: float = 30.0) -> np.ndarray:
+def _turns(points: FloatArray, angle: float = 30.0) -> Mask:
     """Tell where a closed polyline (b, 3) turns by more than an angle in degrees (b,)."""
     ahead = unit_vectors(np.roll(points, -1, axis=0) - points)
     cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))

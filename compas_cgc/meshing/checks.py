@@ -1,20 +1,20 @@
-"""What keeps a mesh from being solved, each in one sentence that names the thing and the mend."""
+"""Mesh diagnostics: manifoldness, orientation, degenerate faces and existence, each in one sentence with its remedy."""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ..discrete import face_areas
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 
-__all__ = ["Problem", "existence_problems", "mesh_problems"]
+__all__ = ["Diagnostic", "listed", "mesh_problems"]
 
 
-class Problem(str):
+class Diagnostic(str):
     """A sentence about a mesh.
 
     Attributes
@@ -25,13 +25,10 @@ class Problem(str):
 
     fatal: bool
 
-    def __new__(cls, text: str, fatal: bool = True) -> Problem:
-        problem = super().__new__(cls, text)
-        problem.fatal = fatal
-        return problem
-
-    def __getnewargs__(self) -> tuple[str, bool]:
-        return str(self), self.fatal
+    def __new__(cls, text: str, fatal: bool = True) -> Diagnostic:
+        diagnostic = super().__new__(cls, text)
+        diagnostic.fatal = fatal
+        return diagnostic
 
 
 def listed(items: object, most: int = 5) -> str:
@@ -41,7 +38,7 @@ def listed(items: object, most: int = 5) -> str:
     return shown + (f" and {len(items) - most} more" if len(items) > most else "")
 
 
-def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Problem]:
+def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Diagnostic]:
     """List what is wrong with the mesh itself, whatever is asked of it.
 
     Parameters
@@ -52,37 +49,37 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
         ``(n,)`` and ``(m,)``: what the user calls them.
     """
     if not len(faces):
-        return [Problem("the mesh has no faces; give a mesh with faces")]
-    problems = []
+        return [Diagnostic("the mesh has no faces; give a mesh with faces")]
+    problems: list[Diagnostic] = []
     used = np.zeros(len(vertices), bool)
     used[faces] = True
     if not used.all():
         problems.append(
-            Problem(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices() does)")
+            Diagnostic(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices() does)")
         )
     problems += _face_problems(vertices, faces, face_names)
     return problems + _manifold_problems(faces, vertex_names, face_names)
 
 
-def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Problem]:
+def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Diagnostic]:
     problems = []
     key = np.sort(F, axis=1)
     order = np.lexsort(key.T)
     twin = np.zeros(len(F), bool)
     twin[order[1:]] = (key[order[1:]] == key[order[:-1]]).all(axis=1)
     if twin.any():
-        problems.append(Problem(f"faces {listed(names[twin])} are duplicates of others; remove them"))
+        problems.append(Diagnostic(f"faces {listed(names[twin])} are duplicates of others; remove them"))
     corners = V[F]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     flat = face_areas(V, F) <= 1e-12 * longest**2
     if flat.any():
         problems.append(
-            Problem(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
+            Diagnostic(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
         )
     return problems
 
 
-def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Problem]:
+def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Diagnostic]:
     n, m = int(F.max()) + 1, len(F)
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
     owner = np.repeat(np.arange(m), 3)
@@ -92,7 +89,7 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     many = edge[count > 2]
     if len(many):
         ends = np.column_stack([vertex_names[many // n], vertex_names[many % n]])
-        return [Problem(f"edges {listed(ends)} belong to more than two faces, the mesh is not manifold; remove the surplus faces")]
+        return [Diagnostic(f"edges {listed(ends)} belong to more than two faces, the mesh is not manifold; remove the surplus faces")]
 
     start = np.concatenate([[0], np.cumsum(count)])[:-1]
     first, second = order[start[count == 2]], order[start[count == 2] + 1]
@@ -105,16 +102,16 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     _, side = connected_components(sparse.coo_matrix((ones, (i, j)), shape=(2 * m, 2 * m)), directed=False)
     pieces, piece = connected_components(sparse.coo_matrix((ones[: len(a)], (a, b)), shape=(m, m)), directed=False)
     if (side[:m] == side[m:]).any():
-        problems.append(Problem("the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"))
+        problems.append(Diagnostic("the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"))
     elif same.any():
-        problems.append(Problem(f"{_against(side[:m], piece, face_names)} run against their neighbours; unify them (mesh.unify() does)"))
+        problems.append(Diagnostic(f"{_against(side[:m], piece, face_names)} run against their neighbours; unify them (mesh.unify() does)"))
     problems += _fan_problems(F, n, owner, u, vertex_names)
     if pieces > 1:
-        problems.append(Problem(f"the mesh has {pieces} separate pieces, which are solved side by side", fatal=False))
+        problems.append(Diagnostic(f"the mesh has {pieces} separate pieces, which are solved side by side", fatal=False))
     return problems
 
 
-def _against(side: IntArray, piece: IntArray, names: IntArray) -> str:
+def _against(side: CSRIndices, piece: CSRIndices, names: IntArray) -> str:
     """Name the faces that disagree with the larger part of their piece."""
     wrong = np.zeros(len(side), bool)
     for p in np.unique(piece):
@@ -124,7 +121,7 @@ def _against(side: IntArray, piece: IntArray, names: IntArray) -> str:
     return f"faces {listed(names[wrong])}"
 
 
-def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntArray) -> list[Problem]:
+def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntArray) -> list[Diagnostic]:
     """Find vertices where two fans of faces touch: corners joined across shared edges give one component per fan."""
     m = len(F)
     corner = np.arange(3 * m)
@@ -144,70 +141,7 @@ def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntA
     fans = np.bincount(at_vertex, minlength=n)
     if (fans > 1).any():
         touching = names[np.flatnonzero(fans > 1)]
-        return [Problem(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")]
-    return []
-
-
-def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
-    """Return two axes (2, 3) of the plane nearest to points, and how far these leave it, as a part of their size."""
-    offset = points - points.mean(axis=0)
-    _, _, axes = np.linalg.svd(offset, full_matrices=False)
-    size = float(np.linalg.norm(offset, axis=1).max())
-    return axes[:2], float(np.abs(offset @ axes[2]).max()) / size if size > 0 else 0.0
-
-
-def existence_problems(vertices: FloatArray, faces: IntArray, boundary: IntArray, target: float) -> list[Problem]:
-    """Tell when no surface of curvature `target` can span a plane boundary curve.
-
-    On a plane curve around the area A the Gauss map of a graph covers at most the area
-    pi, so K̄ A < pi; and a sphere through an inscribed circle of radius r touches the
-    surface, so K̄ <= 1 / r^2.
-
-    Parameters
-    ----------
-    vertices, faces
-        ``(n, 3)`` and ``(m, 3)``: one piece without creases.
-    boundary
-        ``(b,)`` vertices around its only boundary loop, in order, all fixed.
-    target
-        Smallest target in the piece [1/L^2].
-    """
-    axes, reach = plane_of(vertices[boundary])
-    if target <= 0 or reach > 1e-6:
-        return []
-    plan = vertices @ axes.T
-    rim = plan[boundary]
-    x, y = rim.T
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
-    most = np.pi / area
-    within = np.zeros(len(vertices), bool)
-    within[faces] = True
-    within[boundary] = False
-    inside = np.flatnonzero(within)
-    if len(inside):
-        middle = 0.5 * (rim + np.roll(rim, -1, axis=0))
-        reach = float(np.linalg.norm(rim - middle, axis=1).max())
-        near, _ = cKDTree(middle).query(plan[inside])
-        # The widest circle about a vertex within the curve that the curve stays out of.
-        for k in np.argsort(-near, kind="stable")[:50]:
-            if _within(plan[inside[k]], rim):
-                radius = float(near[k]) - reach
-                most = min(most, 1.0 / radius**2) if radius > 0 else most
-                break
-    if target >= most:
         return [
-            Problem(
-                f"the target {target:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
-                "lower the target, add creases, or free an edge"
-            )
+            Diagnostic(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")
         ]
     return []
-
-
-def _within(point: FloatArray, polygon: FloatArray) -> bool:
-    """Tell whether a point of the plane lies in a polygon, by the crossings to its right."""
-    x, y = (polygon - point).T
-    ahead_x, ahead_y = np.roll(x, -1), np.roll(y, -1)
-    crosses = (y > 0) != (ahead_y > 0)
-    rise = np.where(crosses, ahead_y - y, 1.0)
-    return bool(np.count_nonzero(crosses & (x - y * (ahead_x - x) / rise > 0)) % 2)

@@ -1,9 +1,9 @@
-"""Meshes as files bring them to one clean, consistently oriented triangle mesh, with a list of what was done."""
+"""Mesh cleanup: welding, triangulation and orientation, with a list of what was done."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
 from typing import Union
 
 import numpy as np
@@ -20,7 +20,8 @@ from .weld import weld
 __all__ = ["Tidy", "mean_edge", "quad_array", "tidy"]
 
 
-class Tidy(NamedTuple):
+@dataclass(frozen=True)
+class Tidy:
     """A clean triangle mesh."""
 
     vertices: FloatArray  # (n, 3) [L]
@@ -31,9 +32,9 @@ class Tidy(NamedTuple):
 
 
 def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], tolerance: float, unit: str = "") -> Tidy:
-    """Weld vertices, triangulate polygons, drop what is no face, turn faces to agree with their neighbours.
+    """Weld vertices, triangulate polygons, drop degenerate faces, turn faces to agree with their neighbours.
 
-    A mesh that needs none of it comes out bit for bit as it went in.
+    A mesh that is clean already comes out unchanged.
 
     Parameters
     ----------

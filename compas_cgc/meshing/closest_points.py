@@ -1,4 +1,4 @@
-"""Nearest points on a polyline."""
+"""Closest points on a polyline."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool =
     square = np.einsum("ij,ij->i", along, along)
     tangent = along / np.sqrt(square)[:, None]
     last = len(along) - 1
-    feet, slide = np.empty_like(points), np.empty_like(points)
+    closest, slide = np.empty_like(points), np.empty_like(points)
     step = max(1, MOST // max(1, len(along)))
     for begin in range(0, len(points), step):
         here = points[begin : begin + step]
@@ -54,6 +54,6 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool =
         direction = tangent[best] + tangent[other % (last + 1)]
         length = np.linalg.norm(direction, axis=1, keepdims=True)
         direction = np.where(length > 0, direction / np.where(length > 0, length, 1.0), tangent[best])
-        feet[begin : begin + step] = foot[row, best]
+        closest[begin : begin + step] = foot[row, best]
         slide[begin : begin + step] = np.where(ended[:, None], 0.0, direction)
-    return feet, slide
+    return closest, slide

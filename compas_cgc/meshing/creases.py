@@ -1,4 +1,4 @@
-"""Crease edges to vertex paths and back."""
+"""Creases as edges and as vertex paths."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..discrete.arrays import IntArray
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
+from ..discrete.arrays import Mask
 
 __all__ = ["crease_paths", "lost_edges", "path_edges"]
 
@@ -63,7 +65,7 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     return sorted(paths, key=lambda path: min(sorted(pair) for pair in zip(path[:-1], path[1:])))
 
 
-def lost_edges(faces: IntArray, pairs: IntArray) -> np.ndarray:
+def lost_edges(faces: Faces, pairs: Edges) -> Mask:
     """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool."""
     n = int(max(faces.max(initial=0), pairs.max(initial=0))) + 1
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()

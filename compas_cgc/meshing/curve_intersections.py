@@ -1,4 +1,4 @@
-"""Where a curve crosses the edges of a mesh."""
+"""Intersections of a curve with the edges of a mesh."""
 
 from __future__ import annotations
 

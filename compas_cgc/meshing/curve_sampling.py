@@ -1,4 +1,4 @@
-"""Points spread evenly along curves in the plane and over the area between them."""
+"""Even sampling of plane curves and of the area between them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 
 __all__ = ["Cell", "cells", "lattice", "spread"]
 
@@ -29,7 +30,7 @@ def spread(
     spacing
         Distance aimed at [L].
     tolerance
-        Length that is nothing [L].
+        Length below which two points are one [L].
 
     Returns
     -------
@@ -55,7 +56,7 @@ def spread(
         parts = []
         for a, b in stretches:
             begin, end = at[a], at[b] if at[b] > at[a] else at[b] + line.length
-            number = max(1, round((end - begin) / spacing), 3 if closed and len(own) == 1 else 1)
+            number = max(1, round(float(end - begin) / spacing), 3 if closed and len(own) == 1 else 1)
             places = np.linspace(begin, end, number + 1) % line.length if closed else np.linspace(begin, end, number + 1)
             points = shapely.get_coordinates(shapely.line_interpolate_point(line, places))
             points[0], points[-1] = nodes[a], nodes[b]
@@ -121,7 +122,7 @@ def _nodes(lines: list[shapely.LineString], spacing: float) -> FloatArray:
     return np.array(nodes)
 
 
-def _kinks(points: FloatArray, closed: bool) -> np.ndarray:
+def _kinks(points: FloatArray, closed: bool) -> Mask:
     """Mark where a polyline turns by more than 30 degrees; on a closed one without such a place, its first point."""
     ahead = np.diff(points, axis=0)
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-300)

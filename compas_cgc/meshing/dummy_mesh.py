@@ -1,4 +1,4 @@
-"""The dummy mesh: one ring of faces outside a free edge, so that K can be computed there."""
+"""Dummy mesh: one ring of faces outside a free edge, so that K can be computed there."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from ..discrete import edge_faces
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 
 __all__ = ["dummy_ring"]
 
 
-def dummy_ring(vertices: FloatArray, faces: IntArray, free: np.ndarray) -> tuple[FloatArray, IntArray, IntArray]:
+def dummy_ring(vertices: FloatArray, faces: IntArray, free: Mask) -> tuple[FloatArray, IntArray, IntArray]:
     """Return a mesh with a ring of dummy faces along the boundary loops that have a free vertex.
 
     Each boundary vertex gets one dummy, one mean boundary edge outwards in the surface;

@@ -1,4 +1,4 @@
-"""Matching of a curve to the edges of a mesh, as a track is matched to a road map."""
+"""Viterbi map matching: the walk along the edges of a mesh that follows a curve best."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 
 __all__ = ["EdgeNet", "edge_net", "match_path"]
 
@@ -22,7 +24,7 @@ class EdgeNet(NamedTuple):
     lengths: sparse.csr_matrix  # (n, n) symmetric, length of every edge [L]
     tree: cKDTree  # of the vertices
 
-    def neighbours(self, v: int) -> IntArray:
+    def neighbours(self, v: int) -> CSRIndices:
         """Return the vertices joined to one."""
         return self.lengths.indices[self.lengths.indptr[v] : self.lengths.indptr[v + 1]]
 
@@ -44,7 +46,7 @@ def edge_net(vertices: FloatArray, faces: IntArray) -> EdgeNet:
     return EdgeNet(vertices, lengths, cKDTree(vertices))
 
 
-def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Optional[np.ndarray], loop: bool) -> list[int]:
+def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Optional[Mask], loop: bool) -> list[int]:
     """Find the walk along edges that follows samples of a curve best.
 
     Every sample takes a vertex, equal or joined by an edge to the one before; least is
@@ -108,7 +110,7 @@ def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Op
     return _without_spikes(path[::-1])
 
 
-def _end_vertex(vertices: FloatArray, candidates: list[int], end: FloatArray, anchors: Optional[np.ndarray]) -> int:
+def _end_vertex(vertices: FloatArray, candidates: list[int], end: FloatArray, anchors: Optional[Mask]) -> int:
     """Return the vertex nearest to an end, an anchor if there is one."""
     preferred = [v for v in candidates if anchors is not None and anchors[v]] or candidates
     distance = np.linalg.norm(vertices[preferred] - end, axis=1)

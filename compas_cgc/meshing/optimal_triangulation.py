@@ -1,4 +1,4 @@
-"""Small polygons to well-shaped triangles."""
+"""Optimal triangulation of small polygons by Klincsek's dynamic programme."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One orientation for every piece of a mesh."""
+"""Consistent orientation of the faces of every piece."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 
 __all__ = ["Oriented", "orient"]
 
@@ -17,11 +18,11 @@ class Oriented(NamedTuple):
     """Faces that run alike within every piece."""
 
     faces: IntArray  # (m, 3)
-    turned: np.ndarray  # (m,) bool: faces turned over
+    turned: Mask  # (m,) bool: faces turned over
     orientable: bool  # False when a piece has no two sides; it is left as it was
 
 
-def _joined(faces: IntArray) -> tuple[IntArray, IntArray, np.ndarray]:
+def _joined(faces: IntArray) -> tuple[IntArray, IntArray, Mask]:
     """Return the pairs of faces that alone share an edge, and whether both run through it the same way."""
     m = len(faces)
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()

@@ -1,4 +1,4 @@
-"""A mesh from curves alone: an outline, holes and creases in plan."""
+"""Mesh generation from an outline, holes and creases in plan."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..errors import MeshError
 from .map_matching import edge_net
 from .polyline import arc_lengths
@@ -52,7 +53,7 @@ def mesh_from_outline(
     edge_length
         Length of edges aimed at [L].
     tolerance
-        Length that is nothing [L].
+        Length below which two points are one [L].
 
     Returns
     -------
@@ -118,18 +119,18 @@ def _level(points: FloatArray) -> FloatArray:
 def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
     """Return the heights of the curves that points (k, 2) lie on, of the first where they cross (k,) [L]."""
     flat = _level(plan)
-    gaps, heights = [], []
+    distances, heights = [], []
     for curve in curves:
         under = np.asarray(curve) * [1.0, 1.0, 0.0]
         gap, position = nearest_on_polyline(flat, under)
-        gaps.append(gap)
+        distances.append(gap)
         heights.append(np.interp(position, arc_lengths(under), np.asarray(curve)[:, 2]))
-    gaps = np.array(gaps)
+    gaps = np.array(distances)
     first = np.argmax(gaps <= gaps.min(axis=0) + 1e-9 * np.ptp(plan), axis=0)
     return np.array(heights)[first, np.arange(len(plan))]
 
 
-def _heights_between(plan: FloatArray, faces: IntArray, known: np.ndarray, heights: FloatArray) -> FloatArray:
+def _heights_between(plan: FloatArray, faces: IntArray, known: Mask, heights: FloatArray) -> FloatArray:
     """Return heights (n,) that are the mean of their neighbours' where they are not known [L]."""
     free = np.flatnonzero(~known)
     if not len(free) or not heights[known].any():

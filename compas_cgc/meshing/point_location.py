@@ -1,13 +1,15 @@
-"""The face at a place."""
+"""Point location: the face or the vertices at a place."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import ProblemError
 
-__all__ = ["closest_in_triangles", "face_at"]
+__all__ = ["closest_in_triangles", "face_at", "vertices_at"]
 
 
 def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray:
@@ -54,3 +56,22 @@ def face_at(place: FloatArray, vertices: FloatArray, faces: IntArray) -> tuple[i
     if not len(over):
         return nearest, float(distance[nearest])
     return int(over[np.argmin(distance[over])]), 0.0
+
+
+def vertices_at(vertices: FloatArray, points: FloatArray, tolerance: float) -> list[int]:
+    """Return the vertices (n, 3) at points (k, 3) [L].
+
+    Raises
+    ------
+    ProblemError
+        With a sentence for every point that is farther than the tolerance [L] from all.
+    """
+    if not len(points):
+        return []
+    distance, nearest = cKDTree(vertices).query(points)
+    far = np.flatnonzero(~(distance <= tolerance))
+    if len(far):
+        raise ProblemError(
+            [f"the point {i} is {distance[i]:.3g} away from the nearest vertex of the mesh; put it on a vertex" for i in far]
+        )
+    return sorted(set(nearest.tolist()))

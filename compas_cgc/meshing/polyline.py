@@ -1,4 +1,4 @@
-"""Points and polylines: distances, positions along, even samples."""
+"""Polylines: arc lengths, distances and resampling."""
 
 from __future__ import annotations
 

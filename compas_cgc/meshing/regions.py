@@ -1,4 +1,4 @@
-"""Regions: the faces that creases divide a mesh into."""
+"""Regions: the connected components that creases divide the faces into."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 
-__all__ = ["face_neighbours", "face_regions", "vertex_labels"]
+__all__ = ["face_means", "face_neighbours", "face_regions", "vertex_labels"]
 
 
 def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
@@ -66,4 +68,35 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     """
     result = np.full(count, -1)
     result[faces.ravel()] = np.repeat(labels, 3)
+    return result
+
+
+def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
+    """Return the mean over those corners of every face whose value is known (m,).
+
+    Faces without such a corner take the mean of the faces around them, ring after ring.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` vertex indices.
+    known
+        ``(n,)`` vertices whose value counts.
+    values
+        ``(n,)`` of the vertices.
+    """
+    corners = np.arange(3 * len(faces)) // 3
+    incidence = sparse.csr_matrix((np.ones(len(corners)), (corners, faces.ravel())), shape=(len(faces), len(values)))
+    count = incidence @ known.astype(np.float64)
+    total = incidence @ np.where(known, values, 0.0)
+    reached = count > 0
+    result = np.divide(total, count, out=np.zeros(len(faces)), where=reached)
+    while reached.any() and not reached.all():
+        around = incidence @ (incidence.T @ reached.astype(np.float64))
+        mean = incidence @ (incidence.T @ np.where(reached, result, 0.0))
+        new = ~reached & (around > 0)
+        if not new.any():
+            break
+        result[new] = mean[new] / around[new]
+        reached = reached | new
     return result

@@ -1,4 +1,4 @@
-"""Cut a mesh along a curve."""
+"""Cutting of a mesh along a curve."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ..discrete import edge_faces
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from .curve_intersections import Crossings
 from .curve_intersections import curve_crossings
 from .optimal_triangulation import best_triangles
@@ -33,7 +34,7 @@ class Split(NamedTuple):
     inserted: dict[tuple[int, int], list[int]]  # old edge (u < v) to its new vertices from u to v
 
 
-def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: np.ndarray) -> Optional[Split]:
+def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: Mask) -> Optional[Split]:
     """Cut the faces that a curve runs across, so that it follows edges.
 
     A crossing near a vertex takes the vertex, which moves onto the curve, so that no
@@ -48,7 +49,7 @@ def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolera
     curve
         ``(k, 3)`` points along the curve [L], first and last equal if it is closed.
     tolerance
-        Length that is nothing [L].
+        Length below which two points are one [L].
     keep
         ``(n,)`` bool: vertices that may not move.
 
@@ -74,18 +75,18 @@ def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolera
     old = np.concatenate([vertices, crossings.point[fresh]])
     paths = [[int(name[k]) if k >= 0 else -k - 1 for k in run] for run in runs]
     normals = face_normals(vertices, faces)
-    for points in (_moved(old, np.unique(crossings.vertex[crossings.vertex >= 0]), curve, keep), old):
-        cut = _cut_faces(points, faces, inserted, paths)
-        if cut is None:
-            return None
+    points = _moved(old, np.unique(crossings.vertex[crossings.vertex >= 0]), curve, keep)
+    cut = _cut_faces(points, faces, inserted, paths)
+    if cut is not None and not (np.einsum("ij,ij->i", face_normals(points, cut[0]), normals[cut[1]]) > 0).all():
         # Where a move would turn a face over, nothing is moved.
-        if (np.einsum("ij,ij->i", face_normals(points, cut[0]), normals[cut[1]]) > 0).all():
-            break
+        points, cut = old, _cut_faces(old, faces, inserted, paths)
+    if cut is None:
+        return None
     inserted = {(min(a, b), max(a, b)): new if a < b else new[::-1] for (a, b), new in inserted.items()}
     return Split(points, cut[0], cut[1], paths, inserted)
 
 
-def _moved(points: FloatArray, corners: IntArray, curve: FloatArray, keep: np.ndarray) -> FloatArray:
+def _moved(points: FloatArray, corners: IntArray, curve: FloatArray, keep: Mask) -> FloatArray:
     """Return the points with corners moved onto the curve where they may."""
     corners = corners[~keep[corners]]
     moved = points.copy()

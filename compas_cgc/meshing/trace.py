@@ -1,4 +1,4 @@
-"""Curves to paths of vertices along the edges of a mesh."""
+"""Curve tracing: vertex paths along the edges that follow a curve."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 from .map_matching import EdgeNet
 from .map_matching import match_path
 from .polyline import arc_lengths
@@ -71,7 +72,7 @@ def path_deviation(vertices: FloatArray, path: list[int], curve: FloatArray, bot
     return float(deviation)
 
 
-def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Optional[np.ndarray] = None) -> Trace:
+def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Optional[Mask] = None) -> Trace:
     """Find the edges of a mesh that follow a curve best.
 
     A curve along edges gives exactly these. Any other is matched as a road map is to a
@@ -130,7 +131,7 @@ def _spacing(net: EdgeNet, curve: FloatArray) -> float:
     return max(0.5 * float(around.min(initial=np.inf)), 5e-5 * length) if len(around) else length
 
 
-def _runs(on: np.ndarray) -> list[tuple[int, int]]:
+def _runs(on: Mask) -> list[tuple[int, int]]:
     """Return the first and last index of every stretch of True."""
     change = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
     return [(int(a), int(b) - 1) for a, b in zip(change[::2], change[1::2])]

@@ -1,4 +1,4 @@
-"""Polygons to triangles without new vertices."""
+"""Ear clipping: polygons to triangles without new vertices."""
 
 from __future__ import annotations
 
@@ -7,16 +7,21 @@ from collections.abc import Sequence
 from typing import Union
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from ..discrete.arrays import IntArray
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import Vertices
 
 __all__ = ["triangles_of", "triangulate"]
 
+Coordinates = Union[Vertices, Mapping[int, Sequence[float]], Sequence[Sequence[float]]]
+"""Points by position or by key [L]."""
+Polygons = Union[Faces, Sequence[Sequence[int]]]
+"""Vertex indices in order around every polygon, of any number."""
 
-def triangles_of(
-    vertices: Union[Mapping[int, Sequence[float]], Sequence[Sequence[float]]], faces: Sequence[Sequence[int]]
-) -> tuple[IntArray, IntArray]:
+
+def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices]:
     """Split the polygons of a mesh into triangles.
 
     Parameters
@@ -47,7 +52,7 @@ def distinct_corners(face: Sequence[int]) -> list[int]:
     return [v for i, v in enumerate(corners) if v != corners[i - 1] or len(corners) == 1]
 
 
-def triangulate(vertices: ArrayLike, face: Sequence[int]) -> list[list[int]]:
+def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     """Split a polygon into triangles.
 
     A quad ``a, b, c, d`` is split from a to c, so that a grid of quads keeps one
@@ -57,7 +62,7 @@ def triangulate(vertices: ArrayLike, face: Sequence[int]) -> list[list[int]]:
     Parameters
     ----------
     vertices
-        ``(n, 3)`` coordinates [L].
+        ``(n, 3)`` coordinates by position or key [L].
     face
         Vertex indices in order around the polygon.
 
@@ -86,7 +91,7 @@ def triangulate(vertices: ArrayLike, face: Sequence[int]) -> list[list[int]]:
     return triangles
 
 
-def _is_ear(points: np.ndarray, left: list[int], k: int, normal: np.ndarray) -> bool:
+def _is_ear(points: FloatArray, left: list[int], k: int, normal: FloatArray) -> bool:
     """Tell whether corner `k` is convex and no other corner lies in its triangle."""
     before, here, after = (points[left[i % len(left)]] for i in (k - 1, k, k + 1))
     if np.dot(np.cross(here - before, after - here), normal) <= 0:

@@ -1,7 +1,8 @@
-"""Faces as files bring them to clean triangles: weld, split quads, drop what is no face."""
+"""Vertex welding, splitting of quads, and removal of degenerate and duplicate faces."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,8 @@ from ..discrete.arrays import IntArray
 __all__ = ["Cleaned", "Welded", "clean_faces", "split_quads", "weld"]
 
 
-class Welded(NamedTuple):
+@dataclass(frozen=True)
+class Welded:
     """A mesh in which every point is one vertex."""
 
     vertices: FloatArray  # (k, 3) [L], the first of every group of merged ones, in their old order
@@ -24,7 +26,7 @@ class Welded(NamedTuple):
 
 
 class Cleaned(NamedTuple):
-    """Faces without the ones that are none."""
+    """Faces without degenerate and duplicate ones."""
 
     faces: IntArray  # (k, 3)
     kept: IntArray  # (k,) their old indices
@@ -35,8 +37,8 @@ class Cleaned(NamedTuple):
 def weld(vertices: FloatArray, faces: IntArray, tolerance: float) -> Welded:
     """Merge the vertices that lie within a tolerance of each other and drop unused ones.
 
-    The vertices left keep their order and every bit of their coordinates, so a welded
-    mesh comes out as it went in. Groups are chains: of points a, b, c with a near b and b
+    The vertices left keep their order and their exact coordinates, so a welded mesh
+    comes out as it went in. Groups are chains: of points a, b, c with a near b and b
     near c all three become a.
 
     Parameters

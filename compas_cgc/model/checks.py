@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-from typing import Optional
-
 import numpy as np
 
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import ProblemError
-from ..meshing import Problem
+from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing import existence_problems
 from ..meshing import face_regions
@@ -19,98 +16,93 @@ from ..meshing import lost_edges
 from ..meshing import mesh_problems
 from ..meshing import vertex_labels
 from ..meshing.checks import listed
-from ..meshing.checks import plane_of
-from .problem import FIXED
-from .problem import FREE
-from .problem import INTERNAL
+from ..meshing.existence import plane_of
 from .problem import CGCProblem
+from .problem import PosesProblem
+from .roles import FIXED
+from .roles import FREE
+from .roles import INTERNAL
 
-__all__ = ["Names", "check", "refuse"]
-
-
-class Names(NamedTuple):
-    """What the user calls vertices and faces."""
-
-    vertices: IntArray  # (n,)
-    faces: IntArray  # (m,)
+__all__ = ["check", "dropped_faces", "lost_creases", "refuse"]
 
 
-def check(problem: CGCProblem, names: Optional[Names] = None) -> list[Problem]:
+def check(posed: PosesProblem) -> list[Diagnostic]:
     """List what keeps a problem from being solved: first of its geometry, then of what is asked of it.
 
     Parameters
     ----------
-    problem
-        Vertices and faces with roles, targets and creases.
-    names
-        Default: their positions.
+    posed
+        A problem, or a mesh with roles, targets and creases.
 
     Returns
     -------
-    list of Problem
+    list of Diagnostic
         Sentences; those with ``fatal`` set make a solve refuse with the same text.
     """
-    names = names or Names(np.arange(len(problem.vertices)), np.arange(len(problem.faces)))
+    try:
+        problem = posed.to_problem()
+    except ProblemError as error:
+        return [Diagnostic(text) for text in error.problems]
+    names = problem.names
     problems = mesh_problems(problem.vertices, problem.faces, *names)
     sound = not any(said.fatal for said in problems)
     problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
-        real = np.isin(np.arange(len(problem.vertices)), problem.faces[problem.real_faces])
-        problems += _existence_problems(problem.without_dummies(), names.vertices[real])
+        problems += _existence_problems(problem.without_dummies())
     return problems
 
 
-def refuse(problems: list[Problem]) -> None:
+def refuse(problems: list[Diagnostic]) -> None:
     """Raise :class:`ProblemError` with those of the problems that are fatal, if there are any."""
     fatal = [problem for problem in problems if problem.fatal]
     if fatal:
         raise ProblemError(fatal)
 
 
-def lost_creases(edges: list) -> Problem:
+def lost_creases(edges: list) -> Diagnostic:
     """Return the sentence on creases that are no edges."""
-    return Problem(f"the creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
+    return Diagnostic(f"the creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
 
 
-def dropped_faces(names: object) -> Problem:
+def dropped_faces(names: object) -> Diagnostic:
     """Return the sentence on faces that are no polygons."""
-    return Problem(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
+    return Diagnostic(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
 
 
-def _role_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     problems = []
     if not (problem.roles == FIXED).any():
         mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
-        problems.append(Problem(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
+        problems.append(Diagnostic(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
     lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
         problems.append(lost_creases(names[problem.creases[lost]].tolist()))
     if not np.isin(problem.roles, (INTERNAL, FREE)).any():
         problems.append(
-            Problem("there is no internal vertex, so no curvature to ask for; refine the mesh or free some supports or creases")
+            Diagnostic("there is no internal vertex, so no curvature to ask for; refine the mesh or free some supports or creases")
         )
     return problems
 
 
-def _target_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
     asked = problem.asked
     missing = asked & np.isnan(problem.targets)
     wrong = asked & np.isinf(problem.targets)
     problems = []
     if missing.any() and (missing == asked).all():
-        problems.append(Problem("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
+        problems.append(Diagnostic("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
     elif missing.any():
         text = "have no target; set one for their region (mesh.set_target(K, region=r))"
-        problems.append(Problem(f"vertices {listed(names[missing])} {text}"))
+        problems.append(Diagnostic(f"vertices {listed(names[missing])} {text}"))
     if wrong.any():
-        problems.append(Problem(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set numbers"))
+        problems.append(Diagnostic(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set numbers"))
     return problems
 
 
-def _existence_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
+def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
     """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
-    V, F, roles = problem.vertices, problem.faces, problem.roles
+    V, F, roles, names = problem.vertices, problem.faces, problem.roles, problem.names.vertices
     piece = face_regions(F, np.empty((0, 2), dtype=np.int64))
     belongs = vertex_labels(len(V), F, piece)
     loops = boundary_loops(F)
@@ -120,12 +112,12 @@ def _existence_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
         own = np.flatnonzero(belongs == p)
         if not (roles[own] == FIXED).any():
             held = f"the piece of vertex {names[own].min()} has no support, nothing holds it; fix one of its vertices or remove it"
-            problems.append(Problem(held))
+            problems.append(Diagnostic(held))
             continue
         around = [loop for loop in loops if belongs[loop[0]] == p]
         if not around:
             closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
-            problems.append(Problem(closed, fatal=False))
+            problems.append(Diagnostic(closed, fatal=False))
         targets = problem.targets[own[roles[own] == INTERNAL]]
         if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(targets) or targets.min() <= 0:
             continue
@@ -134,9 +126,11 @@ def _existence_problems(problem: CGCProblem, names: IntArray) -> list[Problem]:
         concave = [loop[_turns_inwards(V[loop], up)] for loop in around]
         if any(map(len, concave)):
             text = "where a surface of positive K needs a crease; lead creases to them if the solve fails"
-            problems.append(Problem(f"the edge is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False))
+            problems.append(Diagnostic(f"the edge is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False))
         if len(around) == 1:
-            problems += existence_problems(V, corners, around[0], float(targets.min()))
+            inner = np.zeros(len(V), bool)
+            inner[own[roles[own] == INTERNAL]] = True
+            problems += existence_problems(V, corners, around[0], problem.targets, inner)
     return problems
 
 

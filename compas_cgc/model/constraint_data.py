@@ -1,8 +1,9 @@
-"""Constraints as plain data: what files and requests hold."""
+"""Serialization of constraints: the plain data that files, meshes and requests hold."""
 
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
@@ -12,17 +13,17 @@ import numpy as np
 
 from .constraints import AtHeight
 from .constraints import Constraint
-from .constraints import Held
+from .constraints import Fixed
 from .constraints import Mirror
-from .constraints import Near
 from .constraints import OnCurve
 from .constraints import OnLine
 from .constraints import OnPlane
+from .constraints import Proximity
 from .constraints import unit
 
-__all__ = ["KINDS", "constraint_data", "constraint_of"]
+__all__ = ["KINDS", "as_constraints", "constraint_data", "constraint_of"]
 
-KINDS = {"plane": OnPlane, "height": AtHeight, "line": OnLine, "curve": OnCurve, "held": Held, "near": Near, "mirror": Mirror}
+KINDS = {"plane": OnPlane, "height": AtHeight, "line": OnLine, "curve": OnCurve, "held": Fixed, "near": Proximity, "mirror": Mirror}
 
 
 def constraint_data(constraint: Constraint) -> dict[str, Any]:
@@ -55,16 +56,28 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
         raise ValueError(f"a constraint of kind {kind} lacks a field; it has {needed}") from None
 
 
+def as_constraints(given: object) -> tuple[Constraint, ...]:
+    """Return constraints of which some may be plain data; one alone counts as a list of one.
+
+    Raises
+    ------
+    ValueError
+        If something is no constraint.
+    """
+    items = [given] if isinstance(given, (Constraint, Mapping)) else list(given or ())  # type: ignore[call-overload]
+    return tuple(item if isinstance(item, Constraint) else constraint_of(item) for item in items)
+
+
 def _number(value: object, name: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
         raise ValueError(f"{name} of a constraint must be a finite number")
     return float(value)
 
 
 def _vertices(value: object, name: str) -> list[int]:
-    if not isinstance(value, (list, tuple)) or not all(isinstance(v, int) and not isinstance(v, bool) for v in value):
+    if not isinstance(value, (list, tuple)) or not all(isinstance(v, numbers.Integral) and not isinstance(v, bool) for v in value):
         raise ValueError("vertices of a constraint must be a list of vertices, counted from 0")
-    return list(value)
+    return [int(v) for v in value]
 
 
 def _triple(value: object, name: str) -> list[float]:

@@ -1,4 +1,4 @@
-"""What a designer may ask of vertices besides K."""
+"""Constraints: what a designer asks of vertices besides K."""
 
 from __future__ import annotations
 
@@ -6,25 +6,46 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
+from typing import Any
 from typing import NamedTuple
+from typing import Union
 
 import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import ProblemError
-from .problem import Frame
+from ..meshing.closest_points import nearest_on_polyline
+from .frame import Frame
 
-__all__ = ["AtHeight", "Constraint", "Feet", "Held", "Mirror", "Near", "OnCurve", "OnLine", "OnPlane", "Placing", "indices", "unit"]
+__all__ = [
+    "AtHeight",
+    "ClosestPoints",
+    "Constraint",
+    "Fixed",
+    "Mirror",
+    "OnCurve",
+    "OnLine",
+    "OnPlane",
+    "PositionConstraint",
+    "Proximity",
+    "check_indices",
+    "indices",
+    "unit",
+]
 
 
-class Feet(NamedTuple):
+class ClosestPoints(NamedTuple):
     """Where constrained vertices should be."""
 
     points: FloatArray  # (k, 3) nearest points that fulfil the constraint [L]
     normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave it
 
 
+Triple = Union[Sequence[float], FloatArray]  # three numbers
+
+
+@dataclass(frozen=True)
 class Constraint:
     """Base of all constraints; vertices are indices, lengths in model units."""
 
@@ -32,37 +53,47 @@ class Constraint:
         """Return the same constraint in a local frame."""
         return self
 
+    def renumbered(self, index: IntArray) -> Constraint:
+        """Return the same constraint where the vertices have other positions: `index` of each (n,), -1 where it is gone."""
+        named = getattr(self, "vertices", None)
+        if named is None:
+            return self
+        kept = index[np.asarray(named, dtype=np.int64)]
+        changed: dict[str, Any] = {"vertices": kept[kept >= 0].tolist()}
+        return replace(self, **changed)
 
-class Placing(Constraint):
+
+@dataclass(frozen=True)
+class PositionConstraint(Constraint):
     """A constraint that says where vertices have to be."""
 
     vertices: Sequence[int]
 
-    def feet(self, points: FloatArray) -> Feet:
-        """Return where vertices at some points (k, 3) should be."""
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
+        """Return the nearest points at which vertices at some points (k, 3) fulfil the constraint."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class OnPlane(Placing):
+class OnPlane(PositionConstraint):
     """Vertices on the plane through a point [L] with a normal."""
 
     vertices: Sequence[int]
-    point: Sequence[float]
-    normal: Sequence[float]
+    point: Triple
+    normal: Triple
 
     def local(self, frame: Frame) -> OnPlane:
         """Return the plane in a local frame."""
         return replace(self, point=frame.to_local(np.asarray(self.point, float)))
 
-    def feet(self, points: FloatArray) -> Feet:
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the plane."""
         normal = unit(self.normal, "the normal of a plane")
-        return Feet(points - ((points - self.point) @ normal)[:, None] * normal, _every(np.outer(normal, normal), points))
+        return ClosestPoints(points - ((points - self.point) @ normal)[:, None] * normal, _every(np.outer(normal, normal), points))
 
 
 @dataclass(frozen=True)
-class AtHeight(Placing):
+class AtHeight(PositionConstraint):
     """Vertices at a height z [L]."""
 
     vertices: Sequence[int]
@@ -76,39 +107,39 @@ class AtHeight(Placing):
         """Return the height in a local frame."""
         return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
 
-    def feet(self, points: FloatArray) -> Feet:
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the points at the height below or above."""
-        return Feet(np.column_stack([points[:, :2], np.full(len(points), self.height)]), _every(np.diag([0.0, 0.0, 1.0]), points))
+        return ClosestPoints(np.column_stack([points[:, :2], np.full(len(points), self.height)]), _every(np.diag([0.0, 0.0, 1.0]), points))
 
 
 @dataclass(frozen=True)
-class OnLine(Placing):
+class OnLine(PositionConstraint):
     """Vertices on the endless line through a point [L] with a direction."""
 
     vertices: Sequence[int]
-    point: Sequence[float]
-    direction: Sequence[float]
+    point: Triple
+    direction: Triple
 
     def local(self, frame: Frame) -> OnLine:
         """Return the line in a local frame."""
         return replace(self, point=frame.to_local(np.asarray(self.point, float)))
 
-    def feet(self, points: FloatArray) -> Feet:
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the line."""
         along = unit(self.direction, "the direction of a line")
-        feet = self.point + ((points - self.point) @ along)[:, None] * along
-        return Feet(feet, _every(np.eye(3) - np.outer(along, along), points))
+        closest = self.point + ((points - self.point) @ along)[:, None] * along
+        return ClosestPoints(closest, _every(np.eye(3) - np.outer(along, along), points))
 
 
 @dataclass(frozen=True)
-class OnCurve(Placing):
+class OnCurve(PositionConstraint):
     """Vertices on a curve, given as the points ``(p, 3)`` of a polyline [L].
 
     The vertices slide along the curve and stop at the ends of an open one.
     """
 
     vertices: Sequence[int]
-    points: Sequence[Sequence[float]]
+    points: Union[Sequence[Triple], FloatArray]
     closed: bool = False
 
     def __post_init__(self) -> None:
@@ -120,16 +151,14 @@ class OnCurve(Placing):
         """Return the curve in a local frame."""
         return replace(self, points=frame.to_local(np.asarray(self.points, float)))
 
-    def feet(self, points: FloatArray) -> Feet:
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the curve."""
-        from ..meshing.closest_points import nearest_on_polyline
-
-        feet, tangents = nearest_on_polyline(points, self.points, self.closed)
-        return Feet(feet, np.eye(3) - tangents[:, :, None] * tangents[:, None, :])
+        closest, tangents = nearest_on_polyline(points, np.asarray(self.points, dtype=np.float64), self.closed)
+        return ClosestPoints(closest, np.eye(3) - tangents[:, :, None] * tangents[:, None, :])
 
 
 @dataclass(frozen=True)
-class Held(Constraint):
+class Fixed(Constraint):
     """Vertices that stay where they are, such as a crease that is to be kept."""
 
     vertices: Sequence[int]
@@ -143,8 +172,8 @@ class Mirror(Constraint):
     edge; the faces need not be symmetric.
     """
 
-    point: Sequence[float]
-    normal: Sequence[float]
+    point: Triple
+    normal: Triple
 
     def local(self, frame: Frame) -> Mirror:
         """Return the plane in a local frame."""
@@ -152,7 +181,7 @@ class Mirror(Constraint):
 
 
 @dataclass(frozen=True)
-class Near(Constraint):
+class Proximity(Constraint):
     """Vertices that stay nearer to the input than others: a factor on ``nearness`` for them."""
 
     vertices: Sequence[int]
@@ -163,13 +192,13 @@ class Near(Constraint):
             raise ValueError(f"weight must be a positive number, not {self.weight!r}")
 
 
-def unit(vector: Sequence[float], name: str) -> FloatArray:
+def unit(vector: Triple, name: str) -> FloatArray:
     """Return a unit vector (3,)."""
-    vector = np.asarray(vector, dtype=np.float64)
-    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    given = np.asarray(vector, dtype=np.float64)
+    length = float(np.linalg.norm(given)) if given.shape == (3,) else 0.0
     if not (np.isfinite(length) and length > 0):
-        raise ValueError(f"{name} must be three numbers, not all zero, not {vector.tolist()}")
-    return vector / length
+        raise ValueError(f"{name} must be three numbers, not all zero, not {given.tolist()}")
+    return given / length
 
 
 def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:
@@ -188,3 +217,15 @@ def indices(vertices: Sequence[int], n: int) -> IntArray:
     if len(at) and not (at[0] >= 0 and at[-1] < n):
         raise ProblemError([f"a constraint names vertex {at[0] if at[0] < 0 else at[-1]}; the mesh has the vertices 0 to {n - 1}"])
     return at
+
+
+def check_indices(constraints: Sequence[Constraint], n: int) -> None:
+    """Refuse constraints that name vertices that are not among `n`.
+
+    Raises
+    ------
+    ProblemError
+        With a sentence that names the vertex.
+    """
+    for constraint in constraints:
+        indices(getattr(constraint, "vertices", ()), n)

@@ -1,10 +1,7 @@
-"""What a solve returns."""
+"""History, states and solution of a solve, on arrays."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +9,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
-
-__all__ = ["STATUSES", "History", "Solution", "SolveResult", "SolveState", "stops"]
+__all__ = ["STATUSES", "History", "Solution", "SolveState"]
 
 STATUSES = ("converged", "step_limit", "stalled", "diverged", "infeasible", "cancelled")
 
@@ -34,8 +28,8 @@ class History(NamedTuple):
     def from_rows(cls, rows: list[tuple]) -> History:
         """Return the history of a list of rows, one per step."""
         columns = list(zip(*rows)) if rows else [()] * 6
-        kinds = (np.float64,) * 4 + (np.int64, np.bool_)
-        return cls(*(np.array(column, dtype=kind) for column, kind in zip(columns, kinds)))
+        energy, error_norm, max_error, step_length = (np.array(column, dtype=np.float64) for column in columns[:4])
+        return cls(energy, error_norm, max_error, step_length, np.array(columns[4], dtype=np.int64), np.array(columns[5], dtype=np.bool_))
 
     def to_dict(self) -> dict:
         """Return plain lists by name."""
@@ -56,14 +50,6 @@ class SolveState(NamedTuple):
     vertices: FloatArray  # (n, 3) present coordinates with any dummy vertices at the end [L]
 
 
-def stops(callback: Callable[[SolveState], object], state: SolveState) -> bool:
-    """Show a state to a callback and tell whether it asks to cancel: by True, or by ``StopIteration``."""
-    try:
-        return callback(state) is True
-    except StopIteration:
-        return True
-
-
 class Solution(NamedTuple):
     """What a solver on arrays returns."""
 
@@ -75,42 +61,3 @@ class Solution(NamedTuple):
     max_error: float  # largest |K - K̄| where K is asked [1/L^2]
     history: History
     method: str = ""  # the method that was used
-
-
-@dataclass(frozen=True)
-class SolveResult:
-    """What :func:`compas_cgc.solve` returns.
-
-    Parameters
-    ----------
-    mesh
-        A copy of the input with the new coordinates, without dummy vertices.
-    status
-        ``converged``, ``step_limit``, ``stalled``, ``diverged``, ``infeasible`` or ``cancelled``.
-    message
-        One sentence that says how it ended, and what to do if it did not end well.
-    iterations
-        Steps taken.
-    seconds
-        Wall time of the solve.
-    max_error
-        Largest |K - K̄| over the vertices where K is asked for [1/L^2].
-    history
-        Energy, error norm, max error, step length and trials of every step.
-    method
-        The method that was used.
-    """
-
-    mesh: CGCMesh
-    status: str
-    message: str
-    iterations: int
-    seconds: float
-    max_error: float
-    history: History
-    method: str
-
-    @property
-    def converged(self) -> bool:
-        """Whether every curvature asked for was reached to the tolerance."""
-        return self.status == "converged"

@@ -1,4 +1,4 @@
-"""The colours of all pictures, and light."""
+"""Colour maps and Lambert shading."""
 
 from __future__ import annotations
 

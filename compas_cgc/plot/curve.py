@@ -1,9 +1,10 @@
-"""Plane curves with their gradients: Example 1."""
+"""Plane curves with their gradients, as in Example 1."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
@@ -112,7 +113,7 @@ def draw_curve(
     return ax
 
 
-def curve_figure(curves: Sequence[Union[Curve, tuple]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
+def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
     """Return curves side by side to one scale, with captions (a), (b), ...
 
     Parameters
@@ -131,14 +132,14 @@ def curve_figure(curves: Sequence[Union[Curve, tuple]], title: Optional[str] = N
     CGCError
         If matplotlib is not installed.
     """
-    curves = [Curve(*curve) for curve in curves]
-    if not curves:
+    drawn = [curve if isinstance(curve, Curve) else Curve(*curve) for curve in curves]
+    if not drawn:
         raise ValueError("curve_figure needs at least one curve")
-    own = [curve_frame(*curve_arrays(curve.points, curve.gradient)) for curve in curves]
+    own = [curve_frame(*curve_arrays(curve.points, curve.gradient)) for curve in drawn]
     bottom, top = min(frame.bottom for frame in own), max(frame.top for frame in own)
     frames = [Frame(frame.left, frame.right, bottom, top) for frame in own]
     figure, (axes,) = panels([frames], head=0.25 if title else 0.0, foot=0.45)
-    for i, (ax, curve) in enumerate(zip(axes, curves)):
+    for i, (ax, curve) in enumerate(zip(axes, drawn)):
         draw_curve(*curve[1:], ax=ax, frame=shown(ax))
         caption(ax, f"{letter(i)} {curve.title}")
     scale_bar(axes[0], unit)

@@ -1,18 +1,22 @@
-"""Whole figures of shapes and error maps, with captions as in the paper."""
+"""Figures of shapes and error maps, with captions as in the paper."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
 
 import numpy as np
 
-from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
-from ..model.problem import INTERNAL
+from ..discrete.arrays import PerVertex
+from ..discrete.arrays import Vertices
+from ..model.roles import INTERNAL
 from .layout import caption
 from .layout import heading
 from .layout import letter
@@ -37,15 +41,15 @@ class Shape(NamedTuple):
     """One shape of a figure."""
 
     title: str  # such as "Initial shape", or a caption
-    vertices: FloatArray  # (n, 3) [L]
-    faces: IntArray  # (m, 3)
+    vertices: Vertices  # (n, 3) [L]
+    faces: Faces  # (m, 3)
     roles: IntArray  # (n,) index into ROLES
-    creases: Optional[IntArray] = None  # (e, 2) edges to draw as thick lines
-    errors: Optional[FloatArray] = None  # (n,) K - K̄ [1/L^2], for error_figure
+    creases: Optional[Edges] = None  # (e, 2) edges to draw as thick lines
+    errors: Optional[PerVertex] = None  # (n,) K - K̄ [1/L^2], for error_figure
 
 
 def shape_figure(
-    shapes: Sequence[Union[Shape, tuple]],
+    shapes: Sequence[Union[Shape, tuple[Any, ...]]],
     views: Sequence[Union[str, View]] = ("diagonal", "plan"),
     *,
     unit: Optional[str] = None,
@@ -90,7 +94,7 @@ def shape_figure(
 
 
 def comparison_figure(
-    shapes: Sequence[Union[Shape, tuple]],
+    shapes: Sequence[Union[Shape, tuple[Any, ...]]],
     view: Union[str, View] = "diagonal",
     columns: int = 2,
     *,
@@ -137,7 +141,11 @@ def comparison_figure(
 
 
 def error_figure(
-    shapes: Sequence[Union[Shape, tuple]], view: Union[str, View] = "plan", *, unit: Optional[str] = None, label: Optional[str] = None
+    shapes: Sequence[Union[Shape, tuple[Any, ...]]],
+    view: Union[str, View] = "plan",
+    *,
+    unit: Optional[str] = None,
+    label: Optional[str] = None,
 ) -> Figure:
     """Return error maps side by side, such as (a) initial and (b) final, each with its own scale of colours.
 
@@ -166,23 +174,28 @@ def error_figure(
     Paper, Figures 22 and 26.
     """
     shapes = checked(shapes, "error_figure")
-    for shape in shapes:
-        if shape.errors is None:
-            raise ValueError(f"error_figure needs the errors of {shape.title!r}")
+    errors = [given_errors(shape) for shape in shapes]
     frames = [look(*shape[1:4], view, dummies=False).frame for shape in shapes]
     figure, (axes,) = panels([frames], foot=0.45, side=SIDE)
-    for i, (ax, shape) in enumerate(zip(axes, shapes)):
-        draw_error(*shape[1:4], shape.errors, view, ax, creases=shape.creases, unit=unit, label=label, frame=shown(ax))
+    for i, (ax, shape, error) in enumerate(zip(axes, shapes, errors)):
+        draw_error(*shape[1:4], error, view, ax, creases=shape.creases, unit=unit, label=label, frame=shown(ax))
         caption(ax, f"{letter(i)} {shape.title}\n{largest(shape)}")
     return figure
 
 
-def checked(shapes: Sequence[Union[Shape, tuple]], name: str) -> list[Shape]:
+def checked(shapes: Sequence[Union[Shape, tuple[Any, ...]]], name: str) -> list[Shape]:
     """Return the shapes as such, or say that there is none."""
-    result = [Shape(*shape) for shape in shapes]
+    result = [shape if isinstance(shape, Shape) else Shape(*shape) for shape in shapes]
     if not result:
         raise ValueError(f"{name} needs at least one shape")
     return result
+
+
+def given_errors(shape: Shape) -> PerVertex:
+    """Return the errors of a shape, or say that it has none."""
+    if shape.errors is None:
+        raise ValueError(f"error_figure needs the errors of {shape.title!r}")
+    return shape.errors
 
 
 def largest(shape: Shape) -> str:

@@ -1,4 +1,4 @@
-"""Iteration histories: (a) the energy and (b) the error norm over the steps."""
+"""Convergence plots: (a) the energy and (b) the error norm over the steps."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def history_figure(history: History, title: Optional[str] = None, *, unit: Optio
     draw_history(history, axes=axes, unit=unit)
     for i, (ax, text) in enumerate(zip(axes, ("energy functional", "error norm from the target value"))):
         caption(ax, f"{letter(i)} {text}", below=34)
-    return axes[0].figure
+    return axes[0].figure.figure
 
 
 def plain_axes(title: Optional[str] = None) -> tuple[Axes, Axes]:

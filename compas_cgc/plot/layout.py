@@ -1,8 +1,9 @@
-"""Sheets of panels to one scale, sized by what they show so that nothing is cut off."""
+"""Panel layout: sheets of panels to one scale, sized by what they show so that nothing is cut off."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 
 from .colours import INK
@@ -92,7 +93,7 @@ def heading(row: list[Axes], text: str) -> None:
     write(row[0], text, (0.0, 1.0), (0.0, 5.0), ha="left", va="bottom", fontsize=SIZE + 1, fontweight="bold")
 
 
-def write(ax: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: object) -> None:
+def write(ax: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
     """Write a text at a place in parts of the axes, off by some points."""
     ax.annotate(text, at, xycoords="axes fraction", xytext=offset, textcoords="offset points", color=INK, annotation_clip=False, **style)
 
@@ -100,7 +101,7 @@ def write(ax: Axes, text: str, at: tuple[float, float], offset: tuple[float, flo
 def points_per_length(ax: Axes) -> float:
     """Return how many points on paper one unit of length takes on axes drawn to scale."""
     box = ax.get_position()
-    width, height = ax.figure.get_size_inches()
+    width, height = ax.figure.figure.get_size_inches()
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
     return 72.0 * float(min(box.width * width / (right - left), box.height * height / (top - bottom)))
 
@@ -110,7 +111,7 @@ def scale_bar(ax: Axes, unit: Optional[str] = None) -> None:
     left, right = ax.get_xlim()
     length = round_below((right - left) / 4)
     part = length / (right - left)
-    below = -23.0 / 72.0 / (ax.get_position().height * ax.figure.get_size_inches()[1])
+    below = -23.0 / 72.0 / (ax.get_position().height * ax.figure.figure.get_size_inches()[1])
     ax.plot([0.0, part], [below, below], transform=ax.transAxes, color=INK, lw=1.2, solid_capstyle="butt", clip_on=False)
     label = f"{length:g} {unit}" if unit else f"{length:g}"
     write(ax, label, (part, below), (3.0, 0.0), va="center", fontsize=SIZE - 1)

@@ -1,4 +1,4 @@
-"""The scale beside an error map."""
+"""Colour bar of an error map."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def colour_bar(ax: Axes, limit: float, label: str) -> None:
     """Put the bar of the signed colours on the right of axes."""
     norm = matplotlib_module("colors").Normalize(-limit, limit)
     mappable = matplotlib_module("cm").ScalarMappable(norm, diverging_map())
-    width, height = ax.figure.get_size_inches() * (ax.get_position().width, ax.get_position().height)
+    width, height = ax.figure.figure.get_size_inches() * (ax.get_position().width, ax.get_position().height)
     tall = min(0.8 * height, 1.8) / height
     place = ax.inset_axes((1.0 + 0.08 / width, 0.5 - tall / 2, 0.09 / width, tall))
     ticks = [-limit, -limit / 2, 0.0, limit / 2, limit]

@@ -1,4 +1,4 @@
-"""Signed values at vertices as colours: errors of curvature, and curvature itself."""
+"""Colour maps of values at vertices: errors of curvature, and curvature itself."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
-from ..model.problem import INTERNAL
+from ..model.roles import INTERNAL
 from .colours import NOT_ASKED
 from .colours import brightness
 from .colours import diverging_map

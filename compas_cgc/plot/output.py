@@ -1,4 +1,4 @@
-"""The way to matplotlib, and from a figure to a file."""
+"""Lazy import of matplotlib, and figures as PNG and SVG files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hidden surfaces by the painter's algorithm: what is far is painted first."""
+"""Painter's algorithm: hidden surfaces by painting what is far first."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["Layer", "discs", "face_nearness", "layer", "paint", "segments"]
 
 
+Colours = Union[str, tuple[float, float, float, float], FloatArray]
+"""One colour by name or as red, green, blue and opacity, or ``(k, 4)`` one for every polygon."""
+
 PIECES = 4  # that an edge is cut into where it may be hidden in part
 
 
@@ -33,11 +36,11 @@ class Layer(NamedTuple):
     width: FloatArray  # (k,) of the edges [pt]
 
 
-def layer(polygons: FloatArray, nearness: FloatArray, fill: Union[str, FloatArray], edge: Union[str, FloatArray], width: float) -> Layer:
+def layer(polygons: FloatArray, nearness: FloatArray, fill: Colours, edge: Colours, width: float) -> Layer:
     """Return a layer from colours that are given once or for every polygon."""
     k = len(polygons)
-    fill, edge = (rgba(colour) if isinstance(colour, str) else colour for colour in (fill, edge))
-    return Layer(polygons, nearness, np.broadcast_to(fill, (k, 4)), np.broadcast_to(edge, (k, 4)), np.full(k, float(width)))
+    fills, edges = (np.broadcast_to(rgba(colour) if isinstance(colour, str) else colour, (k, 4)) for colour in (fill, edge))
+    return Layer(polygons, nearness, fills, edges, np.full(k, float(width)))
 
 
 def paint(ax: Axes, layers: list[Layer]) -> None:

@@ -1,4 +1,4 @@
-"""A mesh as seen from somewhere."""
+"""Projection of a mesh onto the sheet."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..discrete import mesh_arrays
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
-from ..model.problem import DUMMY
+from ..model.roles import DUMMY
 from .view import Frame
 from .view import View
 from .view import frame_of

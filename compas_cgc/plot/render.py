@@ -1,4 +1,4 @@
-"""One large picture of a result, to look at rather than to read from."""
+"""Rendering: one large picture of a result, to look at rather than to read from."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..meshing import face_regions
-from ..model.problem import INTERNAL
+from ..model.roles import INTERNAL
 from .colours import INK
 from .colours import PALETTE
 from .colours import brightness

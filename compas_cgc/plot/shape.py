@@ -1,4 +1,4 @@
-"""A mesh as the paper draws it: white with thin black edges, dummies grey, supports red, creases thick."""
+"""Line drawings of meshes as in the paper: white with thin black edges, dummies grey, supports red, creases thick."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..model.problem import FIXED
+from ..model.roles import FIXED
 from .colours import DUMMY_EDGE
 from .colours import DUMMY_FACE
 from .colours import INK

@@ -1,4 +1,4 @@
-"""From space to the sheet: the paper's two views, and others."""
+"""View projection: the paper's two views, and others."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from typing import NamedTuple
 from typing import Union
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 
 __all__ = ["VIEWS", "Frame", "View", "frame_of", "project", "used_vertices", "view_axes", "view_named"]
 
@@ -106,7 +107,7 @@ def frame_of(sheet: FloatArray, margin: float = 0.03) -> Frame:
     return Frame(low[0] - pad, high[0] + pad, low[1] - pad, high[1] + pad)
 
 
-def used_vertices(n: int, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
+def used_vertices(n: int, faces: Faces) -> Mask:
     """Mark the vertices of some faces (n,)."""
     used = np.zeros(n, bool)
     used[faces.ravel()] = True

@@ -1,20 +1,20 @@
-"""Which points of lines and marks are in sight."""
+"""Point visibility: which points of lines and marks no face hides."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
-from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 
 __all__ = ["in_sight"]
 
 TOLERANCE = 2e-3  # a face this much nearer than a point does not hide it, in sizes of the model
 
 
-def in_sight(points: FloatArray, corners: FloatArray, faces: IntArray) -> NDArray[np.bool_]:
+def in_sight(points: FloatArray, corners: FloatArray, faces: Faces) -> Mask:
     """Mark the points that no face lies in front of.
 
     Parameters
@@ -35,7 +35,7 @@ def in_sight(points: FloatArray, corners: FloatArray, faces: IntArray) -> NDArra
 
 
 @njit(cache=True)
-def _in_sight(P, V, F, tolerance):
+def _in_sight(P: FloatArray, V: FloatArray, F: Faces, tolerance: float) -> Mask:
     free = np.ones(len(P), np.bool_)
     for f in range(len(F)):
         a, b, c = V[F[f, 0]], V[F[f, 1]], V[F[f, 2]]

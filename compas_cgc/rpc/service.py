@@ -1,4 +1,4 @@
-"""The service for :class:`compas.rpc.Proxy`: this machine only, and nothing but the functions below.
+"""RPC service for :class:`compas.rpc.Proxy`: this machine only, and nothing but the functions below.
 
 From Rhino or Grasshopper, where `python` must be the Python that has compas_cgc::
 
@@ -37,9 +37,10 @@ from .._version import __version__
 from ..server.api.decoding import read_json
 from ..server.api.formats import encoded
 from ..server.api.requests import accept
-from ..server.api.status import status
+from ..server.api.responses import status
+from ..server.api.tasks import solve_job
 from ..server.api.tasks import warm_up
-from ..server.errors import RequestProblem
+from ..server.errors import RequestError
 from ..server.jobs.engine import Jobs
 from ..server.jobs.pool import WorkerPool
 from ..server.jobs.store import Store
@@ -73,19 +74,19 @@ class Service:
         """Return name and version of the service."""
         return {"name": "compas_cgc", "version": __version__}
 
-    def submit(self, mesh: Optional[dict] = None, **asked: object) -> str:
+    def submit(self, mesh: Optional[dict] = None, **options: object) -> str:
         """Hand in a solve and return its id.
 
         Parameters
         ----------
         mesh
             A COMPAS mesh; a ``CGCMesh`` brings supports, creases and targets.
-        asked
+        options
             ``supports``, ``creases``, ``targets``, ``method``, ``settings``, ``flip``; ``vertices`` and ``faces``
             instead of a mesh.
         """
-        request = {**asked, **({} if mesh is None else {"mesh": mesh})}
-        job, _ = self._jobs.submit(*accept(request, self._jobs.limits))
+        request = {**options, **({} if mesh is None else {"mesh": mesh})}
+        job, _ = self._jobs.submit("json", accept(request, self._jobs.limits))
         self._given[job.id] = None if mesh is None else mesh["dtype"]
         return job.id
 
@@ -109,9 +110,9 @@ class Service:
         """Stop a job and return its status."""
         return status(self._jobs.cancel(id))
 
-    def solve(self, mesh: Optional[dict] = None, **asked: object) -> dict:
+    def solve(self, mesh: Optional[dict] = None, **options: object) -> dict:
         """Solve and wait for the result; see :meth:`submit` and :meth:`result`."""
-        id = self.submit(mesh, **asked)
+        id = self.submit(mesh, **options)
         for _ in self._jobs.follow(id):
             pass
         return self.result(id)
@@ -120,13 +121,13 @@ class Service:
         """Answer a call of Proxy: JSON in and out; what follows the first argument, a path to import from, is left alone."""
         try:
             if name not in self._functions:
-                raise RequestProblem(f"not part of the API: {name[:60]}; there are {', '.join(self._functions)}")
+                raise RequestError(f"not part of the API: {name[:60]}; there are {', '.join(self._functions)}")
             call = read_json(str(args[0]).encode(), self._jobs.limits) if args else None
             if not isinstance(call, dict) or not isinstance(call.get("args"), list) or not isinstance(call.get("kwargs"), dict):
-                raise RequestProblem("a call must be a JSON object with 'args' and 'kwargs', as compas.rpc.Proxy makes it")
+                raise RequestError("a call must be a JSON object with 'args' and 'kwargs', as compas.rpc.Proxy makes it")
             data, error = self._functions[name](*call["args"], **call["kwargs"]), None
-        except (RequestProblem, TypeError) as problem:
-            data, error = None, str(problem)
+        except (RequestError, TypeError) as refused:
+            data, error = None, str(refused)
         except Exception:
             log.exception("%s failed", name)
             data, error = None, "the service has a fault and could not answer"
@@ -155,14 +156,17 @@ class RPCServer(ThreadingMixIn, Server):
 
     daemon_threads = True
 
+    def __init__(self, address: tuple[str, int]):
+        Server.__init__(self, address, requestHandler=Handler, logRequests=False)
+
 
 def start_service(port: int = PORT, workers: Optional[int] = None) -> None:
     """Serve on this machine until told to stop."""
     limits = Limits()
     # The address is taken first, so that a second service ends at once.
-    server = RPCServer(("127.0.0.1", port), requestHandler=Handler, logRequests=False)
+    server = RPCServer(("127.0.0.1", port))
     pool = WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
-    jobs = Jobs(pool, Store(":memory:"), limits)
+    jobs = Jobs(pool, Store(":memory:"), solve_job, limits)
     server.register_instance(Service(jobs))
     print(f"compas_cgc {__version__} serves compas.rpc at http://127.0.0.1:{server.server_address[1]}; Ctrl-C ends it", flush=True)
     signal.signal(signal.SIGTERM, signal.default_int_handler)

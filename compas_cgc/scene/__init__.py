@@ -1,4 +1,4 @@
-"""CGC meshes drawn in Rhino, Grasshopper and compas_viewer: in curvature colours, with supports and creases.
+"""Scene objects of COMPAS: CGC meshes in Rhino, Grasshopper and compas_viewer, in curvature colours, with supports and creases.
 
 COMPAS finds the functions of this module through ``compas_cgc.__all_plugins__``.
 """

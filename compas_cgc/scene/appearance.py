@@ -1,4 +1,4 @@
-"""What is drawn of a CGC mesh, for scene objects of COMPAS."""
+"""Appearance of CGC meshes: the options of scene objects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of a CGC mesh, and their colours."""
+"""Vertex colours: figures of a CGC mesh, and their colours."""
 
 from __future__ import annotations
 

@@ -1,13 +1,15 @@
-"""CGC meshes in Grasshopper; imports only inside of it."""
+"""Scene object of Grasshopper; it can be imported inside of it only."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from compas_ghpython.scene import MeshObject
 
 from ..datastructures import CGCMesh
-from ..grasshopper.runtime.geometry import points_to_rhino
-from ..grasshopper.runtime.geometry import polyline_to_rhino
 from ..io.rhino.rhinocommon import mesh_from_arrays
+from ..io.rhino.rhinocommon import points_to_rhino
+from ..io.rhino.rhinocommon import polyline_to_rhino
 from .appearance import appearance
 from .appearance import real_mesh
 from .figures import coloured
@@ -33,8 +35,11 @@ class CGCMeshObject(MeshObject):
 
     def draw(self) -> list:
         """Return the Rhino geometry to put out."""
-        mesh = mesh_from_arrays(*self.mesh.arrays(), coloured(self.mesh, self.show_figure).colours)
-        supports = points_to_rhino([self.mesh.vertex_coordinates(key) for key in self.mesh.supports()])
-        creases = [polyline_to_rhino([self.mesh.vertex_coordinates(key) for key in path]) for path in self.mesh.creases()]
-        self._guids = [mesh, *supports, *creases]
+        vertices, faces = self.mesh.arrays()
+        mesh = mesh_from_arrays(vertices, faces, coloured(self.mesh, self.show_figure).colours)
+        creases = [polyline_to_rhino(self._points(path)) for path in self.mesh.creases()]
+        self._guids = [mesh, *points_to_rhino(self._points(self.mesh.supports())), *creases]
         return self._guids
+
+    def _points(self, keys: Iterable[int]) -> list:
+        return [self.mesh.vertex_coordinates(key) for key in keys]

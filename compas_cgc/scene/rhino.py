@@ -1,4 +1,4 @@
-"""CGC meshes in Rhino; imports only inside of it."""
+"""Scene object of Rhino; it can be imported inside of it only."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ class CGCMeshObject(RhinoMeshObject):
         import scriptcontext
 
         self._guids = []
-        mesh = mesh_from_arrays(*self.mesh.arrays(), coloured(self.mesh, self.show_figure).colours)
+        vertices, faces = self.mesh.arrays()
+        mesh = mesh_from_arrays(vertices, faces, coloured(self.mesh, self.show_figure).colours)
         self._guids.append(scriptcontext.doc.Objects.AddMesh(mesh, self.compile_attributes(name=self.name)))
         for draw in (self.draw_vertices, self.draw_edges):
             self._guids += [guid for guid in draw() or [] if guid not in self._guids]

@@ -1,4 +1,4 @@
-"""CGC meshes in compas_viewer; imports only where that is installed."""
+"""Scene object of compas_viewer; it can be imported only where that is installed."""
 
 from __future__ import annotations
 

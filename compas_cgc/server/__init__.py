@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+from typing import TYPE_CHECKING
+
+from .._lazy import attach
+
+if TYPE_CHECKING:
+    from .app import create_app
+    from .limits import Limits
+    from .run import serve
 
 __all__ = ["Limits", "create_app", "serve"]
 
 # Looked up when first used: the worker processes need no web framework.
-_HOME = {"Limits": ".limits", "create_app": ".app", "serve": ".run"}
-
-
-def __getattr__(name: str) -> object:
-    if name in _HOME:
-        return getattr(import_module(_HOME[name], __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__ = attach(__name__, {"Limits": ".limits", "create_app": ".app", "serve": ".run"})

@@ -1,4 +1,4 @@
-"""The Flask application: what is served, to whom, and what is said when something is wrong."""
+"""Flask application: the parts of the server put together, and what is said when something is wrong."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import secrets
 import sqlite3
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from threading import BoundedSemaphore
 from typing import Optional
@@ -18,18 +19,24 @@ from flask import g
 from flask import request
 from werkzeug.exceptions import HTTPException
 
-from .api.formats import get_ready
-from .api.replies import respond
+from .api.mesh_files import warm_up_io
+from .api.requests import READERS
+from .api.responses import respond
 from .api.routes import api
+from .api.tasks import solve_job
 from .api.tasks import warm_up
-from .errors import RequestProblem
+from .errors import RequestError
 from .errors import error_body
+from .hops.inputs import read_hops_request
 from .hops.routes import hops
+from .hops.routes import list_functions
 from .jobs.engine import Jobs
 from .jobs.pool import WorkerPool
 from .jobs.store import Store
 from .limits import Limits
+from .page import index
 from .page import page
+from .page import wants_page
 from .security import guard
 
 __all__ = ["create_app"]
@@ -71,23 +78,31 @@ def create_app(
     limits = limits or Limits()
     app = Flask("compas_cgc.server", static_folder=None)
     app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEY=key, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
-    app.json.sort_keys = False
-    app.json.ensure_ascii = False
     # First, as it may be refused.
-    kept = Store(store)
+    stored = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
-    app.extensions["jobs"] = Jobs(pool, kept, limits, WorkerPool(1, get_ready, limits.grace))
-    app.extensions["seats"] = BoundedSemaphore(limits.streams)
+    io_pool = WorkerPool(1, warm_up_io, limits.grace)
+    solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
+    app.extensions["jobs"] = Jobs(pool, stored, solve, limits, io_pool)
+    app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
     app.after_request(_finish)
-    app.register_error_handler(RequestProblem, _problem)
+    app.register_error_handler(RequestError, _refused)
     app.register_error_handler(HTTPException, _http_error)
     app.register_error_handler(sqlite3.OperationalError, _no_room)
     app.register_error_handler(Exception, _bug)
     app.register_blueprint(api)
     app.register_blueprint(hops)
     app.register_blueprint(page)
+    app.add_url_rule("/", view_func=_root)
     return app
+
+
+def _root() -> Response:
+    """Return the page to a browser, and the list of functions to everybody else."""
+    response = index() if wants_page() else list_functions()
+    response.headers["Vary"] = "Accept"
+    return response
 
 
 def _finish(response: Response) -> Response:
@@ -100,14 +115,15 @@ def _finish(response: Response) -> Response:
     return response
 
 
-def _problem(problem: RequestProblem) -> Response:
-    return respond(error_body(str(problem)), problem.status, problem.headers)
+def _refused(error: RequestError) -> Response:
+    return respond(error_body(str(error)), error.status, error.headers)
 
 
 def _http_error(error: HTTPException) -> Response:
     code = error.code or 500
     sentence = SENTENCES.get(code, (error.description or error.name)[:200]).format(method=request.method)
-    allowed = {"Allow": ", ".join(sorted(error.valid_methods))} if getattr(error, "valid_methods", None) else None
+    methods = getattr(error, "valid_methods", None)
+    allowed = {"Allow": ", ".join(sorted(methods))} if methods else None
     return respond(error_body(sentence), code, allowed)
 
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 __all__ = [
     "BadRequest",
-    "Broken",
+    "WorkerFailed",
     "Busy",
     "Conflict",
     "Gone",
-    "Late",
+    "GatewayTimeout",
     "NotFound",
-    "RequestProblem",
-    "Stopping",
+    "RequestError",
+    "ServerStopping",
     "TooLarge",
     "Unprocessable",
     "error_body",
 ]
 
 
-class RequestProblem(Exception):
+class RequestError(Exception):
     """A request that cannot be served; the text is a sentence for the client.
 
     Attributes
@@ -33,60 +33,60 @@ class RequestProblem(Exception):
     headers: dict[str, str] = {}
 
 
-class BadRequest(RequestProblem):
+class BadRequest(RequestError):
     """The request is not what it should be."""
 
 
-class NotFound(RequestProblem):
+class NotFound(RequestError):
     """There is no such thing."""
 
     status = 404
 
 
-class Conflict(RequestProblem):
+class Conflict(RequestError):
     """Not now."""
 
     status = 409
 
 
-class Gone(RequestProblem):
+class Gone(RequestError):
     """It was here once."""
 
     status = 410
 
 
-class TooLarge(RequestProblem):
+class TooLarge(RequestError):
     """More than the server takes."""
 
     status = 413
 
 
-class Unprocessable(RequestProblem):
+class Unprocessable(RequestError):
     """The request is well formed, its content is not."""
 
     status = 422
 
 
-class Busy(RequestProblem):
+class Busy(RequestError):
     """The queue is full."""
 
     status = 429
     headers = {"Retry-After": "1"}
 
 
-class Broken(RequestProblem):
+class WorkerFailed(RequestError):
     """A worker ended, or has a fault."""
 
     status = 500
 
 
-class Stopping(RequestProblem):
+class ServerStopping(RequestError):
     """The server ends."""
 
     status = 503
 
 
-class Late(RequestProblem):
+class GatewayTimeout(RequestError):
     """The client would give up soon."""
 
     status = 504

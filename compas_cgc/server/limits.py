@@ -32,7 +32,7 @@ class Limits:
     blocking
         Longest time that a request may wait for its solve. Hops gives up after 100 seconds.
     grace
-        Seconds between the wish to stop and force.
+        Seconds between being asked to stop and being killed.
     results
         Most finished jobs that are kept.
     result_bytes

@@ -11,6 +11,7 @@ import threading
 import urllib.request
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 
 from .._version import __version__
@@ -85,13 +86,13 @@ def serve(
     port = listener.getsockname()[1]
     limits = limits or Limits()
     # Imported late: a refusal should not wait for it.
-    import waitress
+    from waitress.server import create_server
 
     from .app import create_app
     from .waitress_channel import channel_class
 
     app = create_app(store or default_store(port), key, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
-    server = waitress.create_server(
+    server: Any = create_server(
         app,
         sockets=[listener],
         threads=limits.threads,

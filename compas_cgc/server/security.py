@@ -8,27 +8,27 @@ from urllib.parse import urlsplit
 from flask import current_app
 from flask import request
 
-from .errors import RequestProblem
+from .errors import RequestError
 
 __all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "hostname", "is_loopback"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
-class Unauthorized(RequestProblem):
+class Unauthorized(RequestError):
     """The key is missing or wrong."""
 
     status = 401
     headers = {"WWW-Authenticate": "Bearer"}
 
 
-class Forbidden(RequestProblem):
+class Forbidden(RequestError):
     """Another site asks."""
 
     status = 403
 
 
-class Misdirected(RequestProblem):
+class Misdirected(RequestError):
     """The request was meant for another host."""
 
     status = 421

@@ -7,6 +7,7 @@ client that is still sending, and nobody would read the sentence. And what is no
 from __future__ import annotations
 
 import json
+from typing import Any
 
 from waitress.buffers import OverflowableBuffer
 from waitress.channel import HTTPChannel
@@ -29,11 +30,11 @@ class _Counted(OverflowableBuffer):
     def __len__(self) -> int:
         return self.size
 
-    def append(self, content: bytes) -> None:
+    def append(self, s: bytes) -> None:
         """Take more of the body."""
-        self.size += len(content)
+        self.size += len(s)
         if self.size <= self.most:
-            super().append(content)
+            super().append(s)
 
 
 class _JSONErrorTask(ErrorTask):
@@ -41,10 +42,12 @@ class _JSONErrorTask(ErrorTask):
 
     def execute(self) -> None:
         """Send the answer."""
-        error = self.request.error
+        request: Any = self.request
+        headers: Any = self.response_headers
+        error = request.error
         body = json.dumps(error_body(f"the request is not as HTTP wants it: {error.reason.lower()}, {error.body}")).encode()
         self.status = f"{error.code} {error.reason}"
-        self.response_headers += [("Content-Type", "application/json"), ("X-Content-Type-Options", "nosniff")]
+        headers.extend([("Content-Type", "application/json"), ("X-Content-Type-Options", "nosniff")])
         self.set_close_on_finish()
         self.content_length = len(body)
         self.write(body)

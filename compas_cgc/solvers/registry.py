@@ -1,136 +1,139 @@
-"""The methods on arrays, each by its name, behind one call."""
+"""Registry of methods: a value for each, which every door reads."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import Callable
+from collections.abc import Mapping
+from typing import Any
 from typing import Optional
-from typing import Union
 
-import numpy as np
+from .flow.method import METHOD as FLOW
+from .method import Method
+from .newton.method import METHOD as NEWTON
+from .projection.method import METHOD as PROJECTION
+from .settings import AutoSettings
+from .settings import Option
+from .settings import Settings
 
-from ..model.constraints import Constraint
-from ..model.problem import CGCProblem
-from ..model.result import History
-from ..model.result import Solution
-from ..model.result import SolveState
-from .flow import FlowSettings
-from .flow import flow
-from .newton import NewtonSettings
-from .newton import newton
-from .projection import ProjectionSettings
-from .projection import project
+__all__ = ["METHODS", "Method", "method_names", "method_of", "options", "owners", "register", "settings_for", "settings_of"]
 
-__all__ = ["METHODS", "SETTINGS", "Settings", "flow_and_finish", "run"]
-
-Settings = Union[FlowSettings, NewtonSettings, ProjectionSettings]
-Callback = Optional[Callable[[SolveState], object]]
-
-SETTINGS = {"flow": FlowSettings, "newton": NewtonSettings, "projection": ProjectionSettings}
-METHODS = tuple(SETTINGS)
-
-HANDOVER = 1e-3  # error, against the largest target, at which the creases hardly move any more
+METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, PROJECTION)}
 
 
-def run(
-    method: str,
-    problem: CGCProblem,
-    settings: Optional[Settings] = None,
-    constraints: Sequence[Constraint] = (),
-    callback: Callback = None,
-) -> Solution:
-    """Solve a problem by one method.
+def register(method: Method) -> Method:
+    """Make a method known to every door.
 
-    Flow and Newton's method ask for K on free edges too, carried by a dummy ring for
-    the time of the solve; projection leaves K open there.
+    Raises
+    ------
+    ValueError
+        If the name is taken by another.
+    """
+    if METHODS.setdefault(method.name, method) != method or method.name == "auto":
+        raise ValueError(f"there is a method {method.name!r} already; take another name")
+    return method
+
+
+def method_names() -> tuple[str, ...]:
+    """Return what a door may ask for: ``auto``, and the methods by name."""
+    return ("auto", *METHODS)
+
+
+def options() -> dict[str, Option]:
+    """Return every option by the name that doors for designers use; of options of one name the first stands for all."""
+    found: dict[str, Option] = {}
+    kinds: list[type[Settings]] = [AutoSettings, *(method.settings for method in METHODS.values())]
+    for kind in kinds:
+        for own in kind.options().values():
+            found.setdefault(own.alias or own.name, own)
+    return found
+
+
+def owners(name: str) -> list[str]:
+    """Return the methods that have an option."""
+    return [method.name for method in METHODS.values() if name in method.settings.options()]
+
+
+def method_of(settings: Settings) -> str:
+    """Return the method that settings are of, ``auto`` for those of any.
+
+    Raises
+    ------
+    ValueError
+        If they are of none.
+    """
+    if type(settings) is AutoSettings:
+        return "auto"
+    for method in METHODS.values():
+        if type(settings) is method.settings:
+            return method.name
+    raise ValueError(f"settings must be {_kinds(METHODS)}, not {type(settings).__name__}")
+
+
+def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None, **more: Any) -> Optional[Settings]:
+    """Return the settings that options by name make, the same for every door.
 
     Parameters
     ----------
     method
-        ``"flow"``, ``"newton"`` or ``"projection"``.
-    problem
-        Vertices, faces, roles and targets.
-    settings
-        Of this method. Default: its own.
-    constraints
-        For projection.
-    callback
-        Called after every step.
+        With ``auto`` options that belong to one method choose it; those that all have go to whichever is picked.
+    given, more
+        Options by their names, ``delay`` for ``e``; None stands for the default.
 
     Returns
     -------
-    Solution
-        With the vertices of the problem, in its order.
+    Settings or None
+        None where nothing is given and the method is to be picked.
+
+    Raises
+    ------
+    ValueError
+        If there is no such method or option, it belongs to another method, or a value is out of its range.
     """
-    if method == "projection":
-        return project(problem, settings, constraints, callback)._replace(method=method)
-    carried = problem.with_dummy_ring()
-    own = len(problem.vertices)
-    seen = callback if callback is None else lambda state: callback(state._replace(vertices=state.vertices[:own]))
-    if method == "newton":
-        solution = newton(carried, settings, seen)
-    else:
-        solution = flow_and_finish(carried, settings or FlowSettings(), seen)
-    return solution._replace(vertices=solution.vertices[:own], method=method)
+    if method not in method_names():
+        raise ValueError(f"method must be one of {', '.join(method_names())}, not {method!r}")
+    values = _by_own_names({**(given or {}), **more})
+    if method == "auto":
+        if set(values) <= set(AutoSettings.options()):
+            return AutoSettings(**values) if values else None
+        method = _only_owner(values)
+    kind = METHODS[method].settings
+    for name in values:
+        if name not in kind.options():
+            own = owners(name)
+            raise ValueError(
+                f"{_door_name(name)} is a setting of {' and '.join(own)}, not of {method}; leave it out, or use the method {own[0]}"
+            )
+    return kind(**values)
 
 
-def flow_and_finish(problem: CGCProblem, settings: FlowSettings, callback: Callback = None) -> Solution:
-    """Let the flow shape the creases, then take the regions between them to rounding by Newton's method.
-
-    Without ``settings.finish`` this is the flow alone. With it, the flow hands over when
-    the error is a thousandth of the target; if Newton's method does not arrive from
-    there, the flow goes on to its own tolerance.
-    """
-    if not settings.finish:
-        return flow(problem, settings, callback)
-    early = replace(settings, tolerance=max(settings.tolerance, HANDOVER) if settings.tolerance else 0.0)
-    shaped = flow(problem, early, callback)
-    if shaped.status not in ("converged", "step_limit", "stalled"):
-        return shaped
-    finished = _finish(problem, shaped, callback)
-    if finished.status != "stalled" or shaped.status != "converged" or early.tolerance == settings.tolerance:
-        return finished
-    left = replace(settings, steps=max(1, settings.steps - shaped.iterations), e=0)
-    more = _joined(shaped, flow(_at(problem, shaped), left, _later(callback, shaped)))
-    return _finish(problem, more, callback) if more.status == "converged" else more
+def settings_of(method: Method, settings: Optional[Settings]) -> Settings:
+    """Return the settings for a method that was picked: those given where they are its own or any method's, else its defaults."""
+    if isinstance(settings, method.settings):
+        return settings
+    return method.settings(**{name: value for name, value in settings.to_dict().items() if value is not None} if settings else {})
 
 
-def _finish(problem: CGCProblem, shaped: Solution, callback: Callback) -> Solution:
-    """Return the finished solution, or the one given where Newton's method did not improve on it."""
-    solution = newton(_at(problem, shaped), NewtonSettings(start="given"), _later(callback, shaped))
-    joined = _joined(shaped, solution)
-    if solution.status == "converged":
-        steps = "step" if solution.iterations == 1 else "steps"
-        message = f"converged after {shaped.iterations} steps of the flow and {solution.iterations} {steps} of Newton's method"
-        return joined._replace(message=f"{message}: largest |K - K̄| {solution.max_error:.3g}")
-    if solution.status == "cancelled":
-        return joined
-    return joined._replace(
-        vertices=shaped.vertices,
-        max_error=shaped.max_error,
-        status="stalled" if shaped.status == "converged" else shaped.status,
-        message=shaped.message,
-    )
+def _by_own_names(given: Mapping[str, Any]) -> dict[str, Any]:
+    known = {own.alias: own.name for own in options().values() if own.alias}
+    values = {known.get(name, name): value for name, value in given.items() if value is not None}
+    unknown = sorted(name for name in values if not owners(name))
+    if unknown:
+        raise ValueError(f"there is no setting {unknown[0]!r:.60}; there are {', '.join(options())}")
+    return values
 
 
-def _at(problem: CGCProblem, solution: Solution) -> CGCProblem:
-    return replace(problem, vertices=solution.vertices)
+def _door_name(name: str) -> str:
+    """Return what doors call an option, which is what their users know."""
+    return next(shown for shown, own in options().items() if own.name == name)
 
 
-def _later(callback: Callback, before: Solution) -> Callback:
-    """Return the callback with its steps and seconds counted on from a solution."""
-    if callback is None:
-        return None
-    return lambda state: callback(
-        state._replace(step=state.step + before.iterations, steps=state.steps + before.iterations, seconds=state.seconds + before.seconds)
-    )
+def _only_owner(values: Mapping[str, Any]) -> str:
+    able = [name for name, method in METHODS.items() if set(values) <= set(method.settings.options())]
+    if len(able) != 1:
+        raise ValueError(
+            f"the settings {', '.join(sorted(map(_door_name, values)))} do not belong to one method; name it, {', '.join(METHODS)}"
+        )
+    return able[0]
 
 
-def _joined(first: Solution, second: Solution) -> Solution:
-    """Return the second solution with the history of both."""
-    return second._replace(
-        iterations=first.iterations + second.iterations,
-        seconds=first.seconds + second.seconds,
-        history=History(*(np.concatenate(pair) for pair in zip(first.history, second.history))),
-    )
+def _kinds(names: Mapping[str, object]) -> str:
+    return " or ".join(METHODS[name].settings.__name__ for name in names)

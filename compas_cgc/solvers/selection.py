@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
 
 from ..discrete import boundary_vertices
-from ..model.constraints import Constraint
-from ..model.problem import CREASE
-from ..model.problem import FIXED
 from ..model.problem import CGCProblem
+from ..model.recorder import Callback
 from ..model.result import Solution
-from .registry import SETTINGS
-from .registry import Callback
-from .registry import Settings
-from .registry import run
+from ..model.roles import CREASE
+from ..model.roles import FIXED
+from .method import Method
+from .registry import METHODS
+from .registry import method_of
+from .registry import settings_of
+from .settings import Settings
 
-__all__ = ["Choice", "choose", "run_auto"]
+__all__ = ["Choice", "choose", "run_auto", "run_method"]
+
+OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
 class Choice(NamedTuple):
@@ -29,23 +31,20 @@ class Choice(NamedTuple):
     reason: str
 
 
-def choose(problem: CGCProblem, settings: Optional[Settings] = None, constrained: bool = False) -> list[Choice]:
+def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
     """Return the methods to try, the best first.
 
     Parameters
     ----------
     problem
-        Vertices, faces, roles and targets.
+        Vertices, faces, roles, targets and constraints.
     settings
         Settings of a method choose that method.
-    constrained
-        Whether there are constraints besides K.
     """
-    for method, kind in SETTINGS.items():
-        if isinstance(settings, kind):
-            return [Choice(method, f"its settings were given ({kind.__name__})")]
+    if settings is not None and method_of(settings) != "auto":
+        return [Choice(method_of(settings), f"its settings were given ({type(settings).__name__})")]
     targets = problem.targets[problem.asked]
-    if constrained:
+    if problem.constraints:
         return [Choice("projection", "it alone holds constraints")]
     if (targets < 0).any():
         return [Choice("projection", "it alone reaches negative K̄")]
@@ -64,35 +63,29 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None, constrained
     return [Choice("projection", "it finds the fair surface nearest to the mesh, with free edges and creases, for any K̄"), flow]
 
 
-def run_auto(
-    problem: CGCProblem,
-    settings: Optional[Settings] = None,
-    constraints: Sequence[Constraint] = (),
-    callback: Callback = None,
-) -> Solution:
+def run_method(method: Method, problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
+    """Solve a problem by one method, see :class:`Method`."""
+    return method.solve(problem, settings_of(method, settings), callback)._replace(method=method.name)
+
+
+def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
     """Solve by the first method that arrives; else return the surface nearest to its targets.
 
     Parameters
     ----------
     problem
-        Vertices, faces, roles and targets.
+        Vertices, faces, roles, targets and constraints.
     settings
-        Of one of the methods, which is then the one to use.
-    constraints
-        What is asked besides K.
+        Of one of the methods, which is then the one to use, or those that all have.
     callback
         Called after every step of every method that is tried.
     """
     tried: list[tuple[Solution, Choice]] = []
-    for choice in choose(problem, settings, bool(constraints)):
-        solution = run(choice.method, problem, settings, constraints, callback)
-        tried.append((solution, choice))
-        if solution.status in ("converged", "infeasible", "cancelled"):
+    for choice in choose(problem, settings):
+        tried.append((run_method(METHODS[choice.method], problem, settings=settings, callback=callback), choice))
+        if tried[-1][0].status in OVER:
             break
-    if tried[-1][0].status in ("converged", "infeasible", "cancelled"):
-        solution, choice = tried[-1]
-    else:
-        solution, choice = min(tried, key=lambda pair: pair[0].max_error)
+    solution, choice = tried[-1] if tried[-1][0].status in OVER else min(tried, key=lambda pair: pair[0].max_error)
     before = [f"{other.method} {said.status}" for said, other in tried if other is not choice]
     text = f"{choice.method}, as {choice.reason}: {solution.message}"
     if before:

@@ -102,6 +102,28 @@ def test_a_dent_is_seen():
     before, after = analyse(result.mesh).regions[4], analyse(dented).regions[4]
     assert after.max_error > 1.0 and after.concave_edges > before.concave_edges
     assert analyse(dented).regions[0].max_error < 1e-6
+    # One vertex of sixteen and its neighbours are off: the root of the mean square tells more of them than the mean does.
+    error = [abs(after_K - 4.0) for after_K in curvatures_of(dented, 4)]
+    assert after.max_error == pytest.approx(max(error)) and after.rms_error == pytest.approx(np.sqrt(np.mean(np.square(error))))
+    assert after.rms_error > 1.2 * np.mean(error)
+
+
+def curvatures_of(mesh, region):
+    """Return K where it is asked for in a region."""
+    K = dict(zip(mesh.vertices(), gaussian_curvature(*mesh.arrays())))
+    return [K[v] for v in mesh.region_vertices(region) if mesh.vertex_role(v) == "internal"]
+
+
+def test_two_planes_that_meet_in_a_crease_are_plane():
+    mesh = CGCMesh.from_meshgrid(dx=1, nx=8)
+    for v in mesh.vertices():
+        mesh.vertex_attribute(v, "z", -abs(mesh.vertex_attribute(v, "x") - 0.5))
+    mesh.set_supports("boundary")
+    mesh.set_creases([[v for v in mesh.vertices() if mesh.vertex_attribute(v, "x") == 0.5]])
+    mesh.set_target(0.0)
+    for region in analyse(mesh).regions:
+        assert region.asked == 21 and region.max_error < 1e-12
+        assert max(abs(region.principal_max), abs(region.principal_min)) < 1e-6, "no fit looks across the crease"
 
 
 def test_a_region_where_nothing_is_asked_is_said():

@@ -8,17 +8,31 @@ import os
 import signal
 import subprocess
 import sys
-import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from compas_cgc import CGCMesh
+from compas_cgc import check
+from compas_cgc import settings_for
 from compas_cgc.cli import main
-from compas_cgc.cli.progress import ProgressBar
+from compas_cgc.cli.arguments import settings_of
+from compas_cgc.cli.console import ProgressBar
+from compas_cgc.cli.main import COMMANDS
+from compas_cgc.cli.main import build_parser
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.model.result import History
+from compas_cgc.model.result import Solution
 from compas_cgc.model.result import SolveState
+from compas_cgc.solvers import METHODS
+from compas_cgc.solvers import Method
+from compas_cgc.solvers import Settings
+from compas_cgc.solvers import options as all_options
+from compas_cgc.solvers.settings import option
+
+from ..support.server_process import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 ROOFS = ROOT / "examples"
@@ -144,8 +158,8 @@ REFUSED = [
     (["solve", "DOME", "-o", "out.json"], "no target is set"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
-    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "9"], "name it with --method"),
-    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "0.5", "--method", "newton"], "strategies of the flow, not of newton"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "0"], "steps must be a whole number from 1 up"),
+    (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "0.5", "--method", "newton"], "s is a setting of flow, not of newton"),
     (["solve", "GARBAGE", "-o", "out.json", "--target", "0.01"], "garbage.3dm"),
     (["solve", "EMPTY", "-o", "out.json", "--target", "0.01"], "empty.obj"),
     (["example", "4", "--variant", "z"], "Example 4 has no variant 'z'"),
@@ -176,21 +190,25 @@ def test_control_c_keeps_the_last_good_state(tmp_path):
     words = [sys.executable, "-m", "compas_cgc", "solve", tmp_path / "large.json", "-o", out, "--target", "0.0003"]
     words += ["--method", "flow", "--steps", "1000000"]
     words += ["--tolerance", "0", "--report", tmp_path / "report.json"]
-    process = subprocess.Popen(list(map(str, words)), cwd=ROOT, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while process.poll() is None and time.monotonic() < deadline:
-        time.sleep(1.5)
-        os.kill(process.pid, signal.SIGINT)
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            continue
-    said = process.communicate()[1]
-    assert process.returncode == 130, said
-    assert "Traceback" not in said
-    if "cancelled" in said:
-        assert (tmp_path / "roof.unfinished.json").exists()
-    assert not out.exists()
+    # On a terminal it shows when it is at its steps.
+    terminal, its_end = os.openpty()
+    process = subprocess.Popen(list(map(str, words)), cwd=ROOT, stderr=its_end, stdout=subprocess.DEVNULL)
+    os.close(its_end)
+    said = ""
+    while "step " not in said:
+        said += os.read(terminal, 1000).decode()
+    os.kill(process.pid, signal.SIGINT)
+    try:
+        while piece := os.read(terminal, 1000):
+            said += piece.decode()
+    except OSError:
+        pass  # the other end is closed
+    os.close(terminal)
+    assert process.wait(PATIENCE) == 130, said
+    assert "Traceback" not in said and "cancelled" in said and not out.exists()
+    kept = CGCMesh.from_json(tmp_path / "roof.unfinished.json")
+    assert max(kept.vertices_attribute("z")) > 0
+    assert json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["status"] == "cancelled"
 
 
 # ----------------------------------------------------------------------
@@ -209,6 +227,7 @@ def test_an_example_writes_meshes_pictures_and_a_record(tmp_path, capsys):
     assert CGCMesh.from_json(tmp_path / "example4_a.json").regions()
 
 
+@pytest.mark.slow
 def test_reproduce_sets_the_papers_tables_beside_ours(tmp_path, capsys):
     assert call("reproduce", "--out", tmp_path, "--no-pictures") == 0
     page = (tmp_path / "tables.md").read_text(encoding="utf-8")
@@ -240,3 +259,108 @@ def test_layers_of_other_names_are_read(tmp_path, capsys):
     assert "4 supports, 0 creases" in capsys.readouterr().out
     assert call(*words, "--layer", "walls=Supports") == 2
     assert "--layer must be ROLE=NAME" in capsys.readouterr().err
+
+
+# ----------------------------------------------------------------------
+# Options
+# ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("words", [["--help"], ["solve", "--help"], ["check", "--help"], ["serve", "--help"]])
+def test_help_loads_neither_compiled_kernels_nor_compas(words):
+    code = (
+        "import sys\nfrom compas_cgc.cli import main\n"
+        f"try:\n    main({words!r})\nexcept SystemExit as end:\n    assert end.code == 0\n"
+        "print(sorted({'numba', 'compas', 'scipy', 'rhino3dm', 'flask'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8", cwd=ROOT, check=True)
+    assert done.stdout.splitlines()[-1] == "[]" and "usage: compas-cgc" in done.stdout
+
+
+def test_the_parser_of_the_command_that_is_called_is_built_alone(monkeypatch):
+    for name in set(COMMANDS) - {"check"}:
+        monkeypatch.setitem(sys.modules, f"compas_cgc.cli.{name}", None)
+    assert build_parser("check").parse_args(["check", "a.3dm"]).input == "a.3dm"
+
+
+@dataclass(frozen=True)
+class ToySettings(Settings):
+    height: float = option(1.0, "Height of the flat surface (Eq. 1). It is in units of the model.", float, low=0)
+    steps: int = option(1, "Most steps.", int, low=1)
+    tolerance: float = option(1e-6, "Tolerance.", float, low=0)
+
+
+def toy_solve(problem, settings, callback):
+    V = problem.vertices * [1, 1, 0] + [0, 0, settings.height]
+    return Solution(V, "converged", "the toy is done", 1, 0.0, 0.0, History.from_rows([]), "toy")
+
+
+def test_a_method_in_the_registry_is_found_with_its_options(dome, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(METHODS, "toy", Method("toy", "A toy that lifts everything.", ToySettings, toy_solve))
+    with pytest.raises(SystemExit):
+        call("solve", "--help")
+    said = " ".join(capsys.readouterr().out.split())
+    assert "toy: A toy that lifts everything" in said
+    assert "--height X Height of the flat surface (Eq. 1) (toy; default 1.0)" in said
+    for options in (["--method", "toy", "--height", "2.5"], ["--height", "2.5"]):
+        assert call("solve", dome, "-o", tmp_path / "out.json", "--target", "0.01", *options) == 0
+        mesh = CGCMesh.from_json(tmp_path / "out.json")
+        assert {mesh.vertex_coordinates(v)[2] for v in mesh.vertices()} == {2.5}
+
+
+def settings_given(*words):
+    return settings_of(build_parser("solve").parse_args(["solve", "in.obj", "-o", "out.obj", *words]))
+
+
+def test_options_are_resolved_as_by_every_other_door():
+    assert settings_given() is None
+    for words, given in [
+        (["--delay", "5"], {"delay": 5}),
+        (["--s", "0.5", "--delay", "5"], {"s": 0.5, "delay": 5}),
+        (["--steps", "9", "--tolerance", "1e-3"], {"steps": 9, "tolerance": 1e-3}),
+        (["--smoothness", "0.3", "--no-retry"], {"smoothness": 0.3, "retry": False}),
+        (["--start", "elliptic"], {"start": "elliptic"}),
+        (["--zeta", "inf"], {"zeta": float("inf")}),
+    ]:
+        assert settings_given(*words) == settings_for(**given), words
+    for words in (["--s", "0.5", "--smoothness", "1"], ["--method", "newton", "--delay", "3"], ["--energy", "kinetic"], ["--s", "nan"]):
+        with pytest.raises(ValueError):
+            settings_given(*words)
+
+
+def test_every_option_of_every_method_has_its_argument():
+    arguments = vars(build_parser("solve").parse_args(["solve", "in.obj", "-o", "out.obj"]))
+    assert {name for name in arguments if name.startswith("option_")} == {f"option_{name}" for name in all_options()}
+
+
+def test_the_report_says_how_it_went(dome, tmp_path):
+    report = tmp_path / "report.json"
+    assert call("solve", dome, "-o", tmp_path / "out.json", "--target", "0.01", "--tolerance", "1e-9", "--report", report, "-q") == 0
+    said = json.loads(report.read_text(encoding="utf-8"))
+    assert said["settings"] == {"steps": None, "tolerance": 1e-9} and said["method"] == "newton" and said["input"] == "dome.json"
+    assert said["steps"] == len(said["history"]["energy"]) and said["regions"][0]["target"] == 0.01 and said["moved_max"] > 1
+
+
+def test_a_rhino_file_is_solved_without_a_compas_mesh_and_checked_once(tmp_path, monkeypatch):
+    checked = []
+
+    def counted(problem):
+        checked.append(problem)
+        return check(problem)
+
+    monkeypatch.setattr("compas_cgc.solvers.run.check", counted)
+    monkeypatch.setattr(CGCMesh, "__init__", None)
+    monkeypatch.setattr(CGCMesh, "to_problem", None)
+    assert call("solve", ROOFS / "nine_regions.3dm", "-o", tmp_path / "a.3dm", "--target", "0.01", "-q") == 0
+    assert len(checked) == 1
+
+
+def test_what_does_not_refuse_a_solve_is_said(tmp_path, capsys):
+    plan = tmp_path / "plan.obj"
+    # An L, whose inner corner wants a crease.
+    mesh = CGCMesh.from_meshgrid(dx=8, nx=8)
+    for v in [v for v in mesh.vertices() if min(mesh.vertex_coordinates(v)[:2]) > 4]:
+        mesh.delete_vertex(v)
+    mesh.to_obj(str(plan))
+    call("solve", plan, "-o", tmp_path / "out.obj", "--target", "0.001", "--supports", "boundary")
+    assert "note: the edge is concave at vertices" in capsys.readouterr().out

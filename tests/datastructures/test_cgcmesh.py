@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.dummy_ring import with_dummy_ring
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import INTERNAL
 
 from ..support import shapes
 
@@ -198,7 +199,7 @@ def test_a_dummy_ring_carries_free_edges_and_goes_again():
     assert all(ringed.vertex_degree(v) == 6 for v in edge)
     assert ringed.regions() == mesh.regions()
     assert state(ringed.without_dummies()) == state(mesh)
-    carried = CGCProblem.from_mesh(mesh).with_dummy_ring()
+    carried = with_dummy_ring(CGCProblem.from_mesh(mesh))
     by_hand = CGCProblem.from_mesh(ringed)
     assert np.array_equal(carried.roles, by_hand.roles) and np.array_equal(carried.vertices, by_hand.vertices)
     assert (carried.roles == DUMMY).sum() == 36 and (carried.roles == INTERNAL).sum() == 60

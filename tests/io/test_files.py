@@ -1,4 +1,4 @@
-"""One door for meshes of all formats: what goes out comes in again, and what is broken is said."""
+"""One way in and out for meshes of all formats: what goes out comes in again, and what is broken is said."""
 
 from __future__ import annotations
 
@@ -12,12 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc import CGCMesh
+from compas_cgc import solve
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
 from compas_cgc.io import SUFFIXES
+from compas_cgc.io import read
 from compas_cgc.io import read_mesh
-from compas_cgc.io import write_mesh
-from compas_cgc.io.asked import asked_of
+from compas_cgc.io import read_problem
+from compas_cgc.io import write
 from compas_cgc.io.obj import obj_text
 from compas_cgc.io.ply import ply_text
 
@@ -51,7 +53,7 @@ def same_arrays(mesh, other):
 def test_every_bit_survives_at_the_origin_and_a_kilometre_away(tmp_path, suffix, origin, scale):
     mesh = roof(origin, scale)
     path = tmp_path / f"roof{suffix}"
-    write_mesh(path, mesh)
+    write(path, mesh)
     back, _ = read_mesh(path)
     assert same_arrays(mesh, back)
     if suffix in KEEP_ROLES:
@@ -60,9 +62,38 @@ def test_every_bit_survives_at_the_origin_and_a_kilometre_away(tmp_path, suffix,
         assert back.vertices_role() == mesh.vertices_role() and back.check() == mesh.check()
 
 
+@pytest.mark.parametrize("what", ["mesh", "problem", "result"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_mesh_a_problem_and_a_result_are_written_alike(tmp_path, suffix, what):
+    mesh = roof()
+    result = solve(mesh, settings={"steps": 2})
+    surface = {"mesh": mesh, "problem": mesh.to_problem(), "result": result}[what]
+    path = tmp_path / f"roof{suffix}"
+    write(path, surface)
+    found = read_problem(path)
+    expected = surface.to_problem()
+    corners = [own.vertices[own.faces].tobytes() for own in (found.checked(), expected)]
+    assert corners[0] == corners[1], "every bit of every triangle"
+    if suffix in KEEP_ROLES:
+        assert np.array_equal(found.problem.roles, expected.roles)
+        assert found.problem.region_targets() == expected.region_targets() == [0.1 / 3, 0.7]
+    again = tmp_path / f"again{suffix}"
+    write(again, read(path))
+    assert same_arrays(read(again), read(path))
+
+
+def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
+    mesh = roof()
+    mesh.attributes["constraints"] = [{"kind": "height", "vertices": [3], "height": "tall"}]
+    path = tmp_path / "roof.json"
+    mesh.to_json(path)
+    with pytest.raises(FileError, match=r"roof.json: height of a constraint must be a finite number; set the constraints again"):
+        read_problem(path)
+
+
 def test_stl_has_no_vertices_but_every_bit_of_the_triangles(tmp_path):
     mesh = roof((1000.0, 0, 0))
-    write_mesh(tmp_path / "roof.stl", mesh)
+    write(tmp_path / "roof.stl", mesh)
     back, notes = read_mesh(tmp_path / "roof.stl")
     (V, F), (W, G) = mesh.arrays(), back.arrays()
     assert V[F].tobytes() == W[G].tobytes() and len(V) == len(W)
@@ -76,7 +107,7 @@ def test_text_formats_write_numbers_that_read_back_the_same(tmp_path_factory, nu
         return
     mesh = CGCMesh.from_vertices_and_faces(places, [[0, 1, 2]])
     for make in (obj_text, ply_text):
-        words = make(asked_of(mesh)).split()
+        words = make(mesh.to_problem()).split()
         assert {repr(float(x)) for x in places.ravel()} <= set(words)
 
 
@@ -85,12 +116,12 @@ def test_the_dummy_mesh_and_keys_with_gaps_do_not_show(tmp_path):
     plain = mesh.arrays()
     mesh.add_dummy_ring()
     for suffix in (".3dm", ".obj", ".ply"):
-        write_mesh(tmp_path / f"a{suffix}", mesh)
+        write(tmp_path / f"a{suffix}", mesh)
         back, _ = read_mesh(tmp_path / f"a{suffix}")
         assert back.arrays()[0].tobytes() == plain[0].tobytes()
     gone = roof()
     gone.delete_vertex(next(iter(gone.vertices())))
-    write_mesh(tmp_path / "b.obj", gone)
+    write(tmp_path / "b.obj", gone)
     assert same_arrays(gone, read_mesh(tmp_path / "b.obj")[0])
 
 
@@ -99,7 +130,7 @@ def test_our_files_open_in_compas(tmp_path):
     vertices, faces = mesh.arrays()
     for suffix, load in ((".obj", Mesh.from_obj), (".ply", Mesh.from_ply), (".off", Mesh.from_off), (".stl", Mesh.from_stl)):
         path = tmp_path / f"roof{suffix}"
-        write_mesh(path, mesh)
+        write(path, mesh)
         other = load(str(path))
         assert (other.number_of_vertices(), other.number_of_faces()) == (len(vertices), len(faces))
 
@@ -204,13 +235,13 @@ def test_a_file_that_is_not_there(tmp_path):
         with pytest.raises(FileError, match="folder"):
             read_mesh(tmp_path / f"folder{suffix}")
         with pytest.raises(FileError, match="folder"):
-            write_mesh(tmp_path / f"folder{suffix}", roof())
+            write(tmp_path / f"folder{suffix}", roof())
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, suffix, monkeypatch):
     path = tmp_path / f"roof{suffix}"
-    write_mesh(path, roof())
+    write(path, roof())
     before = path.read_bytes()
 
     def full(*_):
@@ -218,5 +249,5 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, suffix, m
 
     monkeypatch.setattr("compas_cgc._atomic_write.os.replace", full)
     with pytest.raises(CGCError, match="No space left"):
-        write_mesh(path, roof((5, 5, 5)))
+        write(path, roof((5, 5, 5)))
     assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]

@@ -109,6 +109,22 @@ def test_pivots_leave_the_diagonal_where_they_must():
     assert np.allclose(A @ x, b)
 
 
+def test_where_the_diagonal_is_worth_nothing_the_pivots_are_chosen_anew():
+    """A cycle with a whiff of a diagonal: its inverse is the cycle backwards, and no refinement makes up for such pivots."""
+    n = 12
+    cycle = sparse.csr_matrix((np.ones(n), ((np.arange(n) + 1) % n, np.arange(n))), shape=(n, n))
+    solver = linear_solver(n, backend="superlu")
+    b = right_side(n)
+    for _ in range(2):
+        assert np.allclose(solver.factorise(cycle + 1e-20 * sparse.identity(n)).solve(b), np.roll(b, -1), rtol=1e-12, atol=1e-12)
+        A = (cycle + 3 * sparse.identity(n)).tocsr()
+        assert np.abs(A @ solver.factorise(A).solve(b) - b).max() < 1e-12, "the next matrix has a diagonal again"
+    full = np.random.default_rng(7).normal(size=(n, n))
+    full[np.diag_indices(n)] = 1e-30
+    several = np.column_stack([b, np.ones(n)])
+    assert np.allclose(factorise(sparse.csr_matrix(full), backend="superlu").solve(several), np.linalg.solve(full, several), rtol=1e-8)
+
+
 @pytest.mark.parametrize("backend", DIRECT)
 def test_the_same_system_gives_the_same_bits_wherever_it_lies_in_memory(backend):
     line = sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(150, 150))

@@ -75,6 +75,39 @@ def test_any_other_curve_gets_the_best_path_of_edges(net):
     assert all(v in net.neighbours(u) for u, v in zip(path[:-1], path[1:]))
 
 
+def length_of(net, path):
+    return float(np.linalg.norm(np.diff(net.vertices[path], axis=0), axis=1).sum())
+
+
+def swaying(by):
+    x = np.linspace(0, N, 400)
+    return np.column_stack([x, 4.5 + by * np.sin(2 * x), 0 * x])
+
+
+def test_a_walk_follows_a_curve_that_sways_far_and_spares_itself_one_that_hardly_does(net):
+    """Between two rows of vertices either is as near; the row is changed where that is worth its length only."""
+    (hardly,) = trace_curve(net, swaying(0.03), 1e-6).paths
+    (far,) = trace_curve(net, swaying(0.4), 1e-6).paths
+    assert len(set(net.vertices[hardly, 1])) == 1 and length_of(net, hardly) == N
+    assert (np.diff(net.vertices[far, 1]) != 0).sum() == 8
+
+
+def test_a_straight_curve_gives_a_walk_that_never_turns_back(net):
+    """A vertex a little ahead of its sample is as good as one beside it, or the walk would go about in a zigzag."""
+    for slope in (0.3, 0.6, 0.9):
+        x = np.linspace(0, N, 400)
+        (path,) = trace_curve(net, np.column_stack([x, 0.3 + slope * x, 0 * x]), 1e-6).paths
+        assert (np.diff(net.vertices[path, 0]) == 1).all(), slope
+
+
+@pytest.mark.parametrize("unit", [2.0**-10, 2.0**10])
+def test_the_walk_is_the_same_in_any_unit(net, unit):
+    vertices, faces = grid(N, float(N))
+    for curve in (swaying(0.2), circle((6.4, 5.7), 1.3), np.array([[0, N, 0], [N, 0, 0]], float)):
+        other = trace_curve(edge_net(unit * vertices, faces), unit * curve, unit * 1e-6)
+        assert other.paths == trace_curve(net, curve, 1e-6).paths
+
+
 def test_what_hangs_over_the_edge_is_left_out_and_the_crease_reaches_the_boundary(net):
     trace = trace_curve(net, np.array([[-3, 2.2, 0], [15, 9.7, 0]], float), 1e-6, np.isin(np.arange((N + 1) ** 2), row(N, 0) + row(N, N)))
     (path,) = trace.paths

@@ -27,6 +27,16 @@ def test_a_welded_mesh_comes_out_bit_for_bit():
     assert np.array_equal(welded.index, np.arange(len(vertices)))
 
 
+def test_vertices_that_no_face_uses_join_nobody():
+    """Chains of near vertices become one, but not through one that is not part of the mesh."""
+    vertices = np.array([[0, 0, 0], [5, 0, 0], [0, 5, 0], [0.9, 0, 0], [1.8, 0, 0], [5, 5, 0]], float)
+    faces = np.array([[0, 1, 2], [4, 1, 5]])
+    welded = weld(vertices, faces, 1.0)
+    assert welded.index.tolist() == [0, 1, 2, -1, 3, 4] and np.array_equal(welded.vertices, vertices[[0, 1, 2, 4, 5]])
+    used = np.vstack([faces, [[3, 1, 5]]])
+    assert weld(vertices, used, 1.0).index.tolist() == [0, 1, 2, 0, 0, 3]
+
+
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.9))
 def test_faces_that_fell_apart_are_joined_again(seed, noise):
     vertices, faces = icosphere(2)

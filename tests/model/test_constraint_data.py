@@ -10,22 +10,22 @@ import pytest
 from compas_cgc.model.constraint_data import KINDS
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.constraint_data import constraint_of
+from compas_cgc.model.constraints import AtHeight
 from compas_cgc.model.constraints import Constraint
-from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Held
-from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Near
-from compas_cgc.solvers.projection import OnCurve
-from compas_cgc.solvers.projection import OnLine
-from compas_cgc.solvers.projection import OnPlane
+from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.constraints import OnLine
+from compas_cgc.model.constraints import OnPlane
+from compas_cgc.model.constraints import Proximity
 
 EACH = [
     OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
     AtHeight(np.array([3, 4]), 1.25),
     OnLine([5], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
     OnCurve([6, 7], np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]]), closed=False),
-    Held([8]),
-    Near([9, 10], weight=100.0),
+    Fixed([8]),
+    Proximity([9, 10], weight=100.0),
     Mirror([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
 ]
 

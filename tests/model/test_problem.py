@@ -8,16 +8,14 @@ import pytest
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import solve
-from compas_cgc import solve_problem
 from compas_cgc.analysis import analyse
-from compas_cgc.analysis import analyse_problem
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.meshing import triangles_of
 from compas_cgc.model.checks import check
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 
 from ..support import shapes
 
@@ -50,11 +48,11 @@ def renamed(mesh):
 @pytest.mark.parametrize("mesh", [vault(), renamed(vault())], ids=["plain keys", "any keys"])
 def test_arrays_and_meshes_are_solved_alike(mesh):
     problem = CGCProblem.from_mesh(mesh)
-    result, solution = solve(mesh), solve_problem(problem)
+    result, solution = solve(mesh), solve(problem)
     assert solution.status == "converged" and solution.method == result.method
     assert np.array_equal(result.mesh.arrays()[0], solution.vertices)
     assert result.message == solution.message
-    assert analyse(mesh).to_dict() == analyse_problem(problem).to_dict()
+    assert analyse(mesh).to_dict() == analyse(problem).to_dict()
 
 
 def test_keys_do_not_matter():
@@ -92,7 +90,7 @@ def test_what_is_wrong_with_arrays_is_said_by_positions():
     }
     for part, problem in sentences.items():
         with pytest.raises(ProblemError, match=part):
-            solve_problem(problem)
+            solve(problem)
 
 
 def test_loops_have_the_surface_to_their_left():

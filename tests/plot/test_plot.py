@@ -13,11 +13,11 @@ from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
 from compas_cgc.meshing import face_regions
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.result import History
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.plot.colours import limit_above
 from compas_cgc.plot.layout import round_below
 from compas_cgc.plot.render import tones

@@ -6,7 +6,6 @@ import http.client
 import socket
 import subprocess
 import sys
-import time
 from xmlrpc.client import ServerProxy
 
 import pytest
@@ -16,6 +15,10 @@ from compas.rpc import RPCServerError
 
 from compas_cgc import CGCMesh
 from compas_cgc import __version__
+from compas_cgc import solve
+
+from ..support.server_process import PATIENCE
+from ..support.server_process import wait_for
 
 
 @pytest.fixture(scope="module")
@@ -23,11 +26,13 @@ def proxy():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    own = Proxy(service="compas_cgc.rpc.service", python=sys.executable, port=port, autoreload=False, capture_output=False)
+    own = Proxy(
+        service="compas_cgc.rpc.service", python=sys.executable, port=port, autoreload=False, capture_output=False, max_conn_attempts=1000
+    )
     yield own
     process = own._process
     own.stop_server()
-    process.wait(10)
+    process.wait(PATIENCE)
 
 
 def roof(n=8):
@@ -47,6 +52,7 @@ def test_it_says_who_it_is(proxy):
 def test_a_mesh_comes_back_as_what_it_was(proxy):
     result = proxy.solve(roof())
     assert isinstance(result["mesh"], CGCMesh) and result["status"] == "converged" and result["max_error"] < 1e-7
+    assert result["mesh"].arrays()[0].tolist() == solve(roof()).vertices.tolist()
     plain = proxy.solve(Mesh.from_meshgrid(9, 8), supports="boundary", targets=0.01)
     assert type(plain["mesh"]) is Mesh and plain["mesh"].number_of_vertices() == 81
     vertices, faces = roof().arrays()
@@ -56,17 +62,12 @@ def test_a_mesh_comes_back_as_what_it_was(proxy):
 
 def test_a_long_solve_is_followed_and_cancelled_while_others_are_answered(proxy):
     id = proxy.submit(roof(20), **ENDLESS)
-    end = time.monotonic() + 20
-    while not proxy.status(id)["iteration"]:
-        assert time.monotonic() < end
-        time.sleep(0.02)
+    wait_for(lambda: proxy.status(id)["iteration"])
     assert proxy.version()["name"] == "compas_cgc"
     with pytest.raises(RPCServerError, match="ask again"):
         proxy.result(id)
     proxy.cancel(id)
-    while proxy.status(id)["state"] == "running":
-        assert time.monotonic() < end
-        time.sleep(0.02)
+    wait_for(lambda: proxy.status(id)["state"] != "running")
     assert proxy.status(id)["state"] == "cancelled" and proxy.result(id)["status"] == "cancelled"
 
 
@@ -98,7 +99,7 @@ def test_a_path_of_the_client_is_not_imported_from(proxy, tmp_path):
 
 def test_web_pages_and_other_hosts_are_refused(proxy):
     for headers in ({"Origin": "https://evil.example"}, {"Host": "evil.example"}, {"Content-Length": "999999999"}):
-        connection = http.client.HTTPConnection(proxy.address.split("//")[1], timeout=10)
+        connection = http.client.HTTPConnection(proxy.address.split("//")[1], timeout=PATIENCE)
         connection.request("POST", "/RPC2", b"", headers)
         assert connection.getresponse().status in (403, 413)
         connection.close()
@@ -107,5 +108,5 @@ def test_web_pages_and_other_hosts_are_refused(proxy):
 def test_a_port_in_use_is_said(proxy):
     port = proxy.address.rsplit(":", 1)[1]
     command = [sys.executable, "-m", "compas_cgc.rpc.service", "--port", port, "--autoreload"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2 and "give another with --port" in done.stderr

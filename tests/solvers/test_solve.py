@@ -15,14 +15,21 @@ from compas_cgc import ProjectionSettings
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.discrete import gaussian_curvature
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
+from compas_cgc.paper.examples import example3
 from compas_cgc.paper.examples import example4
-from compas_cgc.solvers.registry import flow_and_finish
+from compas_cgc.solvers.flow import finish
+from compas_cgc.solvers.flow import flow
+from compas_cgc.solvers.flow.finish import flow_and_finish
+from compas_cgc.solvers.newton import newton
+from compas_cgc.solvers.registry import METHODS
 from compas_cgc.solvers.selection import choose
-from compas_cgc.solvers.selection import run_auto
+from compas_cgc.solvers.selection import run_method
 
 from ..support import shapes
 
@@ -90,6 +97,30 @@ def test_the_flow_hands_over_as_soon_as_the_creases_rest():
     assert len(both.history.energy) == both.iterations
 
 
+@pytest.mark.parametrize("own", [True, False], ids=["of the creases", "of the settings"])
+def test_creases_that_have_waited_do_not_wait_again_when_the_flow_goes_on(monkeypatch, own):
+    """Newton's method is made to stall at the handover; the delay was e = 10 steps."""
+    monkeypatch.setattr(finish, "newton", lambda *given, **more: real(*given, **more)._replace(status="stalled"))
+    real = newton
+    problem = CGCProblem.from_mesh(example4(centre=4.0, around=1.0)[0])
+    creases = problem.roles == CREASE
+    if own:
+        problem = replace(problem, e=np.where(creases, 10, np.nan))
+    settings = FlowSettings(tolerance=1e-5, e=0 if own else 10)
+    handover = flow(problem, settings=replace(settings, tolerance=1e-3)).iterations
+    places = {}
+
+    def callback(state):
+        # The last word on a step is that of the flow: what the finish did was not taken.
+        places[state.step] = state.vertices[creases]
+
+    solution = flow_and_finish(problem, settings=settings, callback=callback)
+    assert solution.iterations > handover + 2 and solution.status == "stalled"
+    still = [step for step in range(2, solution.iterations) if np.array_equal(places[step], places[step - 1])]
+    assert [step for step in still if step <= handover] == list(range(2, 11))
+    assert handover + 2 not in still
+
+
 # ----------------------------------------------------------------------
 # The choice
 # ----------------------------------------------------------------------
@@ -135,15 +166,14 @@ def test_the_next_method_is_tried_when_one_stalls(monkeypatch):
 
     stalled = []
 
-    def run(method, problem, settings, constraints, callback):
-        if method == "newton":
-            solution = auto_run("newton", problem, NewtonSettings(steps=1), (), callback)
-            stalled.append(solution)
-            return solution
-        return auto_run(method, problem, settings, constraints, callback)
+    def run(method, problem, *, settings, callback):
+        if method.name == "newton":
+            stalled.append(run_method(method, problem, settings=NewtonSettings(steps=1), callback=callback))
+            return stalled[-1]
+        return run_method(method, problem, settings=settings, callback=callback)
 
-    auto_run = auto.run
-    monkeypatch.setattr(auto, "run", run)
+    run_method = auto.run_method
+    monkeypatch.setattr(auto, "run_method", run)
     result = solve(dome())
     assert len(stalled) == 1 and stalled[0].status != "converged"
     assert result.converged and result.method == "projection"
@@ -162,6 +192,36 @@ def test_when_none_arrives_the_best_surface_is_returned_and_said():
     result = solve(mesh)
     assert result.status == "stalled" and "some free edge" in result.message
     assert result.max_error <= before
+
+
+def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
+    import compas_cgc.solvers.selection as auto
+
+    errors, tried = {"newton": 0.3, "projection": 0.1, "flow": 0.2}, []
+
+    def run(method, problem, **given):
+        tried.append(method.name)
+        return run_method(method, problem, **given)._replace(status="stalled", max_error=errors[method.name])
+
+    run_method = auto.run_method
+    monkeypatch.setattr(auto, "run_method", run)
+    result = solve(dome())
+    assert tried == ["newton", "projection", "flow"]
+    assert (result.method, result.max_error) == ("projection", 0.1) and result.message.endswith("(newton stalled, flow stalled)")
+
+
+@pytest.mark.parametrize("end", ["infeasible", "cancelled"])
+def test_what_cannot_be_or_is_not_wanted_is_not_tried_by_another_method(monkeypatch, end):
+    import compas_cgc.solvers.selection as auto
+
+    tried = []
+    run_method = auto.run_method
+    monkeypatch.setattr(
+        auto,
+        "run_method",
+        lambda method, problem, **given: tried.append(method.name) or run_method(method, problem, **given)._replace(status=end),
+    )
+    assert solve(dome()).status == end and tried == ["newton"]
 
 
 def test_the_largest_error_is_that_of_the_mesh_returned():
@@ -209,7 +269,7 @@ def test_regions_of_every_sign_side_by_side():
 
 
 def test_a_vertex_is_drawn_to_a_height():
-    from compas_cgc.solvers.projection import AtHeight
+    from compas_cgc.model.constraints import AtHeight
 
     mesh = vault()
     key = 44
@@ -228,14 +288,30 @@ def test_every_method_can_be_watched_and_cancelled(method):
         return state.step == 2
 
     mesh = dome()
-    result = solve(mesh, method, None, callback)
+    result = solve(mesh, method=method, settings=None, callback=callback)
     assert result.status == "cancelled" and [state.step for state in seen] == [1, 2]
     assert seen[0].vertices.shape == (100, 3)
     assert np.isfinite(result.mesh.arrays()[0]).all()
 
 
+@pytest.mark.parametrize("method", ["flow", "newton", "projection", "auto"])
+def test_a_callback_sees_the_vertices_of_the_model_and_none_that_carry_a_free_edge(method):
+    problem = CGCProblem.from_mesh(example3()[0])
+    real = problem.roles != DUMMY
+    assert 0 < real.sum() < len(real)
+    seen = []
+    solution = solve(problem, method=method, callback=lambda state: seen.append(state.vertices) or len(seen) == 3)
+    fixed = (problem.roles == FIXED)[real]
+    assert seen and len(solution.vertices) == real.sum()
+    for vertices in seen:
+        assert vertices.shape == (real.sum(), 3) and np.array_equal(vertices[fixed], problem.vertices[real][fixed])
+    if solution.status == "cancelled":
+        moved = problem.roles[real] == INTERNAL
+        assert np.abs(seen[-1] - solution.vertices)[moved].max() < np.abs(seen[0] - problem.vertices[real])[moved].max()
+
+
 def test_settings_and_constraints_of_another_method_are_refused_in_words():
-    from compas_cgc.solvers.projection import AtHeight
+    from compas_cgc.model.constraints import AtHeight
 
     with pytest.raises(ValueError, match="the method 'newton' takes NewtonSettings, not FlowSettings"):
         solve(dome(), method="newton", settings=FlowSettings())
@@ -248,12 +324,12 @@ def test_settings_and_constraints_of_another_method_are_refused_in_words():
 def test_what_is_fixed_stays_bit_for_bit_with_every_method():
     problem = CGCProblem.from_mesh(dome())
     for method in ("flow", "newton", "projection"):
-        solution = run_auto(problem, {"flow": FlowSettings(), "newton": NewtonSettings(), "projection": ProjectionSettings()}[method])
+        solution = run_method(METHODS[method], problem)
         assert np.array_equal(solution.vertices[problem.roles == FIXED], problem.vertices[problem.roles == FIXED])
 
 
 def test_a_diverged_flow_is_not_finished():
     problem = CGCProblem.from_mesh(example4(centre=400.0, around=400.0)[0])
-    solution = flow_and_finish(problem, FlowSettings(steps=400))
+    solution = flow_and_finish(problem, settings=FlowSettings(steps=400))
     assert solution.status in ("diverged", "step_limit", "stalled")
     assert np.isfinite(solution.vertices).all() and (problem.roles == CREASE).any()

@@ -21,6 +21,7 @@ from compas_cgc.grasshopper.build.guids import PARAMETER_TYPES
 from . import gh_stand_ins
 from .gh_stand_ins import Component
 from .gh_stand_ins import Document
+from .server_process import PATIENCE
 
 KINDS = {guid: name for name, guid in COMPONENT_TYPES.items()}
 TYPES = {guid: name for name, guid in PARAMETER_TYPES.items()}
@@ -99,7 +100,7 @@ class HopsComponent:
         data = None if body is None else json.dumps(body).encode("utf-8")
         asked = urllib.request.Request(self.server + path, data, {"Content-Type": "application/json; charset=utf-8"}, method=method)
         try:
-            with urllib.request.urlopen(asked, timeout=60) as answer:
+            with urllib.request.urlopen(asked, timeout=PATIENCE) as answer:
                 return json.loads(answer.read())
         except urllib.error.HTTPError as error:
             return json.loads(error.read())
@@ -195,7 +196,7 @@ class Canvas:
             waiting = [pair for pair in waiting if pair not in ready]
         return values
 
-    def settle(self, seconds=20.0):
+    def settle(self, seconds=PATIENCE):
         """Run until nothing is scheduled any more, and return the values."""
         values, end = self.solution(), time.monotonic() + seconds
         while self.document.scheduled:

@@ -11,8 +11,14 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
 
 from compas_cgc.client import Client
+
+KILLABLE = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="it looks for processes to kill in /proc")
+PATIENCE = 100.0  # seconds to wait for what comes at once when the machine has time for it
 
 WITH_LIMITS = """
 import json, sys
@@ -28,10 +34,10 @@ class Running:
     def __init__(self, process, url, key):
         self.process, self.url, self.key = process, url, key
         self.address = url.split("//")[1]
-        self.client = Client(url, key, retries=2)
+        self.client = Client(url, key, retries=2, timeout=PATIENCE)
         self.said = []
 
-    def ask(self, method, path, body=None, timeout=60, **headers):
+    def ask(self, method, path, body=None, timeout=PATIENCE, **headers):
         """Return status, headers and body of one raw request; the key is sent unless it is given otherwise."""
         connection = http.client.HTTPConnection(self.address, timeout=timeout)
         headers = {"RhinoComputeKey": self.key, **headers}
@@ -69,7 +75,7 @@ def running_server(store, key=None, workers=2, port=0, limits=None):
     finally:
         process.terminate()
         try:
-            process.wait(10)
+            process.wait(PATIENCE)
         finally:
             process.kill()
 
@@ -80,10 +86,35 @@ def free_port():
         return probe.getsockname()[1]
 
 
-def wait_for(condition, seconds=20.0, what="waited too long"):
+def wait_for(condition, seconds=PATIENCE, what="waited too long"):
     """Wait until something is so, and return it."""
     end = time.monotonic() + seconds
     while not (found := condition()):
         assert time.monotonic() < end, what
         time.sleep(0.01)
     return found
+
+
+def worker_of(server):
+    """Return the process id of the worker of a server that works at the moment."""
+
+    def ticks(path):
+        parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
+        return int(user) + int(system) if int(parent) == server.process.pid else None
+
+    def times():
+        found = {}
+        for path in Path("/proc").glob("[0-9]*/stat"):
+            try:
+                found[int(path.parent.name)] = ticks(path)
+            except OSError:
+                continue  # it has ended
+        return {pid: spent for pid, spent in found.items() if spent is not None}
+
+    before = times()
+
+    def busiest():
+        spent, pid = max((spent - before.get(pid, spent), pid) for pid, spent in times().items())
+        return pid if spent >= 10 else None
+
+    return wait_for(busiest)

@@ -132,7 +132,7 @@ def main(count: int = 60, measure: str = "defect") -> None:
     groups: dict[str, list[tuple[bool, bool, float, float]]] = defaultdict(list)
     for number in range(count):
         one = case(number)
-        solution = project(one.problem, ProjectionSettings(measure=measure))
+        solution = project(one.problem, settings=ProjectionSettings(measure=measure))
         judged = verdict(replace(one.problem, vertices=solution.vertices), one.problem.vertices)
         done = solution.status == "converged"
         groups[one.group].append((done, done and judged.fair, judged.fit_median or 0.0, judged.sharpest_fold))

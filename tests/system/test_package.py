@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import doctest
 import re
 import subprocess
@@ -16,50 +15,6 @@ import compas_cgc
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "compas_cgc"
-
-# From the bottom: a module imports from its own layer and those before it.
-LAYERS = [
-    {"_version", "errors", "_atomic_write", "client"},
-    {"discrete", "linalg"},
-    {"meshing"},
-    {"model"},
-    {"datastructures"},
-    {"analysis", "solvers"},
-    {"io", "plot"},
-    {"paper"},
-    {"cli", "server", "rpc", "grasshopper", "scene", "__main__", "__init__"},
-]
-
-
-# CGCMesh.from_3dm and to_3dm are a convenience that COMPAS users expect; they import when they are called.
-EXCEPTIONS = {("datastructures", "io")}
-
-
-def imports_of(path):
-    """Return the parts of the package that a module imports, outside type checking."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    depth = len(path.relative_to(PACKAGE).parts) - 1
-    checked = {
-        id(node)
-        for test in ast.walk(tree)
-        if isinstance(test, ast.If) and "TYPE_CHECKING" in ast.dump(test.test)
-        for node in ast.walk(test)
-    }
-    for node in ast.walk(tree):
-        if id(node) in checked:
-            continue
-        if isinstance(node, ast.ImportFrom) and node.level == depth + 1:
-            yield node.module.split(".")[0] if node.module else node.names[0].name
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("compas_cgc."):
-            yield node.module.split(".")[1]
-
-
-@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_imports_point_downwards(path):
-    rank = {name: i for i, layer in enumerate(LAYERS) for name in layer}
-    own = path.relative_to(PACKAGE).parts[0].replace(".py", "")
-    for other in imports_of(path):
-        assert rank[other] <= rank[own] or (own, other) in EXCEPTIONS, f"{own} must not import {other}"
 
 
 def test_importing_the_package_loads_nothing_heavy():

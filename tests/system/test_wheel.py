@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import pytest
 
-from compas_cgc.grasshopper.build.everything import built_files
+from compas_cgc.grasshopper.build.build_all import built_files
 
 ROOT = Path(__file__).parents[2]
 BUILD = "import sys; from setuptools import build_meta; print(getattr(build_meta, sys.argv[1])(sys.argv[2]))"
@@ -82,6 +82,10 @@ def test_a_wheel_is_the_same_with_and_without_an_sdist(installed):
     assert names == files_below(installed.site), "with nothing beside the package"
     assert {name.split("/")[0].split("-")[0] for name in names} == {"compas_cgc"}
     assert all(wheel.read(name) == (installed.site / name).read_bytes() for name in names if name.startswith("compas_cgc/"))
+
+
+def test_type_checkers_are_told_that_the_package_has_types(installed):
+    assert (installed.site / "compas_cgc" / "py.typed").is_file()
 
 
 def test_grasshopper_gets_the_same_files_as_from_the_clone(installed, tmp_path):

@@ -10,11 +10,12 @@ from compas_cgc import CGCProblem
 from compas_cgc import FlowSettings
 from compas_cgc import NewtonSettings
 from compas_cgc.discrete.jacobian import CurvatureEquations
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples.plan import hexagonal_disk
-from compas_cgc.solvers.registry import run
+from compas_cgc.solvers.registry import METHODS
+from compas_cgc.solvers.selection import run_method
 
 from ..support import shapes
 
@@ -33,7 +34,7 @@ def test_a_cap_over_a_circle_is_part_of_the_unit_sphere_with_an_error_like_h_squ
     errors = []
     for rings in (4, 8, 16):
         problem = flat_disk(rings, 0.6)
-        solution = run(method, problem, settings)
+        solution = run_method(METHODS[method], problem, settings=settings)
         assert solution.status == "converged", solution.message
         centre = np.array([0, 0, -0.8])
         errors.append(np.abs(np.linalg.norm(solution.vertices - centre, axis=1) - 1).max())
@@ -56,7 +57,7 @@ def test_a_dented_cone_becomes_straight_again(method):
     straight = 2.0 - t
     roles = np.where((t == 0) | (t == 1), FIXED, INTERNAL)
     problem = CGCProblem(at(straight - 0.1 * t * (1 - t)), faces, roles, 0.0)
-    solution = run(method, problem, NewtonSettings(start="given") if method == "newton" else None)
+    solution = run_method(METHODS[method], problem, settings=NewtonSettings(start="given") if method == "newton" else None)
     assert solution.status == "converged" and solution.max_error < 1e-12, solution.message
     radius = np.linalg.norm(solution.vertices[:, :2], axis=1)
     height = solution.vertices[:, 2]
@@ -73,7 +74,7 @@ def test_a_band_of_the_pseudosphere_is_found_from_a_dented_one():
         wave = 0.01 * np.sin(np.pi * row / (n - 1))
         dented = vertices * np.column_stack([1 + wave, 1 + wave, np.ones(len(wave))])
         roles = np.where(row == 0, FIXED, np.where(row == n - 1, FREE, INTERNAL))
-        solution = run("projection", CGCProblem(dented, faces, roles, -1.0))
+        solution = run_method(METHODS["projection"], CGCProblem(dented, faces, roles, -1.0))
         assert solution.status == "converged" and solution.max_error < 1e-11, solution.message
         distances.append(np.abs(solution.vertices - vertices).max())
     assert distances[0] < 0.05 and distances[1] < 0.05
@@ -100,7 +101,7 @@ def test_scipys_least_squares_finds_the_same_dome():
         lambda z: equations.residual(shape(z)), start, lambda z: equations.jacobian(shape(z), up).toarray(), **options
     )
     assert np.abs(found.fun).max() < 1e-12
-    ours = run("newton", problem)
+    ours = run_method(METHODS["newton"], problem)
     assert ours.vertices[:, 2].max() == pytest.approx(found.x.max(), rel=2e-3)
     # The same equations, so that solution is one for us too.
-    assert run("newton", CGCProblem(shape(found.x), faces, problem.roles, 1.0)).iterations <= 1
+    assert run_method(METHODS["newton"], CGCProblem(shape(found.x), faces, problem.roles, 1.0)).iterations <= 1

@@ -14,9 +14,9 @@ from compas_cgc import solve
 from compas_cgc.discrete import face_areas
 from compas_cgc.errors import MeshError
 from compas_cgc.errors import ProblemError
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.result import STATUSES
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.newton import newton
 from compas_cgc.solvers.projection import project
 

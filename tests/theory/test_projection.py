@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 from scipy.sparse.linalg import spsolve
 
 from compas_cgc.discrete import boundary_vertices
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.projection.metric import bending_matrix

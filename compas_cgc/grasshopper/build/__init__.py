@@ -1,3 +1,3 @@
-"""What writes the Grasshopper files: user objects, definitions and the Rhino package."""
+"""Build of the Grasshopper files: user objects, definitions and the Rhino package."""
 
 from __future__ import annotations

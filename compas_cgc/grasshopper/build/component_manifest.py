@@ -1,17 +1,18 @@
-"""Component bundles: a folder with code, metadata and an icon, checked to the last key."""
+"""Component manifest: a folder with code, metadata and an icon, checked to the last key."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from typing import Optional
 from uuid import UUID
 
-from ..._version import __version__
 from ...errors import FileError
 from .guids import HINTS
 from .guids import own_guid
+from .placeholders import filled
 from .signature import signature_problems
 
 __all__ = ["ACCESS", "Bundle", "Parameter", "read_bundle", "read_bundles", "sources_folder"]
@@ -40,7 +41,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Bundle:
-    """A component as it is kept in the sources."""
+    """A component as it stands in the sources."""
 
     key: str  # name of the folder, and of the user object's file
     name: str
@@ -98,19 +99,19 @@ def read_bundle(folder: Path) -> Bundle:
     Raises
     ------
     FileError
-        If a file is missing, a key is unknown, missing or of the wrong kind, or the
-        code does not take the inputs that the metadata declare.
+        If a file is missing, a key is unknown, missing or of the wrong kind, there is no
+        such placeholder, or the code does not take the inputs that the metadata declare.
     """
     try:
-        code = (folder / "code.py").read_text(encoding="utf-8").replace("{{version}}", __version__)
-        data = json.loads((folder / "metadata.json").read_text(encoding="utf-8"))
+        code = filled((folder / "code.py").read_text(encoding="utf-8"))
+        data = filled(json.loads((folder / "metadata.json").read_text(encoding="utf-8")))
         icon = (folder / "icon.png").read_bytes()
     except (OSError, ValueError) as error:
         raise FileError(f"{folder.name}: {error}") from None
     problems = _problems(data)
-    if not problems:
-        inputs, outputs = data["ghpython"]["inputParameters"], data["ghpython"]["outputParameters"]
-        problems = signature_problems(code, [row["name"] for row in inputs], [row["name"] for row in outputs])
+    sides = [] if problems else [data["ghpython"][side] for side in ("inputParameters", "outputParameters")]
+    if sides:
+        problems = signature_problems(code, *([row["name"] for row in rows] for rows in sides))
     if icon[:8] != b"\x89PNG\r\n\x1a\n" or icon[16:24] != b"\0\0\0\x18" * 2:
         problems.append("icon.png must be a PNG of 24 x 24 pixels")
     if problems:
@@ -125,8 +126,8 @@ def read_bundle(folder: Path) -> Bundle:
         exposure=data.get("exposure", 2),
         icon_display=data["ghpython"].get("iconDisplay", 2),
         marshal_guids=data["ghpython"].get("marshalGuids", True),
-        inputs=tuple(_parameter(row) for row in inputs),
-        outputs=tuple(_parameter(row) for row in outputs),
+        inputs=tuple(map(_parameter, sides[0])),
+        outputs=tuple(map(_parameter, sides[1])),
         code=code,
         icon=icon,
     )
@@ -137,7 +138,7 @@ def _parameter(row: dict) -> Parameter:
     return Parameter(row["name"], row["description"], hint, access, row.get("optional", True))
 
 
-def _problems(data: object) -> list[str]:
+def _problems(data: Any) -> list[str]:
     problems = _keys("metadata.json", data, COMPONENT_KEYS)
     if problems:
         return problems

@@ -1,4 +1,4 @@
-"""Names that Grasshopper gives to things, and stable names for ours."""
+"""GUIDs: those of Grasshopper's components and type hints, and stable ones for the components of this package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""User objects where Rhino 8 looks for them."""
+"""Installation of user objects where Rhino 8 looks for them."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def install(files: Mapping[str, bytes], folder: Path, dry_run: bool = False) -> 
     removed = [path for path in ours if path.name not in files]
     if not dry_run:
         for path in written:
-            with replacing(path) as beside:
-                beside.write_bytes(files[path.name])
+            with replacing(path) as temporary:
+                temporary.write_bytes(files[path.name])
         for path in removed:
             path.unlink()
     return written, removed

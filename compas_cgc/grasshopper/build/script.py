@@ -1,4 +1,4 @@
-"""A Rhino 8 script component as items and chunks, in schema version 3."""
+"""Script component of Rhino 8 as items and chunks, in schema version 3."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from .guids import HINTS
 from .guids import PARAMETER
 from .guids import own_guid
 
-__all__ = ["Placing", "script_component"]
+__all__ = ["Placement", "script_component"]
 
 
-class Placing(NamedTuple):
+class Placement(NamedTuple):
     """Where a component is on a canvas, and what is wired to it."""
 
     attributes: Chunk  # of the component
@@ -32,7 +32,7 @@ class Placing(NamedTuple):
     sources: Mapping[str, Sequence[UUID]]  # instances of the parameters wired to each input
 
 
-def script_component(bundle: Bundle, instance: str, placing: Optional[Placing] = None) -> tuple[list[Item], list[Chunk]]:
+def script_component(bundle: Bundle, instance: str, placement: Optional[Placement] = None) -> tuple[list[Item], list[Chunk]]:
     """Return the items and chunks of a component.
 
     Parameters
@@ -41,7 +41,7 @@ def script_component(bundle: Bundle, instance: str, placing: Optional[Placing] =
         The component.
     instance
         Words that tell this one from others of its kind; its GUIDs are made from them.
-    placing
+    placement
         For a component on a canvas.
     """
     items = [
@@ -62,8 +62,8 @@ def script_component(bundle: Bundle, instance: str, placing: Optional[Placing] =
         item("UsingScriptOutputParam", "gh_bool", False),
         item("UsingStandardOutputParam", "gh_bool", False),
     ]
-    chunks = [] if placing is None else [placing.attributes]
-    return items, [*chunks, _parameters(bundle, instance, placing), _script(bundle)]
+    chunks = [] if placement is None else [placement.attributes]
+    return items, [*chunks, _parameters(bundle, instance, placement), _script(bundle)]
 
 
 def _script(bundle: Bundle) -> Chunk:
@@ -79,20 +79,20 @@ def _script(bundle: Bundle) -> Chunk:
     return chunk("Script", items, [language])
 
 
-def _parameters(bundle: Bundle, instance: str, placing: Optional[Placing]) -> Chunk:
+def _parameters(bundle: Bundle, instance: str, placement: Optional[Placement]) -> Chunk:
     items, chunks = [], []
     for side, parameters in (("Input", bundle.inputs), ("Output", bundle.outputs)):
         items.append(item(f"{side}Count", "gh_int32", len(parameters)))
         items += [item(f"{side}Id", "gh_guid", PARAMETER, i) for i in range(len(parameters))]
         for i, parameter in enumerate(parameters):
-            chunks.append(_parameter(side, i, parameter, instance, placing))
+            chunks.append(_parameter(side, i, parameter, instance, placement))
     return chunk("ParameterData", items, chunks)
 
 
-def _parameter(side: str, index: int, parameter: Parameter, instance: str, placing: Optional[Placing]) -> Chunk:
+def _parameter(side: str, index: int, parameter: Parameter, instance: str, placement: Optional[Placement]) -> Chunk:
     incoming = side == "Input"
     hint = HINTS[parameter.hint]
-    sources = placing.sources.get(parameter.name, ()) if placing and incoming else ()
+    sources = placement.sources.get(parameter.name, ()) if placement and incoming else ()
     access = ACCESS.index(parameter.access)
     items = [
         item("AllowTreeAccess", "gh_bool", incoming),
@@ -112,7 +112,7 @@ def _parameter(side: str, index: int, parameter: Parameter, instance: str, placi
     if access:
         items.append(item("Access", "gh_int32", access))
     chunks = []
-    if placing:
-        chunks.append((placing.input_attributes if incoming else placing.output_attributes)[index])
+    if placement:
+        chunks.append((placement.input_attributes if incoming else placement.output_attributes)[index])
     converter = chunk("ConverterData", [item("AssemblyName", "gh_string", hint.assembly), item("TypeName", "gh_string", hint.type)])
     return chunk(f"{side}Param", items, [*chunks, converter], index)

@@ -1,4 +1,4 @@
-"""Does a component's code take and return what its metadata say?"""
+"""Signature check: whether a component's code takes and returns what its metadata declare."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Rhino package: a zip that Rhino's package manager installs."""
+"""Yak package: a zip that Rhino's package manager installs."""
 
 from __future__ import annotations
 

@@ -13,9 +13,9 @@ from ...io.rhino.colours import signed_colours
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...scene.figures import coloured
 from ...scene.figures import figures
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["AnalyseOutputs", "analyse"]
 
@@ -36,11 +36,11 @@ class AnalyseOutputs(NamedTuple):
     report: Optional[str]
 
 
-@reporting(AnalyseOutputs)
+@reports_errors(AnalyseOutputs)
 def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[float]) -> AnalyseOutputs:
     """Measure a mesh; a vertex without the figure (on an edge, on a crease) has a gap in its list."""
     if cgc_mesh is None:
-        warn(component, "connect a CGC mesh")
+        add_warning(component, "connect a CGC mesh")
         return AnalyseOutputs(*[None] * len(AnalyseOutputs._fields))
     import System
 
@@ -49,11 +49,12 @@ def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[
     steps = np.linspace(-found.limit, found.limit, LEGEND_STEPS)
     colours = [System.Drawing.Color.FromArgb(*colour) for colour in signed_colours(steps, found.limit).tolist()]
     vertices, faces = cgc_mesh.arrays()
-    say(component, f"{show}: largest {found.limit:.3g}")
+    set_message(component, f"{show}: largest {found.limit:.3g}")
+    columns = {name: [None if np.isnan(x) else x for x in column.tolist()] for name, column in figures(cgc_mesh).items()}
     return AnalyseOutputs(
-        mesh_from_arrays(vertices + [aside or 0.0, 0.0, 0.0], faces, found.colours),
-        *([None if np.isnan(x) else x for x in column.tolist()] for column in figures(cgc_mesh).values()),
-        colours,
-        [f"{step:.3g}" for step in steps],
-        str(report_on(cgc_mesh)),
+        mesh=mesh_from_arrays(vertices + [aside or 0.0, 0.0, 0.0], faces, found.colours),
+        **columns,
+        colours=colours,
+        legend=[f"{step:.3g}" for step in steps],
+        report=str(report_on(cgc_mesh)),
     )

@@ -8,22 +8,22 @@ from typing import Optional
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import curve_to_points
 from ...io.rhino.rhinocommon import points_to_array
+from ...meshing.point_location import vertices_at
 from ...meshing.polyline import points_along
-from ...solvers.projection import AtHeight
-from ...solvers.projection import Mirror
-from ...solvers.projection import OnCurve
-from ...solvers.projection import OnPlane
-from ..runtime.component_feedback import items
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
+from ...model.constraints import AtHeight
+from ...model.constraints import Mirror
+from ...model.constraints import OnCurve
+from ...model.constraints import OnPlane
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
 from ..runtime.geometry import plane_arrays
-from ..runtime.spatial_queries import vertices_at
 
 __all__ = ["ConstraintsOutputs", "constraints"]
 
@@ -34,19 +34,19 @@ class ConstraintsOutputs(NamedTuple):
     constraints: Optional[list]
 
 
-@reporting(ConstraintsOutputs)
+@reports_errors(ConstraintsOutputs)
 def constraints(
     component: Any, cgc_mesh: Any, points: Any, height: Optional[float], curve: Any, plane: Any, mirror: Any, others: Any
 ) -> ConstraintsOutputs:
-    """List what is asked of vertices: those at points, or those on the curve or plane itself."""
+    """List constraints of vertices: of those at points, or of those on the curve or plane itself."""
     if cgc_mesh is None:
-        warn(component, "connect a CGC mesh")
+        add_warning(component, "connect a CGC mesh")
         return ConstraintsOutputs(None)
     # Constraints count the vertices of the mesh with its dummies.
     vertices, _ = cgc_mesh.arrays(dummies=True)
     snap, _ = document_units()
-    chosen = vertices_at(vertices, points_to_array(items(points)), snap)
-    made = list(items(others))
+    chosen = vertices_at(vertices, points_to_array(as_list(points)), snap)
+    made = list(as_list(others))
     if height is not None:
         if not chosen:
             raise CGCError("a height needs the points of the vertices that shall be at it")
@@ -63,11 +63,11 @@ def constraints(
     if mirror is not None:
         origin, normal = plane_arrays(mirror)
         made.append(Mirror(origin.tolist(), normal.tolist()))
-    say(component, f"{len(made)} constraint{'' if len(made) == 1 else 's'}")
+    set_message(component, f"{len(made)} constraint{'' if len(made) == 1 else 's'}")
     return ConstraintsOutputs(made)
 
 
-def _some(found: FloatArray, what: str) -> list[int]:
+def _some(found: IntArray, what: str) -> list[int]:
     if not len(found):
         raise CGCError(f"no vertex lies on the {what}; give the points of the vertices that shall be on it")
     return sorted({int(v) for v in found})

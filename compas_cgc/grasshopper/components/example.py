@@ -8,9 +8,10 @@ from typing import Optional
 
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...paper.examples import SurfaceExample
 from ...paper.examples import examples_of
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["ExampleOutputs", "example"]
 
@@ -24,13 +25,14 @@ class ExampleOutputs(NamedTuple):
     title: Optional[str]
 
 
-@reporting(ExampleOutputs)
+@reports_errors(ExampleOutputs)
 def example(component: Any, number: Optional[int], variant: Optional[str]) -> ExampleOutputs:
     """Give the mesh and the settings of one of Examples 2 to 7."""
     number = 4 if number is None else int(number)
     if not 2 <= number <= 7:
         raise CGCError(f"number must be from 2 to 7, not {number}; Example 1 is about plane curves")
     chosen = examples_of(number, variant.strip() if variant else None)[0]
+    assert isinstance(chosen, SurfaceExample)
     mesh, settings = chosen.build()
-    say(component, chosen.name)
+    set_message(component, chosen.name)
     return ExampleOutputs(mesh_from_arrays(*mesh.arrays()), mesh, settings, f"Example {number}: {chosen.title}")

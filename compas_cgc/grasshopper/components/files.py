@@ -7,12 +7,12 @@ from typing import NamedTuple
 from typing import Optional
 
 from ...io import read_mesh
-from ...io import write_mesh
+from ...io import write as write_file
 from ...io.rhino.rhinocommon import mesh_from_arrays
-from ..runtime.component_feedback import remark
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
+from ..runtime.component_feedback import add_remark
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["Read3dmOutputs", "Write3dmOutputs", "read_3dm", "write_3dm"]
 
@@ -31,28 +31,28 @@ class Write3dmOutputs(NamedTuple):
     written: Optional[str]
 
 
-@reporting(Read3dmOutputs)
+@reports_errors(Read3dmOutputs)
 def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read3dmOutputs:
-    """Read a mesh with its supports, creases and targets; other mesh formats are read too."""
+    """Read a mesh with its supports, creases, targets and constraints; other mesh formats are read too."""
     if not path:
-        warn(component, "connect the path of a file")
+        add_warning(component, "connect the path of a file")
         return Read3dmOutputs(None, None, None)
     mesh, notes = read_mesh(path.strip(), crease="split" if split else "trace")
     for note in notes:
-        remark(component, note)
-    say(component, f"{mesh.number_of_vertices()} vertices, {len(mesh.regions())} regions")
+        add_remark(component, note)
+    set_message(component, f"{mesh.number_of_vertices()} vertices, {len(mesh.regions())} regions")
     return Read3dmOutputs(mesh_from_arrays(*mesh.arrays()), mesh, notes)
 
 
-@reporting(Write3dmOutputs)
+@reports_errors(Write3dmOutputs)
 def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
-    """Write a mesh with its supports, creases and targets when it is told to."""
+    """Write a mesh with its supports, creases, targets and constraints when it is told to."""
     if not path or cgc_mesh is None:
-        warn(component, "connect the path of a file and a CGC mesh")
+        add_warning(component, "connect the path of a file and a CGC mesh")
         return Write3dmOutputs(None)
     if not write:
-        say(component, "set write to true")
+        set_message(component, "set write to true")
         return Write3dmOutputs(None)
-    write_mesh(path.strip(), cgc_mesh)
-    say(component, "written")
+    write_file(path.strip(), cgc_mesh)
+    set_message(component, "written")
     return Write3dmOutputs(path.strip())

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 from typing import NamedTuple
 
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["HistoryOutputs", "history"]
 
@@ -22,13 +22,13 @@ class HistoryOutputs(NamedTuple):
     step_length: Any
 
 
-@reporting(HistoryOutputs)
+@reports_errors(HistoryOutputs)
 def history(component: Any, result: Any) -> HistoryOutputs:
     """List the figures of every step, for a graph."""
     if result is None:
-        warn(component, "connect the result of Solve")
+        add_warning(component, "connect the result of Solve")
         return HistoryOutputs(*[None] * len(HistoryOutputs._fields))
-    rows = result.history
-    say(component, f"{len(rows['energy'])} steps")
+    rows = result.history.to_dict()
     steps = list(range(1, len(rows["energy"]) + 1))
+    set_message(component, f"{len(steps)} steps")
     return HistoryOutputs(steps, rows["energy"], rows["error_norm"], rows["max_error"], rows["step_length"])

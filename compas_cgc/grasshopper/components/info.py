@@ -9,8 +9,8 @@ from typing import NamedTuple
 from typing import Optional
 
 from ..._version import __version__
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["InfoOutputs", "info"]
 
@@ -21,9 +21,9 @@ class InfoOutputs(NamedTuple):
     info: Optional[list[str]]
 
 
-@reporting(InfoOutputs)
+@reports_errors(InfoOutputs)
 def info(component: Any) -> InfoOutputs:
     """List the versions of the package, of Python and of what it builds on."""
-    say(component, f"v{__version__}")
+    set_message(component, f"v{__version__}")
     lines = [f"compas_cgc {__version__}", f"Python {platform.python_version()} on {platform.system()}"]
     return InfoOutputs(lines + [f"{name} {metadata.version(name)}" for name in ("compas", "numpy", "scipy", "numba", "rhino3dm")])

@@ -6,12 +6,14 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
-from ...io.rhino.rhinocommon import model_from_rhino
-from ..runtime.component_feedback import items
-from ..runtime.component_feedback import remark
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
+from ...datastructures import CGCMesh
+from ...io.rhino.rhinocommon import problem_from_rhino
+from ...model.checks import check
+from ..runtime.component_feedback import add_remark
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
 
 __all__ = ["CGCMeshOutputs", "cgc_mesh"]
@@ -20,30 +22,30 @@ __all__ = ["CGCMeshOutputs", "cgc_mesh"]
 class CGCMeshOutputs(NamedTuple):
     """Outputs of the component."""
 
-    cgc_mesh: Any
+    cgc_mesh: Optional[CGCMesh]
     problems: Optional[list[str]]
 
 
-@reporting(CGCMeshOutputs)
+@reports_errors(CGCMeshOutputs)
 def cgc_mesh(component: Any, mesh: Any, supports: Any, fix: Optional[str], creases: Any, flip: Optional[bool]) -> CGCMeshOutputs:
     """Make a mesh with supports and creases; without points the whole boundary is fixed."""
     if mesh is None:
-        warn(component, "connect a mesh")
+        add_warning(component, "connect a mesh")
         return CGCMeshOutputs(None, None)
-    points = items(supports)
+    points = as_list(supports)
     tolerance, units = document_units()
-    model = model_from_rhino(mesh, points, items(creases), tolerance=tolerance, units=units)
-    made = model.to_cgcmesh()
+    read = problem_from_rhino(mesh, points, as_list(creases), tolerance=tolerance, units=units)
+    problem = read.checked()
     if flip:
-        made.flip()
+        problem = problem.flipped()
     if fix or not points:
-        made.set_supports(fix.strip() if fix else "boundary", add=True)
-    for note in model.notes:
+        problem = problem.with_supports(fix.strip() if fix else "boundary", add=True)
+    for note in read.notes:
         if "support" not in note:
-            remark(component, note)
+            add_remark(component, note)
     # Targets come later, from a component of their own.
-    problems = [problem for problem in made.check() if "target" not in problem]
-    for problem in problems:
-        warn(component, problem)
-    say(component, f"{made.number_of_vertices()} vertices, {len(made.regions())} regions")
-    return CGCMeshOutputs(made, [*map(str, problems)])
+    sentences = [str(sentence) for sentence in check(problem) if "target" not in sentence]
+    for sentence in sentences:
+        add_warning(component, sentence)
+    set_message(component, f"{len(problem.vertices)} vertices, {len(problem.region_targets())} regions")
+    return CGCMeshOutputs(CGCMesh.from_problem(problem), sentences)

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...io.rhino.rhinocommon import mesh_from_arrays
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
-from ..runtime.geometry import points_to_rhino
-from ..runtime.geometry import polyline_to_rhino
+from ...io.rhino.rhinocommon import points_to_rhino
+from ...io.rhino.rhinocommon import polyline_to_rhino
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["RegionsOutputs", "regions"]
 
@@ -27,11 +27,11 @@ class RegionsOutputs(NamedTuple):
     targets: Any
 
 
-@reporting(RegionsOutputs)
+@reports_errors(RegionsOutputs)
 def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
     """Take a mesh apart into regions, creases, open edges and supports."""
     if cgc_mesh is None:
-        warn(component, "connect a CGC mesh")
+        add_warning(component, "connect a CGC mesh")
         return RegionsOutputs(*[None] * len(RegionsOutputs._fields))
     parts = []
     for faces in cgc_mesh.regions():
@@ -39,7 +39,7 @@ def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
         keys = sorted({v for face in corners for v in face})
         place = {key: i for i, key in enumerate(keys)}
         parts.append(mesh_from_arrays(_points(cgc_mesh, keys), np.array([[place[v] for v in face] for face in corners])))
-    say(component, f"{len(parts)} regions")
+    set_message(component, f"{len(parts)} regions")
     return RegionsOutputs(
         parts,
         [polyline_to_rhino(_points(cgc_mesh, path)) for path in cgc_mesh.creases()],

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ...client.server_process import stop_server
 from ..runtime.address import Address
-from ..runtime.background import Work
-from ..runtime.component_feedback import reporting
+from ..runtime.background import BackgroundTask
+from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import run_again
-from ..runtime.component_feedback import say
-from ..runtime.server_process import Found
+from ..runtime.component_feedback import set_message
+from ..runtime.server_process import RunningServer
 from ..runtime.server_process import find_or_start
-from ..runtime.server_process import stop
 
 __all__ = ["ServerOutputs", "server"]
 
 URL = "http://127.0.0.1:7331"
-POLL = 300  # [ms]
+POLL_INTERVAL = 300  # [ms]
 
 
 class ServerOutputs(NamedTuple):
@@ -34,25 +35,24 @@ class ServerOutputs(NamedTuple):
 class Memory:
     """What a component on the canvas remembers from one run to the next."""
 
-    asked: tuple
-    work: Work[Found]
+    inputs: tuple
+    task: BackgroundTask[RunningServer]
 
     def end(self) -> None:
         """Stop the server, or the attempt to start it; one that ran before is left alone."""
-        self.work.cancel()
-        if self.work.outcome is not None:
-            stop(self.work.outcome.process)
+        self.task.cancel()
+        if self.task.result is not None:
+            stop_server(self.task.result.process)
 
 
 _MEMORIES: dict[str, Memory] = {}
 
 
-@reporting(ServerOutputs)
+@reports_errors(ServerOutputs)
 def server(component: Any, run: Optional[bool], url: Optional[str], key: Optional[str], python: Optional[str]) -> ServerOutputs:
     """Find a server, or start one that ends with the toggle, the component or Rhino."""
     name = str(component.InstanceGuid)
     address = Address(url.strip() if url else URL, key.strip() if key else None)
-    asked = (address, python)
     memory = _MEMORIES.get(name)
 
     def forget() -> None:
@@ -60,29 +60,30 @@ def server(component: Any, run: Optional[bool], url: Optional[str], key: Optiona
         if known is not None:
             known.end()
 
-    if memory is not None and (not run or memory.asked != asked):
+    if memory is not None and (not run or memory.inputs != (address, python)):
         forget()
+        memory = None
     if not run:
-        say(component, "set run to true")
+        set_message(component, "set run to true")
         return ServerOutputs(status="not running")
-    memory = _MEMORIES.get(name)
     if memory is None:
-        memory = _MEMORIES[name] = Memory(asked, Work(find_or_start(address, python)))
-    if memory.work.running:
-        say(component, "starting")
-        run_again(component, POLL, forget)
-        return ServerOutputs(status=memory.work.progress.note or "starting")
-    if memory.work.refusal is not None:
-        say(component, "not running")
-        raise memory.work.refusal
-    return _found(component, address, memory.work.outcome, forget)
+        memory = _MEMORIES[name] = Memory((address, python), BackgroundTask(find_or_start(address, python)))
+    return _state(component, address, memory.task, forget)
 
 
-def _found(component: Any, address: Address, found: Found, forget: Any) -> ServerOutputs:
+def _state(component: Any, address: Address, task: BackgroundTask[RunningServer], forget: Callable[[], None]) -> ServerOutputs:
+    if task.running:
+        set_message(component, "starting")
+        run_again(component, POLL_INTERVAL, forget)
+        return ServerOutputs(status=task.progress.note or "starting")
+    found = task.result
+    if found is None:
+        set_message(component, "not running")
+        raise task.error or RuntimeError("the task ended without a result")
     if found.process is not None and found.process.poll() is not None:
         forget()
-        run_again(component, POLL, forget)
+        run_again(component, POLL_INTERVAL, forget)
         return ServerOutputs(status="the server has ended; starting it again")
-    say(component, "running")
+    set_message(component, "running")
     origin = "it ran before" if found.process is None else "started here"
     return ServerOutputs(address, address.url, f"compas_cgc {found.version} at {address.url}, {origin}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from dataclasses import field
@@ -9,79 +10,91 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ...analysis import analyse
+from ...datastructures import CGCMesh
+from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...errors import ProblemError
 from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...model.constraint_data import as_constraints
+from ...model.constraint_data import constraint_data
+from ...model.constraints import Constraint
+from ...solvers import Settings
 from ..runtime.address import Address
-from ..runtime.background import Work
-from ..runtime.component_feedback import error
-from ..runtime.component_feedback import items
-from ..runtime.component_feedback import reporting
+from ..runtime.background import BackgroundTask
+from ..runtime.component_feedback import add_error
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import run_again
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
-from ..runtime.local_solve import Question
-from ..runtime.local_solve import Solved
-from ..runtime.local_solve import local_job
-from ..runtime.remote_solve import remote_job
+from ..runtime.component_feedback import set_message
+from ..runtime.local_solve import local_solve
+from ..runtime.progress import Report
+from ..runtime.remote_solve import remote_solve
 
 __all__ = ["SolveOutputs", "solve"]
 
-POLL = 200  # [ms]
+POLL_INTERVAL = 200  # [ms]
 
 
 class SolveOutputs(NamedTuple):
     """Outputs of the component."""
 
     mesh: Any = None
-    cgc_mesh: Any = None
+    cgc_mesh: Optional[CGCMesh] = None
     status: Optional[str] = None
     progress: Optional[float] = None
     report: Optional[str] = None
-    result: Optional[Solved] = None
+    result: Optional[SolveResult] = None
+
+
+def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint) -> str:
+    """Return the same text for equal inputs, whatever objects they are made of."""
+    held = [[constraint_data(one) for one in own] for own in (mesh.constraints(), constraints)]
+    parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges(), held, settings, server)
+    return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
 
 
 @dataclass
 class Memory:
     """What a component on the canvas remembers from one run to the next."""
 
-    question: Optional[Question] = None  # the latest one that was asked
-    fingerprint: str = ""
-    work: Optional[Work] = None
-    answered: str = ""  # fingerprint of the question that `refusal` or `shown` answers
-    refusal: Optional[Exception] = None
+    inputs: tuple = ()  # the latest ones: mesh, settings, server, constraints
+    fingerprint: str = ""  # theirs
+    task: Optional[BackgroundTask[SolveOutputs]] = None
+    answered: str = ""  # fingerprint of the inputs that `error` or `shown` answers
+    error: Optional[Exception] = None
     shown: SolveOutputs = field(default_factory=SolveOutputs)
 
-    def ask(self, question: Question) -> None:
-        """Take note of a question; work on another one is cancelled."""
-        known = self.question
+    def take(self, inputs: tuple) -> None:
+        """Take note of inputs; a solve of other ones is cancelled."""
         # On most runs nothing is new, and comparing objects costs nothing.
-        if known is not None and known.is_same(question):
+        if len(inputs) == len(self.inputs) and all(map(_same, inputs, self.inputs)):
             return
-        fingerprint = question.fingerprint()
-        self.question = question
-        if fingerprint != self.fingerprint:
+        self.inputs, known = inputs, self.fingerprint
+        self.fingerprint = fingerprint(*inputs)
+        if self.fingerprint != known:
             self.cancel()
-            self.fingerprint = fingerprint
 
     def cancel(self) -> None:
-        """Cancel what is being worked on."""
-        if self.work is not None:
-            self.work.cancel()
-        self.work = None
+        """Cancel the solve that runs."""
+        if self.task is not None:
+            self.task.cancel()
+        self.task = None
 
-    def collect(self) -> None:
-        """Take over the outcome of work that has ended."""
-        work, self.work = self.work, None
-        self.answered, self.refusal = self.fingerprint, work.refusal
-        if work.refusal is None:
-            self.shown = _shown(work.outcome)
+    def collect(self, task: BackgroundTask[SolveOutputs]) -> None:
+        """Take over the result of a solve that has ended."""
+        self.task = None
+        self.answered, self.error = self.fingerprint, task.error
+        if task.result is not None and task.result.cgc_mesh is not None:
+            # Only here, as Rhino's meshes are made in its own thread.
+            self.shown = task.result._replace(mesh=mesh_from_arrays(*task.result.cgc_mesh.arrays()))
 
 
 _MEMORIES: dict[str, Memory] = {}
 
 
-@reporting(SolveOutputs)
+@reports_errors(SolveOutputs)
 def solve(
     component: Any, cgc_mesh: Any, settings: Any, constraints: Any, run: Optional[bool], reset: Optional[bool], server: Any
 ) -> SolveOutputs:
@@ -96,62 +109,79 @@ def solve(
 
     if reset:
         forget()
-        say(component, "reset")
+        set_message(component, "reset")
         return SolveOutputs()
     if cgc_mesh is None:
         memory.cancel()
-        warn(component, "connect a CGC mesh")
+        add_warning(component, "connect a CGC mesh")
         return memory.shown
-    memory.ask(Question(cgc_mesh, settings, tuple(items(constraints)), _address(server)))
-    if memory.work is not None and not memory.work.running:
-        memory.collect()
-    if run and memory.work is None and memory.answered != memory.fingerprint:
-        memory.work = Work(_job(memory.question))
-    if memory.work is not None:
-        return _wait(component, memory, forget)
+    inputs = (cgc_mesh, settings, _address(server), *as_constraints(as_list(constraints)))
+    memory.take(inputs)
+    if memory.task is not None and not memory.task.running:
+        memory.collect(memory.task)
+    if run and memory.task is None and memory.answered != memory.fingerprint:
+        memory.task = BackgroundTask(_solving(*inputs))
+    if memory.task is not None:
+        return _wait(component, memory, memory.task, forget)
     return _show(component, memory)
+
+
+def _same(one: object, other: object) -> bool:
+    return one is other or (isinstance(one, Address) and one == other)
 
 
 def _address(server: Any) -> Optional[Address]:
     """Return the server of a wire: an address of Server, or a text."""
-    return Address(server.strip()) if isinstance(server, str) and server.strip() else server or None
+    if isinstance(server, str):
+        return Address(server.strip()) if server.strip() else None
+    return server
 
 
-def _job(question: Question) -> Callable:
-    return local_job(question) if question.server is None else remote_job(question)
+def _solving(
+    mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint
+) -> Callable[[Report], SolveOutputs]:
+    """Return a function that solves and measures the surface, for a background task."""
+    run = local_solve(mesh, settings, constraints) if server is None else remote_solve(mesh, settings, constraints, server)
+
+    def solved(report: Report) -> SolveOutputs:
+        result = run(report)
+        return SolveOutputs(None, result.mesh, result.status, 1.0, f"{result.message}\n{analyse(result, mesh)}", result)
+
+    return solved
 
 
-def _wait(component: Any, memory: Memory, forget: Callable[[], None]) -> SolveOutputs:
-    progress = memory.work.progress
+def _wait(component: Any, memory: Memory, task: BackgroundTask[SolveOutputs], forget: Callable[[], None]) -> SolveOutputs:
+    progress = task.progress
     reached = "" if progress.max_error is None else f", error {progress.max_error:.1e}"
-    say(component, "waiting" if progress.note else f"step {progress.step}{reached}")
+    set_message(component, "waiting" if progress.note else f"step {progress.step}{reached}")
     if progress.note:
-        warn(component, progress.note)
-    run_again(component, POLL, forget)
+        add_warning(component, progress.note)
+    run_again(component, POLL_INTERVAL, forget)
     return memory.shown._replace(status="running", progress=progress.part)
 
 
 def _show(component: Any, memory: Memory) -> SolveOutputs:
-    """Put out what is known, with a balloon where it is not what was asked for."""
+    """Put out what is known, with a balloon where it does not answer the inputs."""
     if memory.answered != memory.fingerprint:
-        say(component, "set run to true")
+        set_message(component, "set run to true")
         return memory.shown._replace(status="waiting" if memory.shown.mesh is None else "out of date")
-    if memory.refusal is not None:
-        if not isinstance(memory.refusal, (CGCError, ValueError, OSError)):
-            raise memory.refusal
-        sentences = memory.refusal.problems if isinstance(memory.refusal, ProblemError) else [memory.refusal]
-        for sentence in sentences:
-            error(component, str(sentence))
-        say(component, "refused")
-        return SolveOutputs(status="refused", progress=0.0)
-    solved = memory.shown.result
-    say(component, solved.status.replace("_", " "))
-    if solved.status in ("infeasible", "diverged"):
-        error(component, solved.message)
-    elif solved.status != "converged":
-        warn(component, solved.message)
+    if memory.error is not None:
+        return _refused(component, memory.error)
+    result = memory.shown.result
+    if result is not None:
+        set_message(component, result.status.replace("_", " "))
+        if result.status in ("infeasible", "diverged"):
+            add_error(component, result.message)
+        elif not result.converged:
+            add_warning(component, result.message)
     return memory.shown
 
 
-def _shown(solved: Solved) -> SolveOutputs:
-    return SolveOutputs(mesh_from_arrays(*solved.mesh.arrays()), solved.mesh, solved.status, 1.0, solved.report, solved)
+def _refused(component: Any, error: Exception) -> SolveOutputs:
+    """Show what is wrong with the inputs; a fault of the program is not hidden."""
+    if not isinstance(error, (CGCError, ValueError, OSError)):
+        raise error
+    for sentence in error.problems if isinstance(error, ProblemError) else [error]:
+        add_error(component, str(sentence))
+    set_message(component, "refused")
+    return SolveOutputs(status="refused", progress=0.0)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
+from typing import Optional
 
+from ...datastructures import CGCMesh
+from ...discrete.arrays import FloatArray
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import points_to_array
-from ..runtime.component_feedback import items
-from ..runtime.component_feedback import reporting
-from ..runtime.component_feedback import say
-from ..runtime.component_feedback import warn
-from ..runtime.spatial_queries import region_at
+from ...meshing.point_location import face_at
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
 
 __all__ = ["TargetOutputs", "target"]
 
@@ -19,33 +23,38 @@ __all__ = ["TargetOutputs", "target"]
 class TargetOutputs(NamedTuple):
     """Outputs of the component."""
 
-    cgc_mesh: Any
+    cgc_mesh: Optional[CGCMesh]
 
 
-@reporting(TargetOutputs)
+@reports_errors(TargetOutputs)
 def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any) -> TargetOutputs:
     """Ask for curvatures everywhere, by the numbers of regions, or at points in them."""
     if cgc_mesh is None:
-        warn(component, "connect a CGC mesh")
+        add_warning(component, "connect a CGC mesh")
         return TargetOutputs(None)
-    values, regions, points = items(K), items(region), points_to_array(items(point))
-    if regions and len(points):
-        raise CGCError("give the regions by number or by points, not both")
+    values = as_list(K)
     if not values:
         raise CGCError("give at least one curvature K, in 1 / (model unit)²")
     mesh = cgc_mesh.copy()
     count = len(mesh.regions())
-    if len(points):
-        chosen = [region_at(mesh, place) for place in points]
-    elif regions:
-        chosen = [int(number) for number in regions]
-    else:
-        chosen = [] if len(values) == 1 else list(range(count))
+    everywhere = list(range(count)) if len(values) > 1 else []
+    chosen = _chosen(mesh, as_list(region), points_to_array(as_list(point))) or everywhere
     if chosen and len(values) not in (1, len(chosen)):
         raise CGCError(f"there are {len(values)} curvatures for {len(chosen)} regions; give one, or one for each")
     if not chosen:
         mesh.set_target(values[0])
     for number, value in zip(chosen, values if len(values) > 1 else values * len(chosen)):
         mesh.set_target(value, region=number)
-    say(component, f"{len(set(chosen)) or count} of {count} regions")
+    set_message(component, f"{len(set(chosen)) or count} of {count} regions")
     return TargetOutputs(mesh)
+
+
+def _chosen(mesh: CGCMesh, numbers: Sequence[int], points: FloatArray) -> list[int]:
+    """Return regions that are given by number, or by points (k, 3) at, above or below them [L]."""
+    if numbers and len(points):
+        raise CGCError("give the regions by number or by points, not both")
+    if not len(points):
+        return [int(number) for number in numbers]
+    problem = mesh.to_problem().without_dummies()
+    regions = problem.regions()
+    return [int(regions[face_at(place, problem.vertices, problem.faces)[0]]) for place in points]

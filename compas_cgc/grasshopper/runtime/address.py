@@ -1,4 +1,4 @@
-"""Where a server is."""
+"""Address of a server."""
 
 from __future__ import annotations
 

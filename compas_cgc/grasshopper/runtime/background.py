@@ -1,62 +1,55 @@
-"""Work in the background, so that a canvas never waits."""
+"""Background task: a function in a thread of its own, so that a canvas never waits."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Any
 from typing import Generic
-from typing import NamedTuple
 from typing import Optional
 from typing import TypeVar
 
-__all__ = ["Progress", "Work"]
+from .progress import Progress
+from .progress import Report
 
-Outcome = TypeVar("Outcome")
+__all__ = ["BackgroundTask"]
 
-
-class Progress(NamedTuple):
-    """How far a solve has come."""
-
-    step: int = 0
-    max_error: Optional[float] = None  # largest |K - K̄| [1/L^2]
-    part: float = 0.0  # done, from 0 to 1
-    note: str = ""  # what it waits for
+Result = TypeVar("Result")
 
 
-class Work(Generic[Outcome]):
-    """A function that runs in a thread of its own.
+class BackgroundTask(Generic[Result]):
+    """A function that runs in a thread.
 
     Parameters
     ----------
     function
-        Called with a function that takes a :class:`Progress` and returns whether the
-        work shall stop; returns the outcome.
+        Called with a function that takes a :class:`Progress` and returns whether to stop; its value is the result.
 
     Attributes
     ----------
     progress
         The latest progress.
-    outcome
+    result
         What the function returned, or None.
-    refusal
+    error
         What it raised, or None.
     """
 
-    def __init__(self, function: Callable[[Callable[[Progress], bool]], Outcome]):
+    def __init__(self, function: Callable[[Report], Result]):
         self.progress = Progress()
-        self.outcome: Optional[Outcome] = None
-        self.refusal: Optional[Exception] = None
+        self.result: Optional[Result] = None
+        self.error: Optional[Exception] = None
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, args=(function,), daemon=True)
         self._thread.start()
 
     @property
     def running(self) -> bool:
-        """Whether the outcome is still to come."""
+        """Whether the result is still to come."""
         return self._thread.is_alive()
 
     def cancel(self) -> None:
-        """Ask the function to stop, without waiting for it."""
+        """Tell the function to stop, without waiting for it."""
         self._stop.set()
 
     def wait(self, seconds: float) -> bool:
@@ -64,12 +57,12 @@ class Work(Generic[Outcome]):
         self._thread.join(seconds)
         return not self.running
 
-    def _tell(self, progress: Progress) -> bool:
+    def _report(self, progress: Progress) -> bool:
         self.progress = progress
         return self._stop.is_set()
 
-    def _run(self, function: Callable) -> None:
+    def _run(self, function: Callable[[Report], Any]) -> None:
         try:
-            self.outcome = function(self._tell)
-        except Exception as refusal:  # the thread has no one else to tell
-            self.refusal = refusal
+            self.result = function(self._report)
+        except Exception as error:  # the canvas shows it when it looks next
+            self.error = error

@@ -1,4 +1,4 @@
-"""What a component says and asks on the canvas."""
+"""Component feedback: messages and balloons of a component, and when it runs again."""
 
 from __future__ import annotations
 
@@ -8,43 +8,43 @@ from typing import Any
 
 from ...errors import ProblemError
 
-__all__ = ["error", "items", "plain", "remark", "reporting", "run_again", "say", "warn"]
+__all__ = ["add_error", "add_remark", "add_warning", "as_list", "reports_errors", "run_again", "set_message", "unwrapped"]
 
 
-def say(component: Any, text: str) -> None:
+def set_message(component: Any, text: str) -> None:
     """Write a short text under a component."""
     component.Message = text
 
 
-def remark(component: Any, text: str) -> None:
+def add_remark(component: Any, text: str) -> None:
     """Put a white balloon on a component."""
     _balloon(component, "Remark", text)
 
 
-def warn(component: Any, text: str) -> None:
+def add_warning(component: Any, text: str) -> None:
     """Put an orange balloon on a component."""
     _balloon(component, "Warning", text)
 
 
-def error(component: Any, text: str) -> None:
+def add_error(component: Any, text: str) -> None:
     """Put a red balloon on a component."""
     _balloon(component, "Error", text)
 
 
-def run_again(component: Any, milliseconds: int, gone: Callable[[], object]) -> None:
-    """Let Grasshopper run a component again after a while, or call `gone` if it has been deleted by then."""
+def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object]) -> None:
+    """Let Grasshopper run a component again after a while, or call `on_deleted` if it is not on the canvas any more."""
     from Grasshopper.Kernel import GH_Document
 
     def callback(document: Any) -> None:
         if component.OnPingDocument() is None:
-            gone()
+            on_deleted()
         else:
             component.ExpireSolution(False)
 
     component.OnPingDocument().ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(callback))
 
 
-def reporting(outputs: type) -> Callable[[Callable], Callable]:
+def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
     """Make a function of a component answer user errors with red balloons and empty outputs.
 
     Parameters
@@ -57,13 +57,13 @@ def reporting(outputs: type) -> Callable[[Callable], Callable]:
         @functools.wraps(function)
         def run(component: Any, *inputs: Any) -> Any:
             try:
-                return function(component, *map(plain, inputs))
-            except ProblemError as refusal:
-                sentences = list(map(str, refusal.problems))
-            except (ValueError, OSError) as refusal:
-                sentences = [str(refusal)]
+                return function(component, *map(unwrapped, inputs))
+            except ProblemError as error:
+                sentences = list(map(str, error.problems))
+            except (ValueError, OSError) as error:
+                sentences = [str(error)]
             for sentence in sentences:
-                error(component, sentence)
+                add_error(component, sentence)
             return outputs(*[None] * len(outputs._fields))
 
         return run
@@ -71,19 +71,19 @@ def reporting(outputs: type) -> Callable[[Callable], Callable]:
     return decorate
 
 
-def plain(value: Any) -> Any:
-    """Return what Grasshopper has wrapped for its way along a wire."""
+def unwrapped(value: Any) -> Any:
+    """Return the value that Grasshopper has wrapped to send it along a wire."""
     kind = type(value).__name__
     return value.Value if kind.startswith("GH_") and hasattr(value, "Value") else value
 
 
-def items(values: Any) -> list:
+def as_list(values: Any) -> list:
     """Return a list input without its gaps; an unconnected one is empty, a single value a list of one."""
     if values is None:
         return []
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
         values = [values]
-    return [plain(value) for value in values if value is not None]
+    return [unwrapped(value) for value in values if value is not None]
 
 
 def _balloon(component: Any, level: str, text: str) -> None:

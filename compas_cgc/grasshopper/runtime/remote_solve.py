@@ -1,4 +1,4 @@
-"""Solves by a server, which may go away and come back."""
+"""Remote solve: by a server, which may go away and come back."""
 
 from __future__ import annotations
 
@@ -6,123 +6,151 @@ import json
 import time
 import uuid
 from collections.abc import Callable
+from collections.abc import Mapping
+from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
+from typing import Optional
 
 import numpy as np
 
 from ...client import Client
+from ...client import ClientError
 from ...client import Refused
 from ...client import ServerUnavailable
 from ...client.packed import pack
 from ...datastructures import CGCMesh
+from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...model.constraint_data import constraint_data
+from ...model.constraints import Constraint
 from ...model.problem import CGCProblem
-from ...solvers.registry import SETTINGS
-from .background import Progress
-from .local_solve import GOAL
-from .local_solve import Question
-from .local_solve import Solved
-from .local_solve import part_done
-from .local_solve import report_text
+from ...model.result import History
+from ...solvers import Settings
+from ...solvers.registry import method_of
+from .address import Address
+from .progress import Progress
+from .progress import ProgressMeter
+from .progress import Report
 
-__all__ = ["remote_job", "request_body"]
+__all__ = ["remote_solve", "request_body"]
 
-LOOK = 0.1  # seconds between two looks
-AGAIN = 1.0  # seconds until a lost server is tried again
-GONE = (404, 410)
+POLL_INTERVAL = 0.1  # seconds between two looks at a job
+RETRY_INTERVAL = 1.0  # seconds until a lost server is tried again
+FORGOTTEN = (404, 410)  # what a server answers that does not know the job
 
 
-def remote_job(question: Question) -> Callable[[Callable[[Progress], bool]], Solved]:
-    """Return the work of having a server solve.
+def remote_solve(
+    mesh: CGCMesh, settings: Optional[Settings], constraints: Sequence[Constraint], server: Address
+) -> Callable[[Report], SolveResult]:
+    """Return a function that has a server solve, for a background task.
 
-    A server that does not answer is tried again until it does or the work is cancelled;
+    A server that does not answer is tried again until it does or the task is cancelled;
     one that has forgotten the job, because it was started anew, gets it again.
+
+    Parameters
+    ----------
+    mesh, settings, constraints
+        As for :func:`compas_cgc.grasshopper.runtime.local_solve.local_solve`.
+    server
+        The server.
     """
 
-    def job(tell: Callable[[Progress], bool]) -> Solved:
-        client = Client(question.server.url, question.server.key, retries=0, timeout=10.0)
-        body = request_body(question)
-        scale = CGCProblem.from_mesh(question.mesh).target_scale
-        first: list[float] = []
-        progress, sent = Progress(), False
-        while True:
-            try:
-                if not sent:
-                    client.request("POST", "/api/v1/jobs", body["bytes"])
-                    sent = True
-                status = client.poll(body["id"])
-                if status["state"] == "succeeded":
-                    return _solved(question, client.result(body["id"]))
-                if status["state"] in ("failed", "cancelled"):
-                    raise CGCError(status["message"] or f"the server says that the job is {status['state']}")
-                error = status["error"]
-                if error is not None:
-                    first[:] = first or [error]
-                    progress = Progress(status["iteration"], error, part_done(first[0], error, GOAL * scale))
-                pause, told = LOOK, progress
-            except ServerUnavailable as lost:
-                pause, told = AGAIN, progress._replace(note=f"{lost}; trying again")
-            except Refused as refusal:
-                if refusal.status not in GONE or not sent:
-                    raise CGCError(str(refusal)) from None
-                sent, pause, told = False, LOOK, progress
-            if tell(told):
-                _cancel(client, body["id"])
-                raise CGCError("cancelled")
-            time.sleep(pause)
+    def run(report: Report) -> SolveResult:
+        client = Client(server.url, server.key, retries=0, timeout=10.0)
+        problem = mesh.to_problem().with_constraints(constraints)
+        id = uuid.uuid4().hex
+        answer = _answer(client, id, request_body(id, problem, settings), ProgressMeter(problem.target_scale), report)
+        return _result(problem, answer, settings, mesh)
 
-    return job
+    return run
 
 
-def request_body(question: Question) -> dict:
-    """Return the ``bytes`` of a request and the ``id`` of its job, which stays the same when it is sent again."""
-    mesh, id = question.mesh, uuid.uuid4().hex
-    asked: dict[str, Any] = {"id": id, **_settings(question.settings)}
-    if question.constraints:
-        asked["constraints"] = [constraint_data(constraint) for constraint in question.constraints]
-    if "dummy" in _column(mesh, "role") or any(value is not None for name in "se" for value in _column(mesh, name)):
-        # Only COMPAS JSON holds these; it takes longer to write and to read.
-        asked["mesh"] = {"dtype": "compas_cgc.datastructures/CGCMesh", "data": _plain(mesh)}
-    else:
-        index = {key: i for i, key in enumerate(mesh.vertices())}
-        vertices, faces = mesh.arrays()
-        asked.update(
-            vertices=pack(vertices, "f8", 3),
-            faces=pack(faces, "i4", 3),
-            supports=[index[key] for key in mesh.supports()],
-            creases=[[index[u], index[v]] for u, v in mesh.crease_edges()],
-            targets=_column(mesh, "target"),
-        )
-    return {"id": id, "bytes": json.dumps(asked, allow_nan=False).encode("utf-8")}
+def _answer(client: Client, id: str, body: bytes, meter: ProgressMeter, report: Report) -> dict:
+    """Submit a job until a server has it, and return its result."""
+    progress, submitted = Progress(), False
+    while True:
+        shown, pause = progress, POLL_INTERVAL
+        try:
+            if not submitted:
+                client.request("POST", "/api/v1/jobs", body)
+                submitted = True
+            status = client.poll(id)
+            if status["state"] == "succeeded":
+                return client.result(id)
+            if status["state"] in ("failed", "cancelled"):
+                raise CGCError(status["message"] or f"the server says that the job is {status['state']}")
+            if status["error"] is not None:
+                shown = progress = meter.at(status["iteration"], status["error"])
+        except ServerUnavailable as lost:
+            shown, pause = progress._replace(note=f"{lost}; trying again"), RETRY_INTERVAL
+        except Refused as error:
+            if error.status not in FORGOTTEN or not submitted:
+                raise CGCError(str(error)) from None
+            submitted = False
+        if report(shown):
+            with suppress(ClientError):
+                client.cancel(id)
+            raise CGCError("cancelled")
+        time.sleep(pause)
 
 
-def _column(mesh: CGCMesh, name: str) -> list:
-    """Return an attribute of all vertices; COMPAS itself takes ten times as long."""
-    default = mesh.default_vertex_attributes.get(name)
-    return [attributes.get(name, default) for attributes in mesh.vertex.values()]
+def request_body(id: str, problem: CGCProblem, settings: Optional[Settings] = None) -> bytes:
+    """Return the body of a request; with the same `id` a server takes it for the same job."""
+    body = {
+        "id": id,
+        **_settings(settings),
+        **(_compas_mesh(problem) if _needs_compas(problem) else _arrays(problem)),
+        "constraints": [constraint_data(constraint) for constraint in problem.constraints],
+    }
+    return json.dumps(body, allow_nan=False).encode("utf-8")
 
 
-def _plain(mesh: CGCMesh) -> dict:
-    """Return the data of a mesh with keys as JSON has them."""
-    return json.loads(json.dumps(mesh.__data__))
-
-
-def _settings(settings: Any) -> dict:
+def _settings(settings: Optional[Settings]) -> dict[str, Any]:
     if settings is None:
         return {}
-    method = next(name for name, kind in SETTINGS.items() if isinstance(settings, kind))
-    return {"method": method, "settings": {name: value for name, value in settings.to_dict().items() if value is not None}}
+    given = {name: value for name, value in settings.to_dict().items() if value is not None}
+    return {"method": method_of(settings), "settings": given}
 
 
-def _solved(question: Question, result: dict) -> Solved:
-    mesh = question.mesh.with_coordinates(np.array(result["vertices"], dtype=np.float64))
-    report = report_text(result["message"], mesh, question.mesh)
-    return Solved(mesh, result["status"], result["message"], result["max_error"], result["seconds"], result["history"], report)
+def _needs_compas(problem: CGCProblem) -> bool:
+    """Tell whether arrays cannot say it all: strategies of single creases, or roles that do not follow from places."""
+    if np.isfinite(problem.s).any() or np.isfinite(problem.e).any():
+        return True
+    plain = CGCProblem(problem.vertices, problem.faces, creases=problem.creases)
+    return not np.array_equal(plain.with_supports(problem.supports).roles, problem.roles)
 
 
-def _cancel(client: Client, id: str) -> None:
-    try:
-        client.cancel(id)
-    except (ServerUnavailable, Refused):
-        pass
+def _compas_mesh(problem: CGCProblem) -> dict[str, Any]:
+    """Return a problem as COMPAS JSON, which takes longer to write and to read."""
+    data = CGCMesh.from_problem(problem).__data__
+    # They go into the body, where they are for arrays too.
+    data["attributes"].pop("constraints", None)
+    return {"mesh": {"dtype": "compas_cgc.datastructures/CGCMesh", "data": data}}
+
+
+def _arrays(problem: CGCProblem) -> dict[str, Any]:
+    return {
+        "vertices": pack(problem.vertices, "f8", 3),
+        "faces": pack(problem.faces, "i4", 3),
+        "supports": problem.supports.tolist(),
+        "creases": problem.creases.tolist(),
+        "targets": [K if K == K else None for K in problem.targets.tolist()],
+    }
+
+
+def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[Settings], mesh: CGCMesh) -> SolveResult:
+    """Return what a server answers as the result that a solve in this process gives."""
+    columns = (answer["history"][name] for name in History._fields)
+    return SolveResult(
+        problem.without_dummies().with_vertices(answer["vertices"]),
+        answer["status"],
+        answer["message"],
+        answer["iterations"],
+        answer["seconds"],
+        np.nan if answer["max_error"] is None else answer["max_error"],
+        History.from_rows(list(zip(*columns))),
+        answer["method"],
+        settings=settings,
+        drawn=mesh,
+    )

@@ -6,28 +6,30 @@ that runs inside Rhino.
 
 from __future__ import annotations
 
-from importlib import import_module
+from typing import TYPE_CHECKING
 
-__all__ = ["LayerNames", "Model3dm", "constraints_of", "describe", "layer_names", "read_model", "write_model", "write_result"]
+from ..._lazy import attach
 
-# Names are looked up when they are first used: rhino3dm is not loaded to read the other formats.
-_HOME = {
-    "LayerNames": ".layers",
-    "Model3dm": ".model",
-    "constraints_of": ".constraints",
-    "describe": ".summary",
-    "layer_names": ".layers",
-    "read_model": ".read",
-    "write_model": ".write",
-    "write_result": ".result_layers",
-}
+if TYPE_CHECKING:
+    from ..summary import describe
+    from .layers import LayerNames
+    from .layers import layer_names
+    from .read import read_3dm
+    from .result_layers import write_result
+    from .write import write_problem
 
+__all__ = ["LayerNames", "describe", "layer_names", "read_3dm", "write_problem", "write_result"]
 
-def __getattr__(name: str) -> object:
-    if name in _HOME:
-        return getattr(import_module(_HOME[name], __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+# Looked up when they are first used: rhino3dm is not loaded to read the other formats.
+__getattr__, __dir__ = attach(
+    __name__,
+    {
+        "LayerNames": ".layers",
+        "describe": "..summary",
+        "layer_names": ".layers",
+        "read_3dm": ".read",
+        "write_problem": ".write",
+        "write_result": ".result_layers",
+    },
+    renamed={"read_model": "compas_cgc.io.rhino.read_3dm", "write_model": "compas_cgc.io.rhino.write_problem"},
+)

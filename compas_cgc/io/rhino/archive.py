@@ -1,4 +1,4 @@
-"""Open and save .3dm archives, and survive damaged ones."""
+"""Archives: .3dm files opened, listed and saved, and damaged ones survived."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import struct
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
+from typing import NamedTuple
 from typing import Union
 
 from ...errors import FileError
-from ..written import written
+from .._files import written
+from ._types import Archive
+from ._types import Geometry
 
-if TYPE_CHECKING:
-    import rhino3dm
-
-__all__ = ["read_archive", "rhino3dm_module", "write_archive"]
+__all__ = ["Item", "list_items", "read_archive", "rhino3dm_module", "write_archive"]
 
 _MAGIC = b"3D Geometry File Format "
 
@@ -34,7 +34,25 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 """
 
 
-def rhino3dm_module():
+class Item(NamedTuple):
+    """An object of a .3dm file."""
+
+    geometry: Geometry
+    kind: str  # mesh, curve, point, point cloud, text dot, or the class in rhino3dm
+    id: str
+    layer: str  # full path, such as CGC::Mesh
+    name: str
+    text: dict[str, str]  # user text of the object and its geometry, keys in small letters
+    layer_text: dict[str, str]  # user text of its layer, keys in small letters
+    hidden: bool  # the object or its layer is hidden
+
+    @property
+    def label(self) -> str:
+        """How errors and notes name it."""
+        return f"{self.kind} {self.id} on layer {self.layer!r}"
+
+
+def rhino3dm_module() -> Any:
     """Return the rhino3dm module, or say that it is too old for double precision."""
     import rhino3dm
 
@@ -43,7 +61,7 @@ def rhino3dm_module():
     return rhino3dm
 
 
-def read_archive(path: Union[str, os.PathLike]) -> rhino3dm.File3dm:
+def read_archive(path: Union[str, os.PathLike]) -> Archive:
     """Return the archive in a .3dm file.
 
     The file is read by a child process first where there is a Python to run one: what
@@ -63,7 +81,7 @@ def read_archive(path: Union[str, os.PathLike]) -> rhino3dm.File3dm:
     return archive
 
 
-def write_archive(archive: rhino3dm.File3dm, path: Union[str, os.PathLike], version: int = 7) -> None:
+def write_archive(archive: Archive, path: Union[str, os.PathLike], version: int = 7) -> None:
     """Save an archive as a .3dm file, whole or not at all.
 
     Parameters
@@ -84,9 +102,52 @@ def write_archive(archive: rhino3dm.File3dm, path: Union[str, os.PathLike], vers
     """
     if version not in (7, 8):
         raise ValueError(f"version must be 7 or 8, not {version!r}")
-    with written(path) as beside:
-        if not archive.Write(str(beside), version):
+    with written(path) as temporary:
+        if not archive.Write(str(temporary), version):
             raise FileError(f"{path} cannot be written: rhino3dm gave up; is the disk full?")
+
+
+def list_items(archive: Archive) -> list[Item]:
+    """Return the objects of an archive in their order; those inside of block definitions are left out."""
+    layers = {}
+    for layer in archive.Layers:
+        layers[layer.Index] = (layer.FullPath or layer.Name, _texts(layer), bool(layer.Visible))
+    items = []
+    for entry in archive.Objects:
+        geometry, attributes = entry.Geometry, entry.Attributes
+        if geometry is None or attributes.IsInstanceDefinitionObject:
+            continue
+        path, layer_text, visible = layers.get(attributes.LayerIndex, ("", {}, True))
+        items.append(
+            Item(
+                geometry=geometry,
+                kind=_kind(geometry),
+                id=str(attributes.Id),
+                layer=path,
+                name=attributes.Name or "",
+                text={**_texts(geometry), **_texts(attributes)},
+                layer_text=layer_text,
+                hidden=not (visible and attributes.Visible),
+            )
+        )
+    return items
+
+
+def _kind(geometry: Geometry) -> str:
+    rhino3dm = rhino3dm_module()
+
+    kinds = (
+        (rhino3dm.Mesh, "mesh"),
+        (rhino3dm.Curve, "curve"),
+        (rhino3dm.PointCloud, "point cloud"),
+        (rhino3dm.Point, "point"),
+        (rhino3dm.TextDot, "text dot"),
+    )
+    return next((name for kind, name in kinds if isinstance(geometry, kind)), type(geometry).__name__)
+
+
+def _texts(thing: Geometry) -> dict[str, str]:
+    return {key.strip().casefold(): value for key, value in thing.GetUserStrings() or ()}
 
 
 def _damaged(path: Path) -> FileError:

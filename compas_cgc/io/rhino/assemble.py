@@ -1,25 +1,34 @@
-"""What is drawn to a surface problem: mesh, supports, creases and targets that fit together."""
+"""What is drawn to a problem: mesh, supports, creases, targets and constraints that fit together."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from collections.abc import Sequence
 from typing import Callable
 from typing import Optional
 
 import numpy as np
 
+from ...discrete.arrays import FloatArray
+from ...meshing import Diagnostic
 from ...meshing import path_edges
-from ...meshing.cleanup import mean_edge
-from .constraints import find_constraints
+from ...model.constraints import Constraint
+from ...model.problem import CGCProblem
+from ...model.problem import Drawing
+from ..reading import ReadProblem
 from .creases import lay_creases
-from .join import join_shell
-from .model import Model3dm
-from .problem_text import vertex_values
+from .meshes import JoinedMesh
+from .meshes import join_meshes
 from .sketch import Drawn
 from .sketch import Part
-from .supports import find_supports
+from .snapping import find_constraints
+from .snapping import find_supports
+from .snapping import snap_distance
 from .targets import find_targets
 from .units import unit_suffix
+from .user_text import CONSTRAINTS_KEY
+from .user_text import text_constraints
+from .user_text import vertex_values
 
 __all__ = ["assemble"]
 
@@ -36,16 +45,16 @@ def assemble(
     constraints: AtTolerance,
     units: str,
     tolerance: float,
-    solved: Optional[dict[int, Optional[float]]] = None,
+    solved: Optional[Mapping[int, Optional[float]]] = None,
     crease: str = "trace",
     notes: Sequence[str] = (),
-) -> Model3dm:
+) -> ReadProblem:
     """Fit what is drawn to the vertices and edges of the mesh.
 
     Parameters
     ----------
     name
-        Name of the model.
+        Name of the drawing.
     parts
         Meshes, to be joined.
     supports, creases, targets, constraints
@@ -68,32 +77,54 @@ def assemble(
     """
     unit = unit_suffix(units)
     reach = tolerance if np.isfinite(tolerance) and tolerance > 0 else 0.0
-    shell = join_shell(list(parts), reach, unit)
-    size = float(np.linalg.norm(np.ptp(shell.vertices, axis=0)))
-    # Points drawn by snapping are off by rounding: that of single precision, or of transforms.
-    snap = min(max(reach, 4.0 * shell.rounding, 1e-9 * size), 0.1 * mean_edge(shell.vertices, shell.faces))
+    joined = join_meshes(list(parts), reach, unit)
+    snap = snap_distance(joined.vertices, joined.faces, reach, joined.rounding)
     fine = 0.25 * snap
-    held, support_notes, support_problems = find_supports(supports(fine), shell.vertices, snap, unit)
-    laid = lay_creases(creases(fine), shell, held, snap, crease, unit)
-    edges = np.array(path_edges(laid.paths), dtype=np.int64).reshape(-1, 2)
-    K, target_notes, target_problems = find_targets(targets(fine), list(parts), solved or {}, laid.shell, edges, unit)
-    values = {"target": K, "s": laid.s, "e": laid.e}
-    written = vertex_values(parts[0].text if len(parts) == 1 else {}, len(laid.shell.vertices))
-    for key, own in written.items():
-        values[key] = np.where(np.isfinite(own), own, values[key])
-    asked, asked_notes, asked_problems = find_constraints(constraints(fine), laid.shell.vertices, snap, unit)
-    return Model3dm(
-        name=name,
-        vertices=laid.shell.vertices,
-        faces=laid.shell.faces,
-        supports=held,
-        creases=tuple(laid.paths),
-        targets=values["target"],
-        s=values["s"],
-        e=values["e"],
-        constraints=tuple(asked),
-        units=units,
-        tolerance=tolerance,
-        notes=tuple([*notes, *shell.notes, *support_notes, *laid.notes, *target_notes, *asked_notes]),
-        problems=tuple(support_problems + laid.problems + target_problems + asked_problems),
+    fixed, support_notes, support_diagnostics = find_supports(supports(fine), joined.vertices, snap, unit)
+    laid = lay_creases(creases(fine), joined, fixed, snap, crease, unit)
+    mesh = laid.mesh
+    edges = np.unique(np.sort(np.array(path_edges(laid.paths), dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
+    K, target_notes, target_diagnostics = find_targets(targets(fine), list(parts), solved or {}, mesh, edges, unit)
+    drawn, constraint_diagnostics = find_constraints(constraints(fine), mesh.vertices, snap, unit)
+    texts, text_diagnostics = _constraints_in_texts(parts, mesh)
+    held = (*drawn, *texts)
+    problem = CGCProblem(
+        mesh.vertices,
+        mesh.faces,
+        targets=_values_in_texts(parts, mesh, "target", K),
+        s=_values_in_texts(parts, mesh, "s", laid.s),
+        e=_values_in_texts(parts, mesh, "e", laid.e),
+        creases=edges,
+        constraints=held,
+        drawing=Drawing(name, units, tolerance),
     )
+    found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"
+    return ReadProblem(
+        problem.with_supports(fixed.tolist()),
+        (*notes, *joined.notes, *support_notes, *laid.notes, *target_notes, *([found] if held else [])),
+        (*support_diagnostics, *laid.diagnostics, *target_diagnostics, *constraint_diagnostics, *text_diagnostics),
+    )
+
+
+def _values_in_texts(parts: Sequence[Part], mesh: JoinedMesh, name: str, drawn: FloatArray) -> FloatArray:
+    """Return values of vertices (n,): those in the user text of the meshes, or else those drawn."""
+    values = drawn.copy()
+    for part, index in zip(parts, mesh.indices):
+        own = vertex_values(part.text, len(index)).get(name)
+        if own is not None:
+            known = np.isfinite(own) & (index >= 0)
+            values[index[known]] = own[known]
+    return values
+
+
+def _constraints_in_texts(parts: Sequence[Part], mesh: JoinedMesh) -> tuple[list[Constraint], list[Diagnostic]]:
+    """Return the constraints in the user text of the meshes."""
+    found: list[Constraint] = []
+    diagnostics = []
+    for part, index in zip(parts, mesh.indices):
+        try:
+            found += [constraint.renumbered(index) for constraint in text_constraints(part.text, len(index))]
+        except ValueError as error:
+            mend = "set the constraints again, or delete the text (Rhino: Properties, Attribute User Text)"
+            diagnostics.append(Diagnostic(f"user text {CONSTRAINTS_KEY!r} of {part.label} cannot be used ({error}); {mend}"))
+    return found, diagnostics

@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...discrete import MeshError
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...errors import MeshError
+from ...meshing import Diagnostic
 from ...meshing.map_matching import EdgeNet
 from ...meshing.map_matching import edge_net
 from ...meshing.split import split_along
@@ -17,9 +18,9 @@ from ...meshing.split import split_path
 from ...meshing.trace import Trace
 from ...meshing.trace import path_deviation
 from ...meshing.trace import trace_curve
-from .join import Shell
+from .meshes import JoinedMesh
 from .sketch import Drawn
-from .texts import user_number
+from .user_text import user_number
 
 __all__ = ["CREASE_MODES", "Creases", "lay_creases"]
 
@@ -29,18 +30,18 @@ CREASE_MODES = ("trace", "split")
 class Creases(NamedTuple):
     """Creases on a mesh, which has been split along them if that was asked for."""
 
-    shell: Shell
+    mesh: JoinedMesh
     paths: list[list[int]]  # vertex paths along edges
     s: FloatArray  # (n,) factor of S1, NaN where none
     e: FloatArray  # (n,) delay of S2, NaN where none
     notes: list[str]
-    problems: list[str]
+    diagnostics: list[Diagnostic]
 
 
 class _Ground(NamedTuple):
     """The mesh with what has been laid on it so far."""
 
-    shell: Shell
+    mesh: JoinedMesh
     net: EdgeNet
     laid: list[list[list[int]]]  # paths of every curve
 
@@ -49,7 +50,7 @@ class _NotLaid(Exception):
     """A curve cannot become a crease; the text says why."""
 
 
-def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance: float, mode: str, unit: str) -> Creases:
+def lay_creases(drawn: list[Drawn], mesh: JoinedMesh, supports: IntArray, tolerance: float, mode: str, unit: str) -> Creases:
     """Lay curves along the edges of a mesh.
 
     Curves along edges are taken as they are. For the others ``"trace"`` takes the best
@@ -60,7 +61,7 @@ def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance:
     ----------
     drawn
         Curves.
-    shell
+    mesh
         The mesh.
     supports
         ``(k,)`` vertices that may not move.
@@ -74,9 +75,9 @@ def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance:
     if mode not in CREASE_MODES:
         raise ValueError(f"crease must be one of {', '.join(CREASE_MODES)}, not {mode!r}")
     notes: list[str] = []
-    problems: list[str] = []
+    diagnostics: list[Diagnostic] = []
     used: list[Drawn] = []
-    ground = _Ground(shell, edge_net(shell.vertices, shell.faces), [])
+    ground = _Ground(mesh, edge_net(mesh.vertices, mesh.faces), [])
     for item in drawn:
         curve = item.points
         try:
@@ -87,12 +88,12 @@ def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance:
                 ground, note = _split(ground, item, curve, supports, tolerance, unit)
             else:
                 ground, note = _trace(ground, item, trace, tolerance, unit)
-        except _NotLaid as refusal:
-            problems.append(str(refusal))
+        except _NotLaid as error:
+            diagnostics.append(Diagnostic(str(error)))
             continue
         used.append(item)
         notes += [note] if note else []
-    s, e = (np.full(len(ground.shell.vertices), np.nan) for _ in range(2))
+    s, e = (np.full(len(ground.mesh.vertices), np.nan) for _ in range(2))
     for item, paths in zip(used, ground.laid):
         on = [v for path in paths for v in path]
         for values, key in ((s, "s"), (e, "e")):
@@ -101,12 +102,12 @@ def lay_creases(drawn: list[Drawn], shell: Shell, supports: IntArray, tolerance:
                 values[on] = value
     if used:
         notes.insert(0, f"{len(used)} curve{'s are creases' if len(used) > 1 else ' is a crease'}")
-    return Creases(ground.shell, [path for paths in ground.laid for path in paths], s, e, notes, problems)
+    return Creases(ground.mesh, [path for paths in ground.laid for path in paths], s, e, notes, diagnostics)
 
 
 def _anchors(ground: _Ground) -> np.ndarray:
     """Mark the vertices where a crease may end: on the boundary and on other creases (n,)."""
-    marked = boundary_vertices(ground.shell.vertices, ground.shell.faces)
+    marked = boundary_vertices(ground.mesh.vertices, ground.mesh.faces)
     marked[[v for paths in ground.laid for path in paths for v in path]] = True
     return marked
 
@@ -130,18 +131,18 @@ def _trace(ground: _Ground, item: Drawn, trace: Trace, tolerance: float, unit: s
 
 def _split(ground: _Ground, item: Drawn, curve: FloatArray, supports: IntArray, tolerance: float, unit: str) -> tuple[_Ground, str]:
     """Cut the mesh along a curve, and the earlier creases where it crosses them."""
-    shell = ground.shell
+    mesh = ground.mesh
     keep = _anchors(ground)
     keep[supports] = True
     try:
-        split = split_along(shell.vertices, shell.faces, curve, tolerance, keep)
+        split = split_along(mesh.vertices, mesh.faces, curve, tolerance, keep)
     except MeshError:
         split = None
     if split is None:
         raise _NotLaid(f"the mesh cannot be split along crease {item.label}; draw it on the mesh without loops, or let it be traced")
-    new = shell._replace(vertices=split.vertices, faces=split.faces, owner=shell.owner[split.parent])
+    new = mesh._replace(vertices=split.vertices, faces=split.faces, owner=mesh.owner[split.parent])
     laid = [[split_path(path, split.inserted) for path in paths] for paths in ground.laid]
     deviation = max(path_deviation(split.vertices, path, curve, both=False) for path in split.paths)
-    added = len(split.vertices) - len(shell.vertices)
+    added = len(split.vertices) - len(mesh.vertices)
     note = f"the mesh was split along crease {item.label}: {added} new vertices, up to {deviation:.3g}{unit} from the curve"
     return _Ground(new, edge_net(new.vertices, new.faces), [*laid, split.paths]), note

@@ -1,22 +1,39 @@
-"""Curves of any kind to points along them."""
+"""Curves of any kind, points and dots to places in space."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ._types import Curve
+from ._types import Point3d
+from .archive import Item
+from .archive import rhino3dm_module
+from .sketch import Drawn
+from .user_text import dot_target
+from .user_text import user_target
 
-if TYPE_CHECKING:
-    import rhino3dm
+__all__ = ["curve_points", "to_drawn"]
 
-__all__ = ["curve_points"]
-
-_MOST_POINTS = 20_000
+_MAX_POINTS = 20_000
 
 
-def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+def to_drawn(item: Item, tolerance: float) -> Drawn:
+    """Return the points of a point, point cloud, curve or text dot; a curve is kept to within the tolerance [L]."""
+    target = user_target(item.text)
+    if item.kind == "curve":
+        points = curve_points(item.geometry, tolerance)
+    elif item.kind == "point cloud":
+        points = _places(item.geometry.GetPoints())
+    elif item.kind == "text dot":
+        points = _places([item.geometry.Point])
+        target = dot_target(item.geometry.Text) if target is None else target
+    else:
+        points = _places([item.geometry.Location])
+    return Drawn(item.label, item.kind, points, target, item.text)
+
+
+def curve_points(curve: Curve, tolerance: float) -> FloatArray:
     """Return points along a curve whose polyline keeps within a tolerance of it.
 
     The corners of polylines come back exactly; the parts of a polycurve are taken one by
@@ -34,7 +51,7 @@ def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     (k, 3) float64
         First and last equal if the curve is closed. Empty if the curve has no finite points.
     """
-    import rhino3dm
+    rhino3dm = rhino3dm_module()
 
     if isinstance(curve, rhino3dm.PolyCurve) and curve.SegmentCount > 1:
         parts = [curve_points(curve.SegmentCurve(i), tolerance) for i in range(curve.SegmentCount)]
@@ -53,7 +70,7 @@ def curve_points(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     return points
 
 
-def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
+def _sample(curve: Curve, tolerance: float) -> FloatArray:
     """Halve the parameter intervals until their middles are within the tolerance of the chords."""
     low, high = curve.Domain.T0, curve.Domain.T1
 
@@ -63,7 +80,7 @@ def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
     t = np.linspace(low, high, 8 * max(1, min(curve.SpanCount, 500)) + 1)
     points = at(t)
     coarse = np.ones(len(t) - 1, bool)
-    while coarse.any() and len(t) < _MOST_POINTS:
+    while coarse.any() and len(t) < _MAX_POINTS:
         where = np.flatnonzero(coarse)
         middle = 0.5 * (t[where] + t[where + 1])
         inside = at(middle)
@@ -78,3 +95,7 @@ def _sample(curve: rhino3dm.Curve, tolerance: float) -> FloatArray:
         done[np.column_stack([first, first + 1]).ravel()] = split
         coarse = done
     return points
+
+
+def _places(points: list[Point3d]) -> FloatArray:
+    return np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)

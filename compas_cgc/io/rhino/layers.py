@@ -1,20 +1,28 @@
-"""Which layer means what, and how a designer's own layer names are mapped."""
+"""Layers: which one means what, under a designer's own names too, and which objects are read as what."""
 
 from __future__ import annotations
 
 import os
+import sys
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from dataclasses import fields
 from pathlib import Path
+from typing import NamedTuple
 from typing import Optional
 from typing import Union
 
 from ...errors import FileError
+from .archive import Item
+from .user_text import dot_target
+from .user_text import user_target
 
-__all__ = ["RESULT", "LayerNames", "layer_names"]
+__all__ = ["RESULT", "LayerNames", "Selection", "layer_names", "select"]
 
 RESULT = "CGC Result"
+_SURFACES = ("Brep", "Extrusion", "SubD")
+_POINTS = ("point", "point cloud")
 
 
 @dataclass(frozen=True)
@@ -87,9 +95,9 @@ def _within(layer: str, name: str) -> bool:
 
 
 def _toml(path: Path) -> dict:
-    try:
+    if sys.version_info >= (3, 11):
         import tomllib
-    except ImportError:  # Python 3.9 and 3.10
+    else:
         import tomli as tomllib
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -110,3 +118,107 @@ def _tuples(names: object, source: str) -> dict[str, tuple[str, ...]]:
             raise FileError(f"{source}: {role} must be the name of a layer or a list of names, not {value!r}")
         result[role] = tuple(values)
     return result
+
+
+class Selection(NamedTuple):
+    """The objects of a file by what they are read as."""
+
+    mesh: list[Item]
+    supports: list[Item]
+    creases: list[Item]
+    targets: list[Item]
+    constraints: list[Item]
+    outlines: list[Item]  # curves around a mesh yet to be made, the boundary and holes
+    regions: list[Item]  # regions of an earlier result, with the targets it was solved for
+    notes: list[str]
+
+
+def select(items: list[Item], names: LayerNames) -> Selection:
+    """Sort objects by their layers, or by their kinds where no layer of the convention is used.
+
+    Objects of an earlier result are read only when there is no mesh besides.
+    """
+    role = {item.id: names.role(item.layer) for item in items}
+    given = [item for item in items if role[item.id] != "result"]
+    regions = [item for item in items if item.layer == f"{RESULT}::Regions" and item.kind == "mesh"]
+    if not any(item.kind == "mesh" or item.kind in _SURFACES for item in given):
+        result = _of_result(items)
+        if result:
+            note = "the file holds nothing but an earlier result, which is taken as the input"
+            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], result["Constraints"], [], regions, [note])
+    if any(role[item.id] for item in given):
+        return _by_layer(given, role, regions, names)
+    return _by_kind(given, regions)
+
+
+def _of_result(items: list[Item]) -> dict[str, list[Item]]:
+    wanted = ("Mesh", "Supports", "Creases", "Constraints")
+    parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in wanted}
+    return parts if parts["Mesh"] else {}
+
+
+def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNames) -> Selection:
+    wanted = {
+        "mesh": ("mesh", *_SURFACES),
+        "supports": (*_POINTS, "curve"),
+        "creases": ("curve",),
+        "targets": ("text dot", "point"),
+        "constraints": ("curve", *_POINTS),
+    }
+    outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
+    chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
+    notes = [
+        f"{item.label} was left out: the layer is for {', '.join(wanted[role[item.id]])}"
+        for item in given
+        if role[item.id] and item.kind not in wanted[role[item.id]]
+    ]
+    others = [item for item in given if role[item.id] is None]
+    if outlines and not chosen["mesh"]:
+        named = {item.id for item in outlines}
+        notes = [note for note in notes if not any(name in note for name in named)]
+    elif not chosen["mesh"]:
+        chosen["mesh"], more = _first_mesh(others, names.mesh[0])
+        notes += more
+    taken = {item.id for part in chosen.values() for item in part}
+    kinds = Counter(item.kind for item in others if item.id not in taken and item.kind in ("mesh", "curve", *_POINTS))
+    if kinds:
+        listed = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
+        notes.append(f"on layers of no meaning here: {listed}; not read")
+    return Selection(**chosen, outlines=outlines, regions=regions, notes=notes)
+
+
+def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
+    shown = [item for item in given if not item.hidden]
+    notes = [f"{len(given) - len(shown)} hidden objects were left out"] if len(shown) < len(given) else []
+    mesh, more = _first_mesh(shown, "CGC::Mesh")
+    targets = [item for item in shown if _is_target(item)]
+    named = {item.id for item in targets}
+    supports = [item for item in shown if item.kind in _POINTS and item.id not in named]
+    creases = [item for item in shown if item.kind == "curve"]
+    outlines = []
+    if not mesh:
+        # Of the curves alone the closed one that reaches farthest is the boundary.
+        outlines = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)[-1:]
+        creases = [item for item in creases if item not in outlines]
+    return Selection(mesh, supports, creases, targets, [], outlines, regions, notes + more)
+
+
+def _reach(item: Item) -> float:
+    box = item.geometry.GetBoundingBox()
+    return (box.Max.X - box.Min.X) * (box.Max.Y - box.Min.Y)
+
+
+def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:
+    for kinds in (("mesh",), _SURFACES):
+        found = [item for item in items if item.kind in kinds]
+        if len(found) > 1:
+            return found[:1], [f"{found[0].label} was taken, {len(found) - 1} more not; move what belongs to the surface to layer {layer}"]
+        if found:
+            return found, []
+    return [], []
+
+
+def _is_target(item: Item) -> bool:
+    if item.kind == "text dot" and dot_target(item.geometry.Text, named=True) is not None:
+        return True
+    return item.kind in ("text dot", "point") and user_target(item.text) is not None

@@ -11,7 +11,7 @@ from ...errors import FileError
 from ...errors import MeshError
 from ...meshing.outline import mesh_from_outline
 from .curves import curve_points
-from .selection import Selection
+from .layers import Selection
 from .sketch import Part
 
 __all__ = ["outline_part"]

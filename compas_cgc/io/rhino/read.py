@@ -9,31 +9,32 @@ from typing import Optional
 from typing import Union
 
 from ...errors import FileError
+from ..reading import ReadProblem
+from .archive import Item
+from .archive import list_items
 from .archive import read_archive
 from .assemble import assemble
-from .convert import to_drawn
-from .convert import to_part
+from .curves import to_drawn
 from .layers import layer_names
-from .model import Model3dm
-from .objects import Item
-from .objects import list_items
+from .layers import select
+from .meshes import to_part
 from .outlines import outline_part
-from .selection import select
 from .sketch import Drawn
-from .texts import user_number
-from .texts import user_target
 from .units import unit_name
+from .user_text import user_number
+from .user_text import user_target
 
-__all__ = ["read_model"]
+__all__ = ["read_3dm"]
 
 
-def read_model(
+def read_3dm(
     path: Union[str, os.PathLike],
+    *,
     layers: Optional[Mapping[str, object]] = None,
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
-) -> Model3dm:
+) -> ReadProblem:
     """Read a surface problem from a .3dm file.
 
     See ``docs/3dm.md`` for the layers. Without any of them the first mesh is read, points
@@ -56,8 +57,8 @@ def read_model(
 
     Returns
     -------
-    Model3dm
-        What cannot be used is listed in its ``problems``, and refused by ``to_cgcmesh()``.
+    ReadProblem
+        What cannot be used is listed in its ``diagnostics``, and refused by ``checked()``.
 
     Raises
     ------

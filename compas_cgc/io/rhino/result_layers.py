@@ -4,38 +4,36 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 from typing import Union
 
 import numpy as np
-import rhino3dm
 
 from ..._version import __version__
+from ...analysis import SurfaceReport
+from ...analysis import analyse
 from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
-from ..asked import Asked
-from ..asked import asked_of
+from ...model.problem import CGCProblem
 from .archive import read_archive
 from .archive import write_archive
 from .colours import NO_VALUE
 from .colours import largest
 from .colours import signed_colours
-from .drawing import Drawing
 from .layers import RESULT
 from .meshes import coloured
 from .meshes import mesh_from_arrays
-from .problem_text import vertex_text
 from .units import unit_name
 from .units import unit_suffix
-from .write import draw_roles
+from .write import LayerWriter
+from .write import draw_problem
 from .write import new_archive
 
 if TYPE_CHECKING:
-    from ...analysis import SurfaceReport
-    from ...model.result import SolveResult
+    from ...datastructures import SolveResult
+from ._types import Mesh
 
 __all__ = ["write_result"]
 
@@ -44,7 +42,6 @@ def write_result(
     path: Union[str, os.PathLike],
     result: SolveResult,
     source: Union[str, os.PathLike, None] = None,
-    settings: Optional[Mapping[str, object]] = None,
     version: Optional[int] = None,
     analysis: Optional[SurfaceReport] = None,
 ) -> None:
@@ -60,8 +57,6 @@ def write_result(
     source
         The .3dm file that the problem was read from. All that is in it stays, but for an
         earlier result. Without one the result is written alone.
-    settings
-        Settings of the solve, to be noted in the file.
     version
         7 or 8. Default: 8 for a source of Rhino 8, else 7.
     analysis
@@ -72,40 +67,27 @@ def write_result(
     FileError
         If the source cannot be read or the file cannot be written.
     """
-    from ...analysis import analyse
-
-    mesh = asked_of(result.mesh)
-    own = result.mesh.attributes
-    archive = new_archive(mesh.vertices, own.get("units"), own.get("tolerance")) if source is None else read_archive(source)
+    problem = result.problem
+    archive = new_archive(problem) if source is None else read_archive(source)
     if version is None:
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
-    drawing = Drawing(archive)
-    drawing.clear(RESULT)
-    analysis = analysis or analyse(result.mesh)
-    unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
-    whole = mesh_from_arrays(mesh.vertices, mesh.faces)
-    _draw_surface(drawing, mesh, whole, result, analysis)
-    draw_roles(drawing, mesh, RESULT)
-    _draw_maps(drawing, mesh, whole)
-    text = _summary(result, analysis, Path(source).name if source is not None else None, unit)
-    _, high, size = _extent(mesh.vertices)
-    on_report = drawing.layer(f"{RESULT}::Report", (60, 60, 60))
-    drawing.dot(text, high + [0.0, 0.1 * size, 0.0], drawing.attributes(on_report, "report"))
-    record = {
-        "version": __version__,
-        "method": result.method,
-        "status": result.status,
-        "message": result.message,
-        "steps": result.iterations,
-        "seconds": result.seconds,
-        "max_error": result.max_error,
-        "units": unit_name(archive.Settings.ModelUnitSystem),
-        **analysis.to_dict(),
-    }
-    drawing.document_text(
+    report = analysis or analyse(problem)
+    writer = LayerWriter(archive)
+    writer.clear(RESULT)
+    whole = mesh_from_arrays(problem.vertices, problem.faces)
+    draw_problem(writer, problem, RESULT, whole, _outcome(result, report))
+    _draw_regions(writer, problem, whole, report)
+    _draw_maps(writer, problem, whole)
+    units = unit_name(archive.Settings.ModelUnitSystem)
+    text = _summary(result, report, None if source is None else Path(source).name, unit_suffix(units))
+    _, high, size = _extent(problem.vertices)
+    on_report = writer.layer(f"{RESULT}::Report", (60, 60, 60))
+    writer.dot(text, high + [0.0, 0.1 * size, 0.0], writer.attributes(on_report, "report"))
+    record = {"version": __version__, "units": units, **result.to_dict(history=False), **report.to_dict()}
+    writer.document_text(
         [
             ("compas_cgc.version", __version__),
-            ("compas_cgc.settings", json.dumps(dict(settings or {}))),
+            ("compas_cgc.settings", json.dumps(record["settings"] or {})),
             ("compas_cgc.result", json.dumps(record)),
             ("compas_cgc.report", text),
         ]
@@ -113,45 +95,42 @@ def write_result(
     write_archive(archive, path, version)
 
 
-def _draw_surface(drawing: Drawing, mesh: Asked, whole: rhino3dm.Mesh, result: SolveResult, analysis: SurfaceReport) -> None:
-    """Draw the whole mesh, and one mesh for each region."""
-    targets = {region.target for region in analysis.regions if region.asked}
-    text = {
-        "status": result.status,
-        "max error": repr(result.max_error),
-        "method": result.method,
-        "version": __version__,
-        **({"target": repr(targets.copy().pop())} if len(targets) == 1 and None not in targets else {}),
-        **vertex_text(mesh),
-    }
-    on_mesh = drawing.layer(f"{RESULT}::Mesh", (120, 120, 120))
-    drawing.mesh(whole, drawing.attributes(on_mesh, mesh.name, text))
-    on_regions = drawing.layer(f"{RESULT}::Regions", (140, 110, 60), visible=False)
-    for region in analysis.regions:
-        used, corners = np.unique(mesh.faces[mesh.regions == region.region], return_inverse=True)
-        part = whole if len(analysis.regions) == 1 else mesh_from_arrays(mesh.vertices[used], corners.reshape(-1, 3))
+def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
+    """Return user text of the mesh: how the solve went, and the target where there is but one."""
+    targets = {region.target for region in report.regions if region.asked}
+    one = {"target": repr(targets.pop())} if len(targets) == 1 and None not in targets else {}
+    return {"status": result.status, "max error": repr(result.max_error), "method": result.method, "version": __version__, **one}
+
+
+def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report: SurfaceReport) -> None:
+    """Draw one mesh for each region, with its figures as user text."""
+    on_regions = writer.layer(f"{RESULT}::Regions", (140, 110, 60), visible=False)
+    label = problem.regions()
+    for region in report.regions:
+        used, corners = np.unique(problem.faces[label == region.region], return_inverse=True)
+        part = whole if len(report.regions) == 1 else mesh_from_arrays(problem.vertices[used], corners.reshape(-1, 3))
         figures = {"K": region.target, "K reached": region.total_curvature, "error": region.max_error, "area": region.area}
         notes = {name: repr(value) for name, value in figures.items() if value is not None}
-        attributes = drawing.attributes(on_regions, f"region {region.region}", {"region": str(region.region), **notes})
-        drawing.mesh(part, attributes)
+        attributes = writer.attributes(on_regions, f"region {region.region}", {"region": str(region.region), **notes})
+        writer.mesh(part, attributes)
 
 
-def _draw_maps(drawing: Drawing, mesh: Asked, whole: rhino3dm.Mesh) -> None:
+def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
     """Draw the mesh coloured by curvature and by error, each with a legend."""
-    K = np.where(mesh.asked, gaussian_curvature(mesh.vertices, mesh.faces), np.nan)
-    low, high, size = _extent(mesh.vertices)
-    for name, values, what in (("Curvature", K, "K"), ("Error", K - mesh.targets, "K - target")):
+    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
+    low, high, size = _extent(problem.vertices)
+    for name, values, what in (("Curvature", K, "K"), ("Error", K - problem.targets, "K - target")):
         limit = largest(values)
-        on = drawing.layer(f"{RESULT}::{name}", (90, 90, 90), visible=False)
-        attributes = drawing.attributes(on, name.lower(), {"from": repr(-limit), "to": repr(limit)})
-        drawing.mesh(coloured(whole, signed_colours(values, limit)), attributes)
+        on = writer.layer(f"{RESULT}::{name}", (90, 90, 90), visible=False)
+        attributes = writer.attributes(on, name.lower(), {"from": repr(-limit), "to": repr(limit)})
+        writer.mesh(coloured(whole, signed_colours(values, limit)), attributes)
         steps = np.linspace(-limit, limit, 5)
         for k, (value, colour) in enumerate(zip(steps, signed_colours(steps, limit).tolist())):
             place = np.array([high[0] + 0.1 * size, low[1] + k * (high[1] - low[1]) / 5, low[2]])
-            drawing.dot(f"{what} = {value:.3g}", place, drawing.attributes(on, "legend", colour=tuple(colour)))
-        if not mesh.asked.all():
+            writer.dot(f"{what} = {value:.3g}", place, writer.attributes(on, "legend", colour=tuple(colour)))
+        if not problem.asked.all():
             place = np.array([high[0] + 0.1 * size, high[1], low[2]])
-            drawing.dot("not asked for", place, drawing.attributes(on, "legend", colour=NO_VALUE))
+            writer.dot("not asked for", place, writer.attributes(on, "legend", colour=NO_VALUE))
 
 
 def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:
@@ -160,7 +139,7 @@ def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 
 def _summary(result: SolveResult, analysis: SurfaceReport, source: Optional[str], unit: str) -> str:
-    """Return the report that is put into the drawing."""
+    """Return the report that is put into the writer."""
     where = f" of {source}" if source else ""
     inverse = f" 1/{unit.strip()}²" if unit else ""
     head = f"compas_cgc {__version__}: result{where}\n{result.status}: {result.message}\nlargest error of K {result.max_error:.3g}{inverse}"

@@ -13,20 +13,31 @@ from typing import TYPE_CHECKING
 from typing import Optional
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..._lazy import attach
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ..reading import ReadProblem
 from .assemble import assemble
-from .convert import looks_single
+from .precision import rounding_of
 from .sketch import Drawn
 from .sketch import Part
 
 if TYPE_CHECKING:
     import Rhino
 
-    from .model import Model3dm
+__all__ = [
+    "curve_to_points",
+    "mesh_from_arrays",
+    "mesh_to_arrays",
+    "points_to_array",
+    "points_to_rhino",
+    "polyline_to_rhino",
+    "problem_from_rhino",
+]
 
-__all__ = ["curve_to_points", "mesh_from_arrays", "mesh_to_arrays", "model_from_rhino", "points_to_array"]
+__getattr__, __dir__ = attach(__name__, {}, renamed={"model_from_rhino": f"{__name__}.problem_from_rhino"})
 
 
 def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:
@@ -65,6 +76,20 @@ def points_to_array(points: Iterable[Rhino.Geometry.Point3d]) -> FloatArray:
     return np.array([(p.X, p.Y, p.Z) for p in points], dtype=np.float64).reshape(-1, 3)
 
 
+def points_to_rhino(points: ArrayLike) -> list[Rhino.Geometry.Point3d]:
+    """Return Rhino points of coordinates (k, 3) [L]."""
+    import Rhino
+
+    return [Rhino.Geometry.Point3d(x, y, z) for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
+
+
+def polyline_to_rhino(points: ArrayLike) -> Rhino.Geometry.PolylineCurve:
+    """Return a Rhino polyline through points (k, 3) [L]."""
+    import Rhino
+
+    return Rhino.Geometry.PolylineCurve(points_to_rhino(points))
+
+
 def curve_to_points(curve: Rhino.Geometry.Curve, tolerance: float) -> FloatArray:
     """Return points along a Rhino curve whose polyline keeps within a tolerance of it (k, 3) [L].
 
@@ -77,7 +102,7 @@ def curve_to_points(curve: Rhino.Geometry.Curve, tolerance: float) -> FloatArray
     return points_to_array(polyline)
 
 
-def model_from_rhino(
+def problem_from_rhino(
     mesh: Rhino.Geometry.Mesh,
     supports: Iterable[Rhino.Geometry.Point3d] = (),
     creases: Iterable[Rhino.Geometry.Curve] = (),
@@ -85,8 +110,8 @@ def model_from_rhino(
     tolerance: float = 1e-3,
     units: str = "Meters",
     crease: str = "trace",
-) -> Model3dm:
-    """Fit Rhino geometry together as :func:`compas_cgc.io.rhino.read_model` does with a file.
+) -> ReadProblem:
+    """Fit Rhino geometry together as :func:`compas_cgc.io.rhino.read_3dm` does with a file.
 
     Parameters
     ----------
@@ -107,8 +132,8 @@ def model_from_rhino(
 
     Returns
     -------
-    Model3dm
-        ``to_cgcmesh()`` gives the mesh, ``notes`` and ``problems`` what to tell the user.
+    ReadProblem
+        ``checked()`` gives the problem, ``notes`` and ``diagnostics`` what to tell the user.
 
     Raises
     ------
@@ -116,8 +141,7 @@ def model_from_rhino(
         If no usable mesh comes of it.
     """
     vertices, faces = mesh_to_arrays(mesh)
-    double = mesh.Vertices.UseDoublePrecisionVertices and not looks_single(vertices)
-    rounding = 0.0 if double else float(np.abs(vertices).max(initial=0.0)) * 2.0**-24
+    rounding = rounding_of(vertices, mesh.Vertices.UseDoublePrecisionVertices)
     points = [Drawn(f"point {i}", "point", points_to_array([p]), None, {}) for i, p in enumerate(supports)]
     dots = [Drawn(f"target {i}", "point", points_to_array([p]), float(K), {}) for i, (p, K) in enumerate(targets)]
     curves = list(creases)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Optional
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...meshing import Diagnostic
 from ...meshing import face_regions
 from ...meshing.point_location import face_at
-from .join import Shell
+from .meshes import JoinedMesh
 from .sketch import Drawn
 from .sketch import Part
 
@@ -18,8 +20,8 @@ __all__ = ["find_targets"]
 
 
 def find_targets(
-    dots: list[Drawn], parts: list[Part], solved: dict[int, Optional[float]], shell: Shell, creases: IntArray, unit: str
-) -> tuple[FloatArray, list[str], list[str]]:
+    dots: list[Drawn], parts: list[Part], solved: Mapping[int, Optional[float]], mesh: JoinedMesh, creases: IntArray, unit: str
+) -> tuple[FloatArray, list[str], list[Diagnostic]]:
     """Give every vertex the target of its region.
 
     In this order, later ones first: text dots and points inside of the region, the
@@ -33,7 +35,7 @@ def find_targets(
         The objects that the mesh was made of.
     solved
         Target of every region of an earlier result, empty if there is none.
-    shell
+    mesh
         The mesh.
     creases
         ``(c, 2)`` crease edges.
@@ -42,16 +44,16 @@ def find_targets(
 
     Returns
     -------
-    targets (n,), notes, problems
+    targets (n,), notes, diagnostics
         NaN where there is none; on creases the target of the last region that has one.
     """
-    region = face_regions(shell.faces, creases)
+    region = face_regions(mesh.faces, creases)
     count = int(region.max()) + 1
     K = np.full(count, np.nan)
     notes = []
     for owner, part in reversed(list(enumerate(parts))):
         if part.target is not None:
-            K[np.unique(region[shell.owner == owner])] = part.target
+            K[np.unique(region[mesh.owner == owner])] = part.target
             notes.append(f"{part.label} asks for K = {part.target:g}")
     if set(solved) == set(range(count)):
         known = [r for r, value in solved.items() if value is not None]
@@ -60,26 +62,26 @@ def find_targets(
     elif solved:
         notes.append("the regions of an earlier result are not those of this mesh; their targets were left out")
     by_dot: dict[int, Drawn] = {}
-    problems = []
+    diagnostics: list[str] = []
     for item in dots:
         if item.target is None:
-            problems.append(f"target {item.label} does not say a number; write K=0.03, with the number you want")
+            diagnostics.append(f"target {item.label} does not say a number; write K=0.03, with the number you want")
             continue
-        face, distance = face_at(item.points[0], shell.vertices, shell.faces)
+        face, distance = face_at(item.points[0], mesh.vertices, mesh.faces)
         r = int(region[face])
         other = by_dot.setdefault(r, item)
         if other.target != item.target:
-            problems.append(
+            diagnostics.append(
                 f"targets {item.label} (K={item.target:g}) and {other.label} (K={other.target:g}) lie in the same region; delete one"
             )
         if distance > 0.0:
             notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was given to the nearest region, {r}")
         K[r] = item.target
-    without = np.flatnonzero(np.isnan(K)) if np.isfinite(K).any() else []
+    without = np.flatnonzero(np.isnan(K) & np.isfinite(K).any())
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]
-    targets = np.full(len(shell.vertices), np.nan)
+    targets = np.full(len(mesh.vertices), np.nan)
     for corner in range(3):
         value = K[region]
         known = np.isfinite(value)
-        targets[shell.faces[known, corner]] = value[known]
-    return targets, notes, problems
+        targets[mesh.faces[known, corner]] = value[known]
+    return targets, notes, [Diagnostic(text) for text in diagnostics]

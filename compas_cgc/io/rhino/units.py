@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...errors import FileError
-
-if TYPE_CHECKING:
-    import rhino3dm
+from ._types import UnitSystem
+from .archive import rhino3dm_module
 
 __all__ = ["unit_name", "unit_suffix", "unit_system"]
 
 _SHORT = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Kilometers": "km", "Inches": "in", "Feet": "ft", "Yards": "yd"}
 
 
-def unit_name(system: rhino3dm.UnitSystem) -> str:
+def unit_name(system: UnitSystem) -> str:
     """Return the name of a unit system, such as ``Millimeters``."""
     return str(system).rsplit(".", 1)[-1]
 
 
-def unit_system(name: str) -> rhino3dm.UnitSystem:
+def unit_system(name: str) -> UnitSystem:
     """Return the unit system of a name such as ``Millimeters``.
 
     Raises
@@ -27,7 +24,7 @@ def unit_system(name: str) -> rhino3dm.UnitSystem:
     FileError
         If there is none of that name.
     """
-    import rhino3dm
+    rhino3dm = rhino3dm_module()
 
     system = getattr(rhino3dm.UnitSystem, name, None)
     if not isinstance(system, rhino3dm.UnitSystem):

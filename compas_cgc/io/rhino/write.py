@@ -1,35 +1,124 @@
-"""Write a mesh with its roles and targets as a .3dm file that is read as the same problem."""
+"""Write a .3dm file: things on layers, and a problem so that it is read as the same again."""
 
 from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Optional
 from typing import Union
 
 import numpy as np
-import rhino3dm
 
 from ..._version import __version__
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ..asked import Asked
-from ..asked import asked_of
+from ...model.constraint_data import constraint_data
+from ...model.constraints import Constraint
+from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
+from ._types import Archive
+from ._types import Mesh
+from ._types import ObjectAttributes
+from .archive import rhino3dm_module
 from .archive import write_archive
-from .drawing import Drawing
 from .meshes import mesh_from_arrays
-from .problem_text import vertex_text
+from .sketch import Drawn
+from .snapping import as_drawn
+from .snapping import find_constraints
+from .snapping import snap_distance
 from .units import unit_system
+from .user_text import constraint_text
+from .user_text import vertex_text
 
-if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
+__all__ = ["LayerWriter", "draw_problem", "new_archive", "write_problem"]
 
-__all__ = ["draw_roles", "new_archive", "write_model"]
+_Colour = tuple[int, int, int]
+
+rhino3dm = rhino3dm_module()
 
 
-def write_model(path: Union[str, os.PathLike], mesh: CGCMesh, version: int = 7, units: Optional[str] = None) -> None:
-    """Write a mesh on the layers of the convention: mesh, supports, creases, and a dot with the target in each region.
+class LayerWriter:
+    """An archive that is being drawn to.
+
+    Parameters
+    ----------
+    archive
+        A new one, or one that was read.
+    """
+
+    def __init__(self, archive: Archive):
+        self.archive = archive
+
+    def clear(self, parent: str) -> None:
+        """Delete everything on a top layer and its sublayers."""
+        within = {layer.Index for layer in self.archive.Layers if (layer.FullPath or layer.Name).split("::")[0] == parent}
+        for name in [str(entry.Attributes.Id) for entry in self.archive.Objects if entry.Attributes.LayerIndex in within]:
+            self.archive.Objects.Delete(name)
+
+    def layer(self, path: str, colour: _Colour = (0, 0, 0), visible: bool = True) -> int:
+        """Return the index of a layer (its full path), made with its parents if there is none yet."""
+        found = {layer.FullPath or layer.Name: layer.Index for layer in self.archive.Layers}
+        if path in found:
+            return found[path]
+        parent, _, name = path.rpartition("::")
+        layer = rhino3dm.Layer()
+        layer.Name, layer.Color, layer.Visible = name, (*colour, 255), visible
+        if parent:
+            above = self.layer(parent)
+            layer.ParentLayerId = next(other.Id for other in self.archive.Layers if other.Index == above)
+        return self.archive.Layers.Add(layer)
+
+    def attributes(
+        self, layer: int, name: str = "", text: Optional[Mapping[str, str]] = None, colour: Optional[_Colour] = None
+    ) -> ObjectAttributes:
+        """Return attributes of an object on a layer, with a name, user text and a colour of its own."""
+        attributes = rhino3dm.ObjectAttributes()
+        attributes.LayerIndex, attributes.Name = layer, name
+        for key, value in (text or {}).items():
+            attributes.SetUserString(key, value)
+        if colour is not None:
+            attributes.ObjectColor, attributes.ColorSource = (*colour, 255), rhino3dm.ObjectColorSource.ColorFromObject
+        return attributes
+
+    def mesh(self, mesh: Mesh, attributes: ObjectAttributes) -> None:
+        """Add a mesh."""
+        self.archive.Objects.AddMesh(mesh, attributes)
+
+    def points(self, points: FloatArray, attributes: ObjectAttributes) -> None:
+        """Add points (k, 3) [L]."""
+        for x, y, z in np.asarray(points, dtype=np.float64).tolist():
+            self.archive.Objects.AddPoint(rhino3dm.Point3d(x, y, z), attributes)
+
+    def cloud(self, points: FloatArray, attributes: ObjectAttributes) -> None:
+        """Add points (k, 3) [L] as one object: a point cloud where there are several."""
+        if len(points) == 1:
+            self.points(points, attributes)
+            return
+        cloud = rhino3dm.PointCloud()
+        for x, y, z in np.asarray(points, dtype=np.float64).tolist():
+            cloud.Add(rhino3dm.Point3d(x, y, z))
+        self.archive.Objects.AddPointCloud(cloud, attributes)
+
+    def polyline(self, points: FloatArray, attributes: ObjectAttributes) -> None:
+        """Add a polyline through points (k, 3) [L]."""
+        line = [rhino3dm.Point3d(x, y, z) for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
+        self.archive.Objects.AddPolyline(line, attributes)
+
+    def dot(self, text: str, place: Union[FloatArray, Sequence[float]], attributes: ObjectAttributes) -> None:
+        """Add a text dot at a place (3,) [L]."""
+        self.archive.Objects.AddTextDot(text, rhino3dm.Point3d(*(float(x) for x in place)), attributes)
+
+    def document_text(self, texts: Iterable[tuple[str, str]]) -> None:
+        """Set document user text."""
+        for key, value in texts:
+            self.archive.Strings[key] = value
+
+
+def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version: int = 7) -> None:
+    """Write a problem on the layers of the convention: mesh, supports, creases, constraints, and a dot with the target of each region.
 
     Every bit of the coordinates and targets comes back when the file is read. The dummy
     mesh is left out.
@@ -38,63 +127,76 @@ def write_model(path: Union[str, os.PathLike], mesh: CGCMesh, version: int = 7, 
     ----------
     path
         The .3dm file; an older one is replaced when the new one is complete.
-    mesh
-        Mesh with roles and targets.
+    problem
+        A problem or mesh, drawn in its units, by default metres.
     version
         7 (opens in Rhino 7 and later) or 8.
-    units
-        Unit system such as ``"Millimeters"``. Default: that of the mesh's attributes, or metres.
 
     Raises
     ------
     FileError
         If it cannot be written.
     """
-    asked = asked_of(mesh)
-    drawing = Drawing(new_archive(asked.vertices, units or mesh.attributes.get("units"), mesh.attributes.get("tolerance")))
-    on_mesh = drawing.layer("CGC::Mesh", (120, 120, 120))
-    drawing.mesh(mesh_from_arrays(asked.vertices, asked.faces), drawing.attributes(on_mesh, asked.name, vertex_text(asked)))
-    draw_roles(drawing, asked, "CGC")
-    on_targets = drawing.layer("CGC::Targets", (30, 130, 60))
-    for region, K in enumerate(asked.region_targets()):
+    own = problem.to_problem().without_dummies()
+    writer = LayerWriter(new_archive(own))
+    draw_problem(writer, own, "CGC", mesh_from_arrays(own.vertices, own.faces))
+    on_targets = writer.layer("CGC::Targets", (30, 130, 60))
+    label = own.regions()
+    for region, K in enumerate(own.region_targets()):
         if K is not None:
-            place = _inside(asked.vertices, asked.faces[asked.regions == region])
-            drawing.dot(f"K={K!r}", place, drawing.attributes(on_targets, f"region {region}"))
-    _draw_constraints(drawing, asked.vertices, mesh.attributes.get("constraints") or [])
-    write_archive(drawing.archive, path, version)
+            place = _inside(own.vertices, own.faces[label == region])
+            writer.dot(f"K={K!r}", place, writer.attributes(on_targets, f"region {region}"))
+    write_archive(writer.archive, path, version)
 
 
-def _draw_constraints(drawing: Drawing, vertices: FloatArray, constraints: list[dict]) -> None:
-    """Draw constraints as they are read: curves, kept curves, points at a height."""
-    layer = drawing.layer("CGC::Constraints", (120, 40, 140)) if constraints else -1
-    for item in constraints:
-        own = vertices[item["vertices"]]
-        if item["kind"] == "curve":
-            points = np.array(item["points"])
-            drawing.polyline(np.concatenate([points, points[:1]]) if item["closed"] else points, drawing.attributes(layer))
-        elif item["kind"] == "held":
-            drawing.points(own, drawing.attributes(layer, text={"keep": "yes"}))
-        else:
-            drawing.points(np.column_stack([own[:, :2], np.full(len(own), item["height"])]), drawing.attributes(layer))
-
-
-def new_archive(vertices: FloatArray, units: Optional[str], tolerance: Optional[float]) -> rhino3dm.File3dm:
-    """Return an empty archive for a mesh with vertices (n, 3) [L], by default in metres with a tolerance to suit its size."""
+def new_archive(problem: CGCProblem) -> Archive:
+    """Return an empty archive for a problem, by default in metres with a tolerance to suit its size."""
     archive = rhino3dm.File3dm()
     archive.ApplicationName = "compas_cgc"
     archive.ApplicationDetails = f"compas_cgc {__version__}"
-    archive.Settings.ModelUnitSystem = unit_system(units or "Meters")
-    archive.Settings.ModelAbsoluteTolerance = tolerance or _tolerance(vertices)
+    archive.Settings.ModelUnitSystem = unit_system(problem.drawing.units or "Meters")
+    archive.Settings.ModelAbsoluteTolerance = problem.drawing.tolerance or _tolerance(problem.vertices)
     return archive
 
 
-def draw_roles(drawing: Drawing, asked: Asked, parent: str) -> None:
-    """Draw the supports as points and the creases as polylines on the sublayers of `parent`."""
-    on_supports = drawing.layer(f"{parent}::Supports", (200, 30, 30))
-    drawing.points(asked.vertices[asked.supports], drawing.attributes(on_supports))
-    on_creases = drawing.layer(f"{parent}::Creases", (20, 60, 160))
-    for path in asked.creases:
-        drawing.polyline(asked.vertices[path], drawing.attributes(on_creases))
+def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Mesh, text: Optional[dict[str, str]] = None) -> None:
+    """Draw a mesh with its supports as points, creases as polylines and constraints on the sublayers of `parent`.
+
+    The user text of the mesh is `text` with what of the problem cannot be drawn.
+    """
+    drawn, others = _drawable(problem, float(writer.archive.Settings.ModelAbsoluteTolerance))
+    texts = {**(text or {}), **vertex_text(problem), **constraint_text(others, len(problem.vertices))}
+    on_mesh = writer.layer(f"{parent}::Mesh", (120, 120, 120))
+    writer.mesh(mesh, writer.attributes(on_mesh, problem.drawing.name, texts))
+    on_supports = writer.layer(f"{parent}::Supports", (200, 30, 30))
+    writer.points(problem.vertices[problem.supports], writer.attributes(on_supports))
+    on_creases = writer.layer(f"{parent}::Creases", (20, 60, 160))
+    for path in problem.crease_paths():
+        writer.polyline(problem.vertices[path], writer.attributes(on_creases))
+    on_constraints = writer.layer(f"{parent}::Constraints", (120, 40, 140)) if drawn else -1
+    for item in drawn:
+        draw = writer.polyline if item.kind == "curve" else writer.cloud
+        draw(item.points, writer.attributes(on_constraints, text=item.text))
+
+
+def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Constraint]]:
+    """Return constraints as they are drawn, and those that would not be found again as they are."""
+    V = problem.vertices
+    snap = snap_distance(V, problem.faces, tolerance) if problem.constraints else 0.0
+    drawn, others = [], []
+    for constraint in problem.constraints:
+        item = as_drawn(constraint, V)
+        found = [] if item is None else find_constraints([item], V, snap, "")[0]
+        if item is not None and [_plain(constraint)] == [_plain(other) for other in found]:
+            drawn.append(item)
+        else:
+            others.append(constraint)
+    return drawn, others
+
+
+def _plain(constraint: Constraint) -> dict:
+    data = constraint_data(constraint)
+    return {**data, "vertices": sorted(set(data["vertices"]))}
 
 
 def _tolerance(vertices: FloatArray) -> float:

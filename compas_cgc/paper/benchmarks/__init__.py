@@ -1,4 +1,4 @@
-"""Measurements as ratios within one run, so that they say the same on any machine."""
+"""Benchmarks as ratios within one run, so that they say the same on any machine."""
 
 from __future__ import annotations
 

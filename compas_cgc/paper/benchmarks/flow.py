@@ -1,8 +1,9 @@
-"""What the flow costs: the paper's examples, and how it grows with the mesh."""
+"""Benchmark of the flow: the examples of the paper, and the growth of the cost with the mesh."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,7 +26,7 @@ def example_times() -> list[dict]:
             continue
         mesh, settings = example.build()
         problem = CGCProblem.from_mesh(mesh)
-        seconds = best_of(lambda problem=problem, settings=settings: flow(problem, settings), budget=0.5)
+        seconds = best_of(partial(flow, problem, settings=settings), budget=0.5)
         rows.append(
             {
                 "example": example.name,
@@ -52,8 +53,8 @@ def growth(sizes: tuple[int, ...] = (9, 18, 36, 72, 97)) -> list[dict]:
         # μ0 goes with the square of the radius: the stability of an explicit step.
         settings = FlowSettings(steps=100, tolerance=0.0, mu0=0.1 * (9 / n) ** 2, filter_radius=5 * cell)
         # Loading and the first neighbour lists are taken out by a difference of two lengths.
-        long = best_of(lambda problem=problem, settings=settings: flow(problem, settings), budget=0.5)
-        short = best_of(lambda problem=problem, settings=settings: flow(problem, replace(settings, steps=10)), budget=0.2)
+        long = best_of(partial(flow, problem, settings=settings), budget=0.5)
+        short = best_of(partial(flow, problem, settings=replace(settings, steps=10)), budget=0.2)
         per_step = (long - short) / 90
         rows.append({"vertices": len(problem.vertices), "microseconds_per_vertex_and_step": 1e6 * per_step / len(problem.vertices)})
     exponent = np.polyfit(

@@ -1,12 +1,14 @@
-"""What it costs to have a server solve: jobs and calls of Hops against the solve itself."""
+"""Benchmark of the server: jobs and calls of Hops against the solve itself."""
 
 from __future__ import annotations
 
+import http.client
 import json
 import re
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,7 +16,7 @@ from ...client import Client
 from ...datastructures import CGCMesh
 from ...io.rhino.meshes import mesh_from_arrays
 from ...model.problem import CGCProblem
-from ...solvers.solve import solve
+from ...solvers.run import solve
 from .solves import square
 from .timing import best_of
 
@@ -49,6 +51,7 @@ def _row(client: Client, problem: CGCProblem) -> dict:
         "hops_seconds": hops_seconds,
         "hops_more_seconds": hops_seconds - solve_seconds,
         "cancel_seconds": _cancel(client, problem),
+        "hang_up_seconds": _hang_up(client, problem),
     }
 
 
@@ -68,13 +71,30 @@ def _cancel(client: Client, problem: CGCProblem, times: int = 5) -> float:
     return longest
 
 
-def _hops_request(problem: CGCProblem) -> bytes:
+def _hang_up(client: Client, problem: CGCProblem, times: int = 3) -> float:
+    """Return the longest time from when a client of Hops hangs up until the worker that solved for it is free."""
+    longest = 0.0
+    for _ in range(times):
+        connection = http.client.HTTPConnection(client.url.split("//")[1], timeout=30.0)
+        connection.request("POST", "/solve", _hops_request(problem, "flow", Steps=10_000))
+        while not client.health()["busy"]:
+            time.sleep(0.005)
+        started = time.perf_counter()
+        connection.close()
+        while client.health()["busy"]:
+            time.sleep(0.005)
+        longest = max(longest, time.perf_counter() - started)
+    return longest
+
+
+def _hops_request(problem: CGCProblem, function: str = "dome", **more: int) -> bytes:
     mesh = json.dumps(mesh_from_arrays(problem.vertices, problem.faces).Encode())
     values = [
         {"ParamName": "Mesh", "InnerTree": {"{0}": [{"type": "Rhino.Geometry.Mesh", "data": mesh}]}},
         {"ParamName": "K", "InnerTree": {"{0}": [{"type": "System.Double", "data": "1"}]}},
     ]
-    return json.dumps({"pointer": "cgc/dome", "modelunits": "Meters", "values": values}).encode()
+    values += [{"ParamName": name, "InnerTree": {"{0}": [{"data": value}]}} for name, value in more.items()]
+    return json.dumps({"pointer": f"cgc/{function}", "modelunits": "Meters", "values": values}).encode()
 
 
 @contextmanager
@@ -83,13 +103,18 @@ def _server() -> Iterator[Client]:
     command = [sys.executable, "-m", "compas_cgc", "serve", "--port", "0", "--workers", "1", "--store", ":memory:"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
-        url = None
-        for line in process.stdout:
-            found = re.search(r"is at (http://\S+)", line)
-            url = found.group(1) if found else url
-            if line.startswith("ready"):
-                break
-        yield Client(url)
+        yield Client(_address(process.stdout or ()))
     finally:
         process.terminate()
         process.wait(10)
+
+
+def _address(lines: Iterable[str]) -> str:
+    """Return where a server is by what it says, once it is ready."""
+    url = ""
+    for line in lines:
+        found = re.search(r"is at (http://\S+)", line)
+        url = found.group(1) if found else url
+        if line.startswith("ready"):
+            return url
+    raise RuntimeError("the server ended before it was ready")

@@ -1,4 +1,4 @@
-"""What a solve costs: against one factorisation, against general optimisers, and as meshes grow."""
+"""Benchmark of solves: against one factorisation, against general optimisers, and as meshes grow."""
 
 from __future__ import annotations
 
@@ -11,16 +11,19 @@ from typing import Optional
 
 import numpy as np
 from scipy import optimize
+from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from ...discrete import gaussian_curvature
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Vertices
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.sparsity import RingPattern
-from ...model.problem import FIXED
-from ...model.problem import FREE
-from ...model.problem import INTERNAL
 from ...model.problem import CGCProblem
+from ...model.roles import FIXED
+from ...model.roles import FREE
+from ...model.roles import INTERNAL
 from ...solvers.newton import NewtonSettings
 from ...solvers.newton import newton
 from ...solvers.projection import Projector
@@ -36,7 +39,7 @@ def square(cells: int) -> CGCProblem:
     a = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
     faces = np.column_stack([a, a + cells + 1, a + cells + 2, a, a + cells + 2, a + 1]).reshape(-1, 3)
     rim = (np.minimum(i, j) == 0) | (np.maximum(i, j) == cells)
-    return CGCProblem(vertices, faces, np.where(rim, FIXED, INTERNAL), 1.0)
+    return CGCProblem(vertices, faces, np.where(rim, FIXED, INTERNAL), np.ones(len(vertices)))
 
 
 def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backend: str = "auto") -> list[dict]:
@@ -58,10 +61,10 @@ def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backen
 
 def _newton_row(cells: int, backend: str) -> dict:
     settings = NewtonSettings(backend=backend)
-    newton(square(10), settings)
+    newton(square(10), settings=settings)
     problem = square(cells)
     started = time.perf_counter()
-    solution = newton(problem, settings)
+    solution = newton(problem, settings=settings)
     seconds = time.perf_counter() - started
     inner = problem.asked
     error = np.abs(gaussian_curvature(solution.vertices, problem.faces) - 1)[inner].max()
@@ -110,54 +113,53 @@ def against_optimisers(cells: int = 30, lbfgs_cells: int = 9) -> list[dict]:
 
     All move vertices along the vertical from the same low dome, with the exact Jacobian.
     """
-    rows = []
-    for name, n in (("least_squares", cells), ("L-BFGS", lbfgs_cells)):
-        problem = square(n)
-        inner = np.flatnonzero(problem.asked)
-        x, y, _ = problem.vertices.T
-        problem = replace(problem, vertices=np.column_stack([x, y, 0.3 * np.sqrt(np.maximum(0, x * (1 - x) * y * (1 - y)))]))
-        equations = CurvatureEquations(problem.faces, problem.targets, inner, inner)
-        up = np.tile([0.0, 0.0, 1.0], (len(inner), 1))
+    return [_against("least_squares", cells), _against("L-BFGS", lbfgs_cells)]
 
-        def shape(z: np.ndarray, problem: CGCProblem = problem, inner: np.ndarray = inner) -> np.ndarray:
-            vertices = problem.vertices.copy()
-            vertices[inner, 2] = z
-            return vertices
 
-        def residual(z: np.ndarray, equations: CurvatureEquations = equations, shape: object = shape) -> np.ndarray:
-            return equations.residual(shape(z))
+def _against(name: str, cells: int) -> dict:
+    problem = square(cells)
+    inner = np.flatnonzero(problem.asked)
+    x, y, _ = problem.vertices.T
+    problem = replace(problem, vertices=np.column_stack([x, y, 0.3 * np.sqrt(np.maximum(0, x * (1 - x) * y * (1 - y)))]))
+    equations = CurvatureEquations(problem.faces, problem.targets, inner, inner)
+    up = np.tile([0.0, 0.0, 1.0], (len(inner), 1))
 
-        def jacobian(z: np.ndarray, equations: CurvatureEquations = equations, shape: object = shape, up: np.ndarray = up) -> object:
-            return equations.jacobian(shape(z), up)
+    def shape(z: FloatArray) -> Vertices:
+        vertices = problem.vertices.copy()
+        vertices[inner, 2] = z
+        return vertices
 
-        start = problem.vertices[inner, 2]
-        started = time.perf_counter()
-        if name == "least_squares":
-            found = optimize.least_squares(residual, start, jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr", max_nfev=100)
-            z = found.x
-        else:
+    def residual(z: FloatArray) -> FloatArray:
+        return equations.residual(shape(z))
 
-            def value(z: np.ndarray, residual: object = residual, jacobian: object = jacobian) -> tuple[float, np.ndarray]:
-                r = residual(z)
-                return 0.5 * float(r @ r), jacobian(z).T @ r
+    def jacobian(z: FloatArray) -> sparse.csr_matrix:
+        return equations.jacobian(shape(z), up)
 
-            options = dict(maxiter=20_000, maxfun=40_000, ftol=0.0, gtol=1e-13)
-            z = optimize.minimize(value, start, jac=True, method="L-BFGS-B", options=options).x
-        seconds = time.perf_counter() - started
-        newton_seconds = best_of(lambda problem=problem: newton(problem), budget=0.2)
-        vertices = shape(z)
-        error = np.abs(gaussian_curvature(vertices, problem.faces) - 1)[inner].max()
-        rows.append(
-            {
-                "method": name,
-                "vertices": len(problem.vertices),
-                "seconds": seconds,
-                "newton_seconds": newton_seconds,
-                "times_slower": seconds / newton_seconds,
-                "max_error": float(error),
-            }
-        )
-    return rows
+    start = problem.vertices[inner, 2]
+    started = time.perf_counter()
+    if name == "least_squares":
+        found = optimize.least_squares(residual, start, jacobian, xtol=1e-15, ftol=1e-15, gtol=1e-15, tr_solver="lsmr", max_nfev=100)
+        z = found.x
+    else:
+
+        def value(z: FloatArray) -> tuple[float, FloatArray]:
+            r = residual(z)
+            return 0.5 * float(r @ r), jacobian(z).T @ r
+
+        options = dict(maxiter=20_000, maxfun=40_000, ftol=0.0, gtol=1e-13)
+        z = optimize.minimize(value, start, jac=True, method="L-BFGS-B", options=options).x
+    seconds = time.perf_counter() - started
+    newton_seconds = best_of(lambda: newton(problem), budget=0.2)
+    vertices = shape(z)
+    error = np.abs(gaussian_curvature(vertices, problem.faces) - 1)[inner].max()
+    return {
+        "method": name,
+        "vertices": len(problem.vertices),
+        "seconds": seconds,
+        "newton_seconds": newton_seconds,
+        "times_slower": seconds / newton_seconds,
+        "max_error": float(error),
+    }
 
 
 def interactive(cells: int = 44) -> dict:

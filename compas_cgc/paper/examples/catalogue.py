@@ -1,4 +1,4 @@
-"""Every example and variant of the paper with what the paper published about it."""
+"""Catalogue: every example and variant of the paper with what the paper published about it."""
 
 from __future__ import annotations
 
@@ -72,17 +72,17 @@ def _curves() -> list[CurveExample]:
 
 def _grids() -> list[SurfaceExample]:
     small, large = (144, 242), (324, 578)
-    mixed = dict(centre=4.0, around=1.0)
+    mixed = partial(example4, centre=4.0, around=1.0)
     return [
         SurfaceExample(2, "", "fixed boundary, K̄ = 1", example2, small, 117.8),
         SurfaceExample(2, "nofilter", "fixed boundary, K̄ = 1, without filter", partial(example2, False), small),
         SurfaceExample(3, "", "four corners fixed, K̄ = 1", example3, small, 111.5),
         SurfaceExample(3, "nofilter", "four corners fixed, K̄ = 1, without filter", partial(example3, False), small),
         SurfaceExample(4, "", "nine regions, K̄ = 4, S1 with s = 0.8", example4, large),
-        SurfaceExample(4, "a", "K̄ = 4 in the centre, 1 around, S1 with s = 0.8", partial(example4, **mixed), large, 273.0),
-        SurfaceExample(4, "b", "K̄ = 4 in the centre, 1 around, S1 with s = 0.5", partial(example4, s=0.5, **mixed), large),
-        SurfaceExample(4, "c", "K̄ = 4 in the centre, 1 around, S2 with e = 2", partial(example4, s=1.0, e=2, **mixed), large),
-        SurfaceExample(4, "d", "K̄ = 4 in the centre, 1 around, S2 with e = 5", partial(example4, s=1.0, e=5, **mixed), large),
+        SurfaceExample(4, "a", "K̄ = 4 in the centre, 1 around, S1 with s = 0.8", mixed, large, 273.0),
+        SurfaceExample(4, "b", "K̄ = 4 in the centre, 1 around, S1 with s = 0.5", partial(mixed, s=0.5), large),
+        SurfaceExample(4, "c", "K̄ = 4 in the centre, 1 around, S2 with e = 2", partial(mixed, s=1.0, e=2), large),
+        SurfaceExample(4, "d", "K̄ = 4 in the centre, 1 around, S2 with e = 5", partial(mixed, s=1.0, e=5), large),
     ]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...datastructures import CGCMesh
@@ -44,4 +46,4 @@ def example5() -> tuple[CGCMesh, FlowSettings]:
     mesh.set_supports("boundary")
     mesh.set_target(0.0)
     mesh.add_dummy_ring()
-    return mesh, FlowSettings(steps=500, mu0=1.0, filter_radius=1.5, **PAPER)
+    return mesh, replace(PAPER, steps=500, mu0=1.0, filter_radius=1.5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...datastructures import CGCMesh
@@ -9,7 +11,7 @@ from ...solvers.flow import FlowSettings
 
 __all__ = ["example2", "example3", "example4", "grid_with_ring", "table2"]
 
-PAPER = dict(finish=False, tolerance=0.0, xi=0.01, tau=0.5, zeta=1.1, q=5, filter_power=3.0)
+PAPER = FlowSettings(finish=False, tolerance=0.0, xi=0.01, tau=0.5, zeta=1.1, q=5, filter_power=3.0)
 
 
 def grid_with_ring(n: int, cell: float) -> CGCMesh:
@@ -45,7 +47,7 @@ def example2(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
     mesh = grid_with_ring(9, 0.1)
     mesh.set_supports([lattice_vertex(9, i, j) for i in range(10) for j in range(10) if {i, j} & {0, 9}])
     mesh.set_target(1.0)
-    return mesh, FlowSettings(steps=200, mu0=0.1, filter_radius=0.5 if filtered else 0.0, **PAPER)
+    return mesh, replace(PAPER, steps=200, mu0=0.1, filter_radius=0.5 if filtered else 0.0)
 
 
 def example3(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
@@ -53,7 +55,7 @@ def example3(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
     mesh = grid_with_ring(9, 0.1)
     mesh.set_supports([lattice_vertex(9, i, j) for i in (0, 9) for j in (0, 9)])
     mesh.set_target(1.0)
-    return mesh, FlowSettings(steps=200, mu0=0.1, filter_radius=0.5 if filtered else 0.0, **PAPER)
+    return mesh, replace(PAPER, steps=200, mu0=0.1, filter_radius=0.5 if filtered else 0.0)
 
 
 def example4(s: float = 0.8, e: int = 0, centre: float = 4.0, around: float = 4.0) -> tuple[CGCMesh, FlowSettings]:
@@ -74,7 +76,7 @@ def example4(s: float = 0.8, e: int = 0, centre: float = 4.0, around: float = 4.
     mesh.set_creases(lines)
     mesh.set_target(around)
     mesh.set_target(centre, region=4)
-    return mesh, FlowSettings(steps=200, mu0=0.1, filter_radius=0.5, s=s, e=e, **PAPER)
+    return mesh, replace(PAPER, steps=200, mu0=0.1, filter_radius=0.5, s=s, e=e)
 
 
 def table2(n: int) -> tuple[CGCMesh, FlowSettings]:
@@ -86,4 +88,4 @@ def table2(n: int) -> tuple[CGCMesh, FlowSettings]:
     mesh = grid_with_ring(n, 10.0 / n)
     mesh.set_supports([lattice_vertex(n, i, j) for i in range(n + 1) for j in range(n + 1) if {i, j} & {0, n}])
     mesh.set_target(0.01)
-    return mesh, FlowSettings(steps=200, mu0=100.0, filter_radius=5.0, **PAPER)
+    return mesh, replace(PAPER, steps=200, mu0=100.0, filter_radius=5.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -89,4 +90,4 @@ def example7(target: float = 0.05) -> tuple[CGCMesh, FlowSettings]:
     mesh.set_creases([(u, v) for u, v in mesh.edges() if on_plane[u] and on_plane[v] and (planes[u] & planes[v]).any()])
     mesh.set_target(target)
     mesh.add_dummy_ring()
-    return mesh, FlowSettings(steps=500, mu0=10.0, filter_radius=5.0, s=0.8, **PAPER)
+    return mesh, replace(PAPER, steps=500, mu0=10.0, filter_radius=5.0, s=0.8)

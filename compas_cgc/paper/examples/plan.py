@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import sparse
 
 from ...datastructures import CGCMesh
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...discrete.arrays import Mask
 from ...solvers.flow import FlowSettings
 from .grids import PAPER
 
@@ -81,7 +84,7 @@ def plan_dome(control: FloatArray, rings: int, height: float) -> CGCMesh:
     return mesh
 
 
-def _relaxed(points: FloatArray, faces: IntArray, fixed: np.ndarray, rounds: int = 30) -> FloatArray:
+def _relaxed(points: FloatArray, faces: IntArray, fixed: Mask, rounds: int = 30) -> FloatArray:
     n = len(points)
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     adjacency = sparse.csr_matrix((np.ones(2 * len(u)), (np.r_[u, v], np.r_[v, u])), shape=(n, n))
@@ -102,4 +105,4 @@ def example6() -> tuple[CGCMesh, FlowSettings]:
     mesh = plan_dome(np.array(CONTROL_POINTS), rings=13, height=2.4)
     mesh.set_target(0.03)
     mesh.add_dummy_ring()
-    return mesh, FlowSettings(steps=500, mu0=2.0, filter_radius=1.0, **PAPER)
+    return mesh, replace(PAPER, steps=500, mu0=2.0, filter_radius=1.0)

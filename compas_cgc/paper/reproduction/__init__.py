@@ -1,4 +1,4 @@
-"""The paper's examples solved, recorded, drawn and set beside what was published."""
+"""Reproduction of the paper: its examples solved, recorded, drawn and set beside what was published."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One run of an example, with all that is drawn and recorded of it."""
+"""Runs of examples, with all that is drawn and recorded of them."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from typing import Union
 import numpy as np
 
 from ...datastructures import CGCMesh
+from ...datastructures import SolveResult
 from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
-from ...model.problem import DUMMY
 from ...model.problem import CGCProblem
-from ...model.result import SolveResult
 from ...model.result import SolveState
+from ...model.roles import DUMMY
 from ...solvers.flow import CurveResult
 from ...solvers.flow import FlowSettings
 from ...solvers.flow import curve_flow
-from ...solvers.solve import solve
+from ...solvers.run import solve
 from ..examples import CurveExample
 from ..examples import SurfaceExample
 from ..examples import example2
@@ -129,9 +129,9 @@ def run_example(example: Union[CurveExample, SurfaceExample]) -> Union[CurveRun,
     if isinstance(example, CurveExample):
         points, options = example.build()
         started = time.perf_counter()
-        result = curve_flow(points, **options)
+        curve = curve_flow(points, **options)
         seconds = time.perf_counter() - started
-        return CurveRun(example, points, options, result, seconds, curve_flow(points, **{**options, "steps": 3}))
+        return CurveRun(example, points, options, curve, seconds, curve_flow(points, **{**options, "steps": 3}))
     mesh, settings = example.build()
     result = solve(mesh, settings=settings)
     torn = _shape_before(mesh, settings) if result.status == "diverged" else None

@@ -1,4 +1,4 @@
-"""The files of a run: mesh, pictures and record."""
+"""Output of a run: mesh, pictures and record."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Union
 import numpy as np
 
 from ..._atomic_write import write_text
-from ...io import write_mesh
-from ...model.problem import DUMMY
+from ...io import write
+from ...model.roles import DUMMY
 from ...plot import Curve
 from ...plot import Shape
 from ...plot import comparison_figure
@@ -48,7 +48,7 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
     if isinstance(run, SurfaceRun):
         for suffix in (".3dm", ".obj", ".json"):
             paths.append(directory / f"{name}{suffix}")
-            write_mesh(paths[-1], run.result.mesh, result=run.result)
+            write(paths[-1], run.result)
     if pictures:
         figures = _curve_figures(run) if isinstance(run, CurveRun) else _surface_figures(run)
         for kind, figure in figures.items():
@@ -59,14 +59,15 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
 
 def comparison_figures(runs: Sequence[Union[CurveRun, SurfaceRun]], directory: Union[str, Path]) -> list[Path]:
     """Draw what the paper shows side by side, Figs. 4 to 6, 18 and 28, and return the paths."""
-    by_name = {run.example.name: run for run in runs}
+    plane = {run.example.name: run for run in runs if isinstance(run, CurveRun)}
+    surfaces = {run.example.name: run for run in runs if isinstance(run, SurfaceRun)}
     figures = {}
     for kind, early in (("c1", False), ("c2", False), ("c2", True)):
-        chosen = [by_name[f"example1_{kind}{letter}"] for letter in "abc"]
-        curves = [_curve(run, run.early if early else run.result, run.example.title) for run in chosen]
+        variants = [plane[f"example1_{kind}{letter}"] for letter in "abc"]
+        curves = [_curve(run, run.early if early else run.result, run.example.title) for run in variants]
         figures[f"example1_{kind}_step3" if early else f"example1_{kind}"] = curve_figure(curves)
     for number, letters in ((4, "abcd"), (7, "ab")):
-        chosen = [by_name[f"example{number}_{letter}"] for letter in letters]
+        chosen = [surfaces[f"example{number}_{letter}"] for letter in letters]
         figures[f"example{number}_comparison"] = comparison_figure([_shapes(run)[1]._replace(title=run.example.title) for run in chosen])
     paths = []
     for name, figure in figures.items():

@@ -1,24 +1,25 @@
-"""Functions that a request waits for, run in a worker."""
+"""Blocking calls: functions that a request waits for, run in a worker."""
 
 from __future__ import annotations
 
 from concurrent.futures import CancelledError
 from functools import partial
+from typing import Any
 from typing import Callable
 
 from flask import current_app
 from flask import request
 
-from ..errors import Broken
-from ..errors import Late
-from ..errors import RequestProblem
-from ..errors import Stopping
+from ..errors import GatewayTimeout
+from ..errors import RequestError
+from ..errors import ServerStopping
+from ..errors import WorkerFailed
 from ..jobs.engine import Jobs
 from ..jobs.future import TaskError
 from ..jobs.future import TaskStopped
 from ..jobs.future import WorkerDied
 
-__all__ = ["by_clerk", "in_worker", "jobs"]
+__all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
 
 
 def jobs() -> Jobs:
@@ -26,45 +27,45 @@ def jobs() -> Jobs:
     return current_app.extensions["jobs"]
 
 
-def in_worker(function: Callable, *args: object, mend: str) -> object:
+def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
     """Run a function in a worker as long as the client waits for it, and return what it returns.
 
     Parameters
     ----------
     function, args
-        What to run; a :class:`RequestProblem` that it raises is raised here.
-    mend
+        What to run; a :class:`RequestError` that it raises is raised here.
+    hint
         What to do when it takes too long.
 
     Raises
     ------
-    RequestProblem
+    RequestError
         Of the function, or because of the worker.
     """
-    return _waited(partial(jobs().call, function, *args, client=request.remote_addr or ""), function, mend)
+    return _waited(partial(jobs().call, function, *args, client=request.remote_addr or ""), function, hint)
 
 
-def by_clerk(function: Callable, *args: object) -> object:
-    """Run a function that reads or writes a file beside the solves, as :func:`in_worker` does."""
+def run_in_io_pool(function: Callable, *args: object) -> Any:
+    """Run a function that reads or writes a file apart from the solves, as :func:`run_in_worker` does."""
     return _waited(partial(jobs().convert, function, *args), function, "use a coarser mesh")
 
 
-def _waited(run: Callable, function: Callable, mend: str) -> object:
+def _waited(run: Callable, function: Callable, hint: str) -> Any:
     seconds = current_app.config["LIMITS"].blocking
     try:
-        return run(gone=request.environ.get("waitress.client_disconnected", lambda: False))
+        return run(disconnected=request.environ.get("waitress.client_disconnected", lambda: False))
     except CancelledError:
-        raise Stopping("the server is stopping; ask again when it is back") from None
+        raise ServerStopping("the server is stopping; ask again when it is back") from None
     except TimeoutError as error:
         if str(error) == "queued":
-            raise Late(f"all workers were busy for {seconds:g} seconds; try again later, or serve with more --workers") from None
-        raise Late(f"the work was stopped after {seconds:g} seconds; {mend}") from None
+            raise GatewayTimeout(f"all workers were busy for {seconds:g} seconds; try again later, or serve with more --workers") from None
+        raise GatewayTimeout(f"the work was stopped after {seconds:g} seconds; {hint}") from None
     except (WorkerDied, TaskStopped) as error:
-        raise Broken(str(error)) from None
+        raise WorkerFailed(str(error)) from None
     except TaskError as error:
         if error.status is not None:
-            problem = RequestProblem(str(error))
-            problem.status = error.status
-            raise problem from None
+            failure = RequestError(str(error))
+            failure.status = error.status
+            raise failure from None
         current_app.logger.error("%s failed: %s", function.__name__, error.trace)
-        raise Broken(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None
+        raise WorkerFailed(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None

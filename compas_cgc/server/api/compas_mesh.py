@@ -1,4 +1,4 @@
-"""Meshes as COMPAS JSON: nothing but a Mesh or CGCMesh is decoded."""
+"""COMPAS JSON: nothing but a Mesh or CGCMesh is decoded."""
 
 from __future__ import annotations
 

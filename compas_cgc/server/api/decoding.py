@@ -1,4 +1,4 @@
-"""JSON from outside: parsed with care, checked before anything is done with it.
+"""Decoding of JSON from clients: limits are checked before anything is done with it.
 
 An array is a list, or packed: ``{"base64": ..., "type": "f8" or "i4", "shape": [...]}``, little-endian.
 """
@@ -9,7 +9,10 @@ import base64
 import binascii
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import Any
+from typing import Union
 
 import numpy as np
 
@@ -22,12 +25,14 @@ from ..limits import Limits
 
 __all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole", "whole_text"]
 
+Polygons = Union[IntArray, list[list[int]]]
+
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
 PACKED = {"f8": "<f8", "i4": "<i4"}
 
 
-def read_json(body: bytes, limits: Limits) -> object:
+def read_json(body: bytes, limits: Limits) -> Any:
     """Parse JSON.
 
     Raises
@@ -57,7 +62,7 @@ def read_json(body: bytes, limits: Limits) -> object:
     raise BadRequest(f"the JSON is nested more than {limits.depth} deep")
 
 
-def _items(node: object) -> object:
+def _items(node: object) -> Iterable:
     return node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
 
 
@@ -71,10 +76,9 @@ def vertex_array(value: object, limits: Limits) -> FloatArray:
         raise Unprocessable("'vertices' must be a list of [x, y, z] with at least three of them")
     if len(value) > limits.vertices:
         raise TooLarge(f"the mesh has {len(value)} vertices, the server takes {limits.vertices}; use a coarser mesh")
-    try:
+    array: np.ndarray = np.empty(0)
+    with suppress(ValueError):
         array = np.asarray(value)
-    except ValueError:
-        array = np.empty(0)
     if array.ndim != 2 or array.shape[1] != 3 or array.dtype.kind not in "iuf":
         raise Unprocessable("'vertices' must be a list of [x, y, z], three numbers each")
     array = array.astype(np.float64)
@@ -86,7 +90,7 @@ def vertex_array(value: object, limits: Limits) -> FloatArray:
     return array
 
 
-def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int]]:
+def polygons(value: object, count: int, limits: Limits) -> Polygons:
     """Return faces, a list of lists or a packed array, as indices of `count` vertices."""
     if isinstance(value, dict):
         value = _unpacked(value, "'faces'")
@@ -115,7 +119,7 @@ def polygons(value: object, count: int, limits: Limits) -> Sequence[Sequence[int
     return value
 
 
-def corner_counts(faces: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray, IntArray]:
+def corner_counts(faces: Polygons) -> tuple[IntArray, IntArray, IntArray]:
     """Return the corners of all faces in a row (k,), the number of each face's corners (m,), and of its different ones (m,)."""
     packed_triangles = isinstance(faces, np.ndarray)
     sizes = np.full(len(faces), 3) if packed_triangles else np.array([len(face) for face in faces])
@@ -138,7 +142,7 @@ def packed(values: np.ndarray) -> dict:
 
 
 def _unpacked(value: dict, what: str) -> np.ndarray:
-    text, kind, shape = value.get("base64"), value.get("type"), value.get("shape")
+    text, kind, shape = value.get("base64"), value.get("type"), value.get("shape", ())
     good = isinstance(shape, list) and 0 < len(shape) < 3 and all(isinstance(k, int) and 0 <= k < 2**31 for k in shape)
     if not isinstance(text, str) or kind not in PACKED or not good:
         raise Unprocessable(f'{what} as a packed array must be {{"base64": ..., "type": "f8" or "i4", "shape": [...]}}')

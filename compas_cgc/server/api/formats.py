@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
+import math
+from typing import Callable
 
 import numpy as np
 
-from ...model.problem import INTERNAL
-from ...model.problem import ROLES
-from ...model.result import History
+from ...datastructures import SolveResult
+from ...discrete import gaussian_curvature
+from ...meshing import crease_paths
+from ...model.roles import ROLES
 from .decoding import packed
 from .mesh_files import KINDS
 from .mesh_files import file_bytes
-from .serialization import unpack
-from .serialization import unpack_arrays
+from .rhino_mesh import mesh_text
+from .serialization import WORDS
+from .serialization import unpack_result
 
-__all__ = ["FORMATS", "beside", "encoded", "get_ready"]
+__all__ = ["FORMATS", "encoded", "merged_into"]
 
 FORMATS = {**dict.fromkeys(("arrays", "packed", "compas", "hops"), "application/json"), **KINDS}
 
@@ -28,58 +32,43 @@ def encoded(name: str, content: bytes) -> bytes:
     name
         ``arrays``, ``packed``, ``compas``, ``hops``, ``3dm`` or ``obj``.
     content
-        See :func:`compas_cgc.server.api.serialization.pack`.
+        See :func:`compas_cgc.server.api.serialization.pack_result`.
     """
+    result, report = unpack_result(content)
     if name in ("arrays", "packed"):
-        return _arrays(content, name == "packed")
-    result, _ = unpack(content)
+        return _arrays(result, report, name == "packed")
     if name == "compas":
         from compas.data import json_dumps
 
         return json_dumps(result.mesh).encode("utf-8")
     if name == "hops":
-        from ..hops.geometry import mesh_text
-
-        return mesh_text(*result.mesh.arrays()).encode()
+        return mesh_text(result.vertices, result.faces).encode()
     return file_bytes(name, result)
 
 
-def get_ready() -> None:
-    """Load what files take, so that the first does not wait for it."""
-    from ... import io as files  # noqa: F401
-    from ...datastructures import CGCMesh  # noqa: F401
-    from ...io import rhino  # noqa: F401
+def merged_into(source: bytes, content: bytes) -> bytes:
+    """Return the bytes of a .3dm file with a packed result put into it."""
+    return file_bytes("3dm", unpack_result(content)[0], source)
 
 
-def beside(content: bytes, source: bytes) -> bytes:
-    """Return a packed result as a .3dm file beside what is in the bytes of another."""
-    return file_bytes("3dm", unpack(content)[0], source)
-
-
-def _arrays(content: bytes, in_bytes: bool) -> bytes:
+def _arrays(result: SolveResult, report: dict, in_bytes: bool) -> bytes:
     """Return everything as JSON, arrays of numbers as lists with null for what is no number, or as packed arrays.
 
     Straight from the arrays: with the COMPAS mesh in between it would take thrice the time.
     """
-    from ...discrete import gaussian_curvature
-    from ...meshing import crease_paths
-
-    column = packed if in_bytes else _column
-    data, words = unpack_arrays(content)
-    report = words.pop("report")
-    words.pop("name")
-    vertices, faces, roles = data["vertices"], data["faces"], data["roles"]
-    K = np.where(roles == INTERNAL, gaussian_curvature(vertices, faces), np.nan)
-    names = np.array(ROLES, dtype=object)
+    rows: Callable = packed if in_bytes else np.ndarray.tolist
+    column: Callable = packed if in_bytes else _column
+    problem = result.problem
+    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
     body = {
-        **{name: _plain(value) for name, value in words.items()},
-        "vertices": packed(vertices) if in_bytes else vertices.tolist(),
-        "faces": packed(faces) if in_bytes else faces.tolist(),
-        "roles": names[roles].tolist(),
-        "targets": column(data["target"]),
+        **{word: _plain(getattr(result, word)) for word in WORDS},
+        "vertices": rows(problem.vertices),
+        "faces": rows(problem.faces),
+        "roles": np.array(ROLES, dtype=object)[problem.roles].tolist(),
+        "targets": column(problem.targets),
         "curvature": column(K),
-        "creases": crease_paths(tuple(edge) for edge in data["keys"][data["creases"]].tolist()),
-        "history": {name: _plain(data[f"history_{name}"].tolist()) for name in History._fields},
+        "creases": crease_paths(map(tuple, problem.names.vertices[problem.creases].tolist())),
+        "history": _plain(result.history.to_dict()),
         "report": _plain(report),
     }
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode("utf-8")
@@ -87,7 +76,7 @@ def _arrays(content: bytes, in_bytes: bool) -> bytes:
 
 def _column(values: np.ndarray) -> list:
     """Return numbers as a list with None for those that are none."""
-    return np.where(np.isfinite(values), values.astype(object), None).tolist()
+    return [x if math.isfinite(x) else None for x in values.tolist()]
 
 
 def _plain(value: object) -> object:

@@ -1,4 +1,4 @@
-"""Meshes in files: of uploads, and for downloads. Only files of the server's own making are opened."""
+"""Mesh files: of uploads, and for downloads. Only files of the server's own making are opened."""
 
 from __future__ import annotations
 
@@ -11,49 +11,56 @@ from ...errors import FileError
 from ..errors import Unprocessable
 
 if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
-    from ...model.result import SolveResult
+    from ...datastructures import SolveResult
+    from ...io.reading import ReadProblem
 
-__all__ = ["KINDS", "file_bytes", "read_upload"]
+__all__ = ["KINDS", "file_bytes", "read_upload", "warm_up_io"]
 
 KINDS = {"3dm": "model/vnd.3dm", "obj": "model/obj"}
 
 
-def read_upload(kind: str, body: bytes) -> tuple[CGCMesh, list[str]]:
-    """Return the mesh in the bytes of a file with all that the file says, and notes on it.
+def read_upload(kind: str, body: bytes) -> ReadProblem:
+    """Return the problem in the bytes of a file.
 
     Raises
     ------
     Unprocessable
         If it is no such file.
     """
-    from ...io import read_mesh
+    from ...io import read_problem
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"upload.{kind}"
         path.write_bytes(body)
         try:
-            return read_mesh(path)
+            return read_problem(path)
         except FileError as error:
             raise Unprocessable(str(error).replace(str(path), "the file")) from None
 
 
 def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -> bytes:
-    """Return a result as the bytes of a .3dm or .obj file, a .3dm beside what is in the bytes of another.
+    """Return a result as the bytes of a .3dm or .obj file, a .3dm merged into the bytes of another.
 
     Raises
     ------
     Unprocessable
         If the source is no such file.
     """
-    from ...io import write_mesh
+    from ...io import write
 
     with tempfile.TemporaryDirectory() as folder:
-        path, beside = Path(folder) / f"result.{kind}", Path(folder) / f"source.{kind}"
+        path, drawing = Path(folder) / f"result.{kind}", Path(folder) / f"source.{kind}"
         if source is not None:
-            beside.write_bytes(source)
+            drawing.write_bytes(source)
         try:
-            write_mesh(path, result.mesh, result=result, source=beside if source is not None else None)
+            write(path, result, source=drawing if source is not None else None)
         except FileError as error:
-            raise Unprocessable(str(error).replace(str(beside), "the file")) from None
+            raise Unprocessable(str(error).replace(str(drawing), "the file")) from None
         return path.read_bytes()
+
+
+def warm_up_io() -> None:
+    """Load what files take, so that the first does not wait for it."""
+    from ... import io  # noqa: F401
+    from ...datastructures import CGCMesh  # noqa: F401
+    from ...io import rhino  # noqa: F401

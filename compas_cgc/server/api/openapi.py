@@ -7,9 +7,10 @@ from .formats import FORMATS
 from .mesh_files import KINDS
 from .schemas import BYTES
 from .schemas import JOB
+from .schemas import METHODS
 from .schemas import MODEL
 from .schemas import PROBLEM
-from .schemas import REQUEST
+from .schemas import request_schema
 
 __all__ = ["description"]
 
@@ -27,6 +28,9 @@ def description() -> dict:
         "paths": {
             "/health": {"get": _operation("Tell whether the server lives", {"200": _json({"type": "object"})})},
             "/version": {"get": _operation("Name the program and its version", {"200": _json({"type": "object"})})},
+            "/api/v1/methods": {
+                "get": _operation("List the methods and their settings", {"200": _json({"$ref": "#/components/schemas/Methods"})}, "401"),
+            },
             "/api/v1/jobs": {
                 "get": _operation("List the newest jobs", {"200": _json({"type": "object", "required": ["jobs"]})}, "401"),
                 "post": {
@@ -74,7 +78,7 @@ def description() -> dict:
                 "parameters": [_ID, {"name": "format", "in": "query", "schema": {"enum": list(FORMATS)}}],
                 "get": _operation("Return the result", result, "401", "404", "409", "410", "422"),
                 "post": {
-                    **_operation("Return the result beside what is in a .3dm file", result, *refusals),
+                    **_operation("Return the result merged into a .3dm file", result, *refusals),
                     "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
                 },
             },
@@ -122,7 +126,7 @@ def description() -> dict:
             },
         },
         "components": {
-            "schemas": {"Job": JOB, "Request": REQUEST, "Model": MODEL, "Problem": PROBLEM},
+            "schemas": {"Job": JOB, "Request": request_schema(), "Methods": METHODS, "Model": MODEL, "Problem": PROBLEM},
             "securitySchemes": {
                 "bearer": {"type": "http", "scheme": "bearer"},
                 "compute": {"type": "apiKey", "in": "header", "name": "RhinoComputeKey"},

@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Iterator
 from threading import BoundedSemaphore
+from typing import Any
 from typing import Optional
 
 from flask import Blueprint
@@ -19,19 +20,20 @@ from ..._version import __version__
 from ..errors import BadRequest
 from ..errors import Busy
 from ..errors import Unprocessable
-from .blocking_calls import by_clerk
 from .blocking_calls import jobs
+from .blocking_calls import run_in_io_pool
 from .decoding import read_json
 from .formats import FORMATS
-from .formats import beside
 from .formats import encoded
+from .formats import merged_into
 from .mesh_files import KINDS
+from .methods import methods
 from .openapi import description
 from .options import OPTIONS
-from .options import read_asked
-from .replies import respond
+from .options import check_options
 from .requests import accept
-from .status import status
+from .responses import respond
+from .responses import status
 
 __all__ = ["api"]
 
@@ -43,8 +45,8 @@ SMALL = 2**19  # bytes of a result, some 4,000 vertices
 @api.get("/health")
 def health() -> Response:
     """Tell at once whether the server and its workers live."""
-    executor = jobs().executor
-    workers = executor.health() if hasattr(executor, "health") else {}
+    executor: Any = jobs().executor
+    workers: dict = executor.health() if hasattr(executor, "health") else {}
     return respond({"status": "starting" if workers.get("starting") == workers.get("workers", -1) else "ok", **workers})
 
 
@@ -60,6 +62,12 @@ def openapi() -> Response:
     return respond(description())
 
 
+@api.get("/api/v1/methods")
+def list_methods() -> Response:
+    """List the methods with their options."""
+    return respond({"methods": methods()})
+
+
 @api.post("/api/v1/jobs")
 def submit() -> Response:
     """Accept a job."""
@@ -69,24 +77,24 @@ def submit() -> Response:
     kind = request.args.get("kind", "json")
     if kind == "json":
         value = read_json(body, limits)
-        kind, kept = accept(value, limits)
+        content = accept(value, limits)
         options, id = {"name": value.get("name", "")}, value.get("id")
     elif kind in KINDS:
-        kept = body
+        content = body
         options, id = _file_options(body)
     else:
         raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
     if id is not None and not isinstance(id, str):
         raise Unprocessable("'id' must be a text")
     g.spent = {"check": time.perf_counter() - started}
-    job, _ = jobs().submit(kind, kept, options, id, request.remote_addr or "")
+    job, _ = jobs().submit(kind, content, options, id, request.remote_addr or "")
     address = url_for("api.show", id=job.id)
     links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
     return respond(links, 202, {"Location": address})
 
 
 def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
-    """Return what the query asks of an uploaded mesh."""
+    """Return the options in the query of an upload, and the id that the client gives the job."""
     limits = current_app.config["LIMITS"]
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
@@ -94,7 +102,7 @@ def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
     options = read_json(text.encode(), limits)
     if not isinstance(options, dict) or set(options) - set(OPTIONS):
         raise Unprocessable(f"'options' must be a JSON object of {', '.join(OPTIONS)}")
-    read_asked(options, None, limits)
+    check_options(options, None, limits)
     return options, options.pop("id", None)
 
 
@@ -108,12 +116,12 @@ def show_all() -> Response:
 def show(id: str) -> Response:
     """Tell how a job is doing, with ``wait`` as soon as it is over or after so many seconds."""
     seconds = min(request.args.get("wait", 0.0, type=float), LONGEST_WAIT)
-    # Who finds no seat is answered at once and asks again.
-    if seconds > 0 and _seats().acquire(blocking=False):
+    # Where all slots are taken the client is answered at once and asks again.
+    if seconds > 0 and _wait_slots().acquire(blocking=False):
         try:
             return respond(status(jobs().wait(id, seconds)))
         finally:
-            _seats().release()
+            _wait_slots().release()
     return respond(status(jobs().get(id)))
 
 
@@ -127,7 +135,7 @@ def result(id: str) -> Response:
     started = time.perf_counter()
     # What is small is quicker here than there and back.
     small = name == "packed" or (name not in KINDS and len(content) < SMALL)
-    answer = Response(encoded(name, content) if small else by_clerk(encoded, name, content), mimetype=FORMATS[name])
+    answer = Response(encoded(name, content) if small else run_in_io_pool(encoded, name, content), mimetype=FORMATS[name])
     if name in KINDS:
         answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
     g.spent = {"encode": time.perf_counter() - started}
@@ -135,14 +143,14 @@ def result(id: str) -> Response:
 
 
 @api.post("/api/v1/jobs/<id>/result")
-def result_beside(id: str) -> Response:
-    """Return the result of a job in the .3dm file that is sent."""
+def merged_result(id: str) -> Response:
+    """Return the .3dm file that is sent with the result of a job put into it."""
     if request.args.get("format", "3dm") != "3dm":
         raise Unprocessable("'format' must be 3dm, as only a .3dm holds more than the mesh")
     source = request.get_data(cache=False)
     if not source:
         raise BadRequest("the request is empty; send the bytes of the .3dm file")
-    content = by_clerk(beside, jobs().result(id), source)
+    content = run_in_io_pool(merged_into, source, jobs().result(id))
     return Response(content, mimetype=KINDS["3dm"], headers={"Content-Disposition": 'attachment; filename="result.3dm"'})
 
 
@@ -151,7 +159,7 @@ def surface(id: str) -> Response:
     """Return the present vertices of a running live job as little-endian float32."""
     content = jobs().surface(id)
     if content is None:
-        # Not yet, not any more, or not asked for: nothing that a client that looks on could avoid.
+        # Not yet, not any more, or not asked for: nothing that the client could avoid.
         return Response(status=204)
     return Response(content, mimetype="application/octet-stream")
 
@@ -172,9 +180,9 @@ def delete(id: str) -> Response:
 @api.get("/api/v1/jobs/<id>/events")
 def events(id: str) -> Response:
     """Send the states of a job as they change."""
-    engine, seats = jobs(), _seats()
+    engine, wait_slots = jobs(), _wait_slots()
     engine.get(id)
-    if not seats.acquire(blocking=False):
+    if not wait_slots.acquire(blocking=False):
         raise Busy("too many event streams are open; ask for the status of the job instead")
 
     def stream() -> Iterator[str]:
@@ -187,10 +195,10 @@ def events(id: str) -> Response:
 
     answer = Response(stream(), mimetype="text/event-stream")
     # Called in the end, even when the stream was never begun.
-    answer.call_on_close(seats.release)
+    answer.call_on_close(wait_slots.release)
     return answer
 
 
-def _seats() -> BoundedSemaphore:
-    """Return the seats for requests that hold a thread while they wait for a job."""
-    return current_app.extensions["seats"]
+def _wait_slots() -> BoundedSemaphore:
+    """Return the slots of requests that hold a thread while they wait for a job."""
+    return current_app.extensions["wait_slots"]

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-__all__ = ["BYTES", "JOB", "MODEL", "PROBLEM", "REQUEST"]
+from ...model.constraint_data import KINDS as CONSTRAINTS
+from ...solvers.registry import method_names
+from .methods import settings_schema
+from .options import USER_ROLES
+
+__all__ = ["BYTES", "JOB", "METHODS", "MODEL", "PROBLEM", "request_schema"]
 
 BYTES = {"type": "string", "contentEncoding": "binary"}
 JOB = {
@@ -35,42 +40,6 @@ PACKED = {
     },
 }
 INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
-REQUEST = {
-    "type": "object",
-    "additionalProperties": False,
-    "properties": {
-        "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{8,64}$", "description": "the same id again returns the first job"},
-        "name": {"type": "string"},
-        "vertices": {
-            "oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, PACKED]
-        },
-        "faces": {"oneOf": [{"type": "array", "items": {**INDICES, "minItems": 3}}, PACKED]},
-        "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
-        "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
-        "supports": {"oneOf": [{"enum": ["boundary", "corners"]}, INDICES]},
-        "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
-        "targets": {
-            "oneOf": [
-                {"type": "number"},
-                {"type": "array", "items": {"type": ["number", "null"]}},
-                {"type": "object", "additionalProperties": {"type": "number"}},
-            ],
-            "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
-        },
-        "constraints": {
-            "type": "array",
-            "items": {
-                "type": "object",
-                "required": ["kind"],
-                "properties": {"kind": {"enum": ["plane", "height", "line", "curve", "held", "near", "mirror"]}, "vertices": INDICES},
-            },
-        },
-        "method": {"enum": ["auto", "flow", "newton", "projection"]},
-        "settings": {"type": "object"},
-        "flip": {"type": "boolean"},
-        "live": {"type": "boolean", "description": "report the moving surface"},
-    },
-}
 PROBLEM = {
     "type": "object",
     "required": ["message", "values", "errors", "warnings"],
@@ -89,7 +58,7 @@ MODEL = {
         "unit": {"type": "string", "description": "of length, empty where it is not known"},
         "vertices": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
         "faces": {"type": "array", "items": {**INDICES, "minItems": 3, "maxItems": 3}},
-        "roles": {"type": "array", "items": {"enum": ["internal", "fixed", "crease", "free"]}},
+        "roles": {"type": "array", "items": {"enum": list(USER_ROLES)}},
         "supports": {
             "type": "object",
             "description": "those of the file, and what could be held instead",
@@ -105,8 +74,7 @@ MODEL = {
             "description": "by region, null where it is not one number; suggested where the file has none [1/L^2]",
         },
         "vertex_targets": {"type": ["array", "null"], "description": "per vertex, where a region has more than one [1/L^2]"},
-        "s": {"type": "number", "description": "the paper's, of an example"},
-        "e": {"type": "integer", "description": "the paper's, of an example"},
+        "settings": {"type": "object", "description": "the paper's, of an example"},
         "notes": {"type": "array", "items": {"type": "string"}},
         "problems": {
             "type": "array",
@@ -114,3 +82,61 @@ MODEL = {
         },
     },
 }
+METHODS = {
+    "type": "object",
+    "required": ["methods"],
+    "properties": {
+        "methods": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["name", "text", "options"],
+                "properties": {
+                    "name": {"type": "string"},
+                    "text": {"type": "string", "description": "what it does, and what for"},
+                    "options": {"type": "array", "items": {"type": "object", "required": ["name"]}, "description": "name and JSON schema"},
+                },
+            },
+        },
+    },
+}
+
+
+def request_schema() -> dict:
+    """Return the schema of a request, with the methods and constraints that there are."""
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {
+            "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{8,64}$", "description": "the same id again returns the first job"},
+            "name": {"type": "string"},
+            "vertices": {
+                "oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, PACKED]
+            },
+            "faces": {"oneOf": [{"type": "array", "items": {**INDICES, "minItems": 3}}, PACKED]},
+            "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
+            "roles": {"type": "array", "items": {"enum": list(USER_ROLES)}},
+            "supports": {"oneOf": [{"enum": ["boundary", "corners"]}, INDICES]},
+            "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
+            "targets": {
+                "oneOf": [
+                    {"type": "number"},
+                    {"type": "array", "items": {"type": ["number", "null"]}},
+                    {"type": "object", "additionalProperties": {"type": "number"}},
+                ],
+                "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
+            },
+            "constraints": {
+                "type": "array",
+                "items": {
+                    "type": "object",
+                    "required": ["kind"],
+                    "properties": {"kind": {"enum": list(CONSTRAINTS)}, "vertices": INDICES},
+                },
+            },
+            "method": {"enum": list(method_names()), "description": "see /api/v1/methods"},
+            "settings": settings_schema(),
+            "flip": {"type": "boolean"},
+            "live": {"type": "boolean", "description": "report the moving surface"},
+        },
+    }

@@ -1,95 +1,112 @@
-"""Results as bytes: no code in them, so that they can be kept and read again."""
+"""Serialization of problems and results: bytes without code in them, so that they can be stored and read again."""
 
 from __future__ import annotations
 
 import io
 import json
-from typing import TYPE_CHECKING
-from typing import NamedTuple
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
 from typing import Optional
 
 import numpy as np
 
-from ...model.problem import DUMMY
-from ...model.problem import ROLES
+from ...datastructures import SolveResult
+from ...model.constraint_data import constraint_data
+from ...model.problem import CGCProblem
+from ...model.problem import Drawing
+from ...model.problem import Names
 from ...model.result import History
-from ...model.result import Solution
-from ...model.result import SolveResult
+from ...solvers.registry import method_names
+from ...solvers.registry import method_of
+from ...solvers.registry import settings_for
+from ...solvers.settings import Settings
 
-if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
-    from ...model.checks import Names
-    from ...model.problem import CGCProblem
-
-__all__ = ["Outcome", "pack", "unpack", "unpack_arrays", "unpack_problem"]
+__all__ = ["pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
 WORDS = ("status", "message", "iterations", "seconds", "max_error", "method")
 
 
-class Outcome(NamedTuple):
-    """What a worker hands back."""
-
-    message: str  # one sentence
-    content: Optional[bytes]  # packed result, None if there is none
-    stopped: bool = False  # it ended early because that was wanted
+def pack_problem(problem: CGCProblem) -> bytes:
+    """Return a problem as bytes."""
+    return _pack(_arrays_of(problem), _words_of(problem))
 
 
-def pack(problem: CGCProblem, names: Names, name: str, solution: Solution, report: dict) -> bytes:
-    """Return a solved problem without its dummies, how it was solved, and a report as bytes."""
-    real = problem.without_dummies()
-    words = {**{word: getattr(solution, word) for word in WORDS}, "name": name, "report": report}
-    file = io.BytesIO()
-    np.savez(
-        file,
-        vertices=solution.vertices[problem.roles != DUMMY],
-        faces=real.faces,
-        keys=names.vertices[problem.roles != DUMMY],
-        face_keys=names.faces[problem.real_faces],
-        roles=real.roles.astype(np.int8),
-        target=real.targets,
-        s=real.s,
-        e=real.e,
-        creases=real.creases,
-        words=np.frombuffer(json.dumps(words).encode(), dtype=np.uint8),
-        **{f"history_{name}": values for name, values in solution.history._asdict().items()},
+def unpack_problem(content: bytes) -> CGCProblem:
+    """Return the problem of :func:`pack_problem`."""
+    return _problem_of(*_unpack(content))
+
+
+def pack_result(result: SolveResult, report: dict) -> bytes:
+    """Return a result and a report of plain data as bytes."""
+    words = {word: getattr(result, word) for word in WORDS}
+    words.update(_words_of(result.problem), settings=_settings_data(result.settings), report=report)
+    history = {f"history_{name}": values for name, values in result.history._asdict().items()}
+    return _pack({**_arrays_of(result.problem), **history}, words)
+
+
+def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
+    """Return the result and the report of :func:`pack_result`."""
+    arrays, words = _unpack(content)
+    history = History(*(arrays[f"history_{name}"] for name in History._fields))
+    settings = _settings_of(words.get("settings"))
+    result = SolveResult(_problem_of(arrays, words), **{word: words[word] for word in WORDS}, history=history, settings=settings)
+    return result, words["report"]
+
+
+# What older versions stored can still be read: the names of arrays and words are theirs.
+
+
+def _arrays_of(problem: CGCProblem) -> dict[str, np.ndarray]:
+    return {
+        "vertices": problem.vertices,
+        "faces": problem.faces,
+        "keys": problem.names.vertices,
+        "face_keys": problem.names.faces,
+        "roles": problem.roles.astype(np.int8),
+        "target": problem.targets,
+        "s": problem.s,
+        "e": problem.e,
+        "creases": problem.creases,
+    }
+
+
+def _words_of(problem: CGCProblem) -> dict[str, Any]:
+    return {**problem.drawing._asdict(), "constraints": [constraint_data(own) for own in problem.constraints]}
+
+
+def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> CGCProblem:
+    return CGCProblem(
+        arrays["vertices"],
+        arrays["faces"],
+        arrays["roles"],
+        targets=arrays["target"],
+        s=arrays["s"],
+        e=arrays["e"],
+        creases=arrays["creases"],
+        constraints=words.get("constraints", ()),
+        names=Names(arrays["keys"], arrays["face_keys"]),
+        drawing=Drawing(words["name"], words.get("units"), words.get("tolerance")),
     )
+
+
+def _settings_data(settings: object) -> Optional[list]:
+    return None if not isinstance(settings, Settings) else [method_of(settings), asdict(settings)]
+
+
+def _settings_of(data: Optional[list]) -> Optional[Settings]:
+    # A method may be gone since.
+    return settings_for(*data) if data and data[0] in method_names() else None
+
+
+def _pack(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> bytes:
+    file = io.BytesIO()
+    named: dict[str, Any] = {**arrays, "words": np.frombuffer(json.dumps(words).encode(), dtype=np.uint8)}
+    np.savez(file, **named)
     return file.getvalue()
 
 
-def unpack_arrays(content: bytes) -> tuple[dict[str, np.ndarray], dict]:
-    """Return the arrays and the words of :func:`pack` by their names there."""
+def _unpack(content: bytes) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     with np.load(io.BytesIO(content), allow_pickle=False) as file:
-        data = {name: file[name] for name in file.files}
-    return data, json.loads(data.pop("words").tobytes())
-
-
-def unpack(content: bytes) -> tuple[SolveResult, dict]:
-    """Return the result and the report of :func:`pack`."""
-    data, words = unpack_arrays(content)
-    history = History(*(data[f"history_{name}"] for name in History._fields))
-    mesh = _mesh(data)
-    mesh.name = words["name"]
-    return SolveResult(mesh, **{word: words[word] for word in WORDS}, history=history), words["report"]
-
-
-def unpack_problem(content: bytes) -> tuple[CGCProblem, dict]:
-    """Return the solved problem and the words of :func:`pack`."""
-    from ...model.problem import CGCProblem
-
-    data, words = unpack_arrays(content)
-    return CGCProblem(*(data[name] for name in ("vertices", "faces", "roles", "target", "s", "e", "creases"))), words
-
-
-def _mesh(data: dict) -> CGCMesh:
-    from ...datastructures import CGCMesh
-
-    keys = data["keys"].tolist()
-    faces = data["keys"][data["faces"]].tolist()
-    mesh = CGCMesh.from_vertices_and_faces(dict(zip(keys, data["vertices"].tolist())), dict(zip(data["face_keys"].tolist(), faces)))
-    for edge in data["keys"][data["creases"]].tolist():
-        mesh.edge_attribute(tuple(edge), "is_crease", True)
-    columns = [data[name].tolist() for name in ("roles", "target", "s", "e")]
-    for key, role, target, s, e in zip(keys, *columns):
-        values = {"target": target, "s": s, "e": e}
-        mesh.vertex[key].update(role=ROLES[role], **{name: value for name, value in values.items() if value == value})
-    return mesh
+        arrays = {name: file[name] for name in file.files}
+    return arrays, json.loads(arrays.pop("words").tobytes())

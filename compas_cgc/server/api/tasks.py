@@ -1,34 +1,32 @@
-"""What the workers do: solve a request, and tell how far it is."""
+"""Tasks of the workers: solve a request, and tell how far it is."""
 
 from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Callable
 
-import numpy as np
-
-from ..errors import RequestProblem
+from ...analysis import analyse
+from ...datastructures import SolveResult
+from ...model.checks import check
+from ...model.result import SolveState
+from ...solvers.registry import METHODS
+from ...solvers.run import solve
+from ..errors import Gone
+from ..errors import RequestError
+from ..jobs.worker import JobOutput
 from ..jobs.worker import report
 from ..jobs.worker import stop_wanted
 from ..limits import Limits
-from .decoding import check_size
-from .decoding import read_json
-from .options import Asked
-from .options import read_asked
-from .requests import Given
-from .requests import given_mesh
-from .requests import read_accepted
-from .serialization import Outcome
-from .serialization import pack
+from .requests import READERS
+from .requests import SolveRequest
+from .serialization import pack_result
 
-if TYPE_CHECKING:
-    from ...model.result import SolveState
-
-__all__ = ["Progress", "solve_job", "warm_up"]
+__all__ = ["Progress", "run_request", "solve_job", "warm_up"]
 
 INTERVAL = 0.1  # seconds between two reports
+FIGURES = ("step", "steps", "energy", "error_norm", "max_error", "seconds")
 
 
 class Progress:
@@ -49,7 +47,7 @@ class Progress:
         now = time.monotonic()
         if now - self.last >= INTERVAL:
             self.last = now
-            figures = {name: getattr(state, name) for name in ("step", "steps", "energy", "error_norm", "max_error", "seconds")}
+            figures = {name: getattr(state, name) for name in FIGURES}
             news: dict = {name: value if math.isfinite(value) else None for name, value in figures.items()}
             if self.live:
                 news["surface"] = state.vertices.astype("<f4").tobytes()
@@ -57,70 +55,56 @@ class Progress:
         return stop_wanted()
 
 
-def solve_job(kind: str, options: dict, body: bytes, limits: Limits) -> Outcome:
+def run_request(request: SolveRequest) -> SolveResult:
+    """Solve a request and report on the way."""
+    return solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
+
+
+def solve_job(
+    kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Callable[[dict, bytes, Limits], SolveRequest]] = READERS
+) -> JobOutput:
     """Solve a request.
 
     Parameters
     ----------
     kind
-        ``"arrays"``, ``"compas"``, ``"hops"``, ``"3dm"`` or ``"obj"``.
+        What the body is, one of the readers.
     options
         What a file cannot say.
     body
         The request, accepted.
     limits
         Those of the server.
+    readers
+        Make a request of options, body and limits, by kind.
     """
-    from ...analysis import analyse_problem
-    from ...model.checks import check
-    from ...solvers.solve import solve_problem
-
     report({"step": 0})
     try:
-        given, asked = _read(kind, options, body, limits)
-        problem = asked.put_on(given.problem, given.names)
-        constraints = (*given.constraints, *asked.constraints)
-        solution = solve_problem(problem, asked.method, asked.method_settings(), Progress(asked.live), constraints, given.names)
-    except (RequestProblem, ValueError) as error:
-        return Outcome(str(error), None)
-    if not np.isfinite(solution.vertices).all():
-        return Outcome("the solve ended with coordinates that are no numbers; check the scale of the mesh and its targets", None)
-    findings: dict = {"notes": list(given.notes)}
-    # Who cancels does not want to wait for an analysis.
-    if solution.status != "cancelled":
-        if solution.status != "converged":
-            findings["notes"] += [str(said) for said in check(problem, given.names)]
-        findings.update(analyse_problem(replace(problem, vertices=solution.vertices), problem.without_dummies().vertices).to_dict())
-    content = pack(problem, given.names, given.name, solution, findings)
-    return Outcome(solution.message, content, solution.status == "cancelled")
+        if kind not in readers:
+            raise Gone("the request was stored by another version of the server; submit the job again")
+        request = readers[kind](options, body, limits)
+        result = run_request(request)
+    except (RequestError, ValueError) as error:
+        return JobOutput(str(error))
+    return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled")
 
 
-def _read(kind: str, options: dict, body: bytes, limits: Limits) -> tuple[Given, Asked]:
-    if kind in ("arrays", "compas"):
-        return read_accepted(kind, body, limits)
-    if kind == "hops":
-        from ..hops.data_tree import read_values
-        from ..hops.endpoints import ENDPOINTS
-        from ..hops.inputs import given_with_targets
-
-        request = read_json(body, limits)
-        return given_with_targets(read_values(ENDPOINTS["cgc/solve"], request["values"]), {**request["context"], "limits": limits})
-    from .mesh_files import read_upload
-
-    mesh, notes = read_upload(kind, body)
-    check_size(mesh.number_of_vertices(), mesh.number_of_faces(), limits)
-    return given_mesh(mesh, notes), read_asked(options, mesh.number_of_vertices(), limits)
+def _report(request: SolveRequest, result: SolveResult) -> dict:
+    """Return the notes on a request and the analysis of its result; who cancels does not want to wait for one."""
+    notes = list(request.notes)
+    if result.status == "cancelled":
+        return {"notes": notes}
+    if not result.converged:
+        notes += [str(said) for said in check(request.problem)]
+    return {"notes": notes, **analyse(result, request.problem).to_dict()}
 
 
 def warm_up() -> None:
     """Compile the kernels of all methods on a small mesh, so that the first job does not wait for them."""
-    from ...analysis import analyse
     from ...datastructures import CGCMesh
-    from ...solvers.registry import METHODS
-    from ...solvers.solve import solve
 
     mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
     for method in METHODS:
-        analyse(solve(mesh, method).mesh)
+        analyse(solve(mesh, method=method))

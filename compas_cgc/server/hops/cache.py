@@ -1,4 +1,4 @@
-"""Answers that are given again when the same is asked again."""
+"""Cache of answers, least recently used first out."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values on the wire of Hops, in both directions."""
+"""Data trees of Grasshopper as Hops sends and reads them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import json
 import math
 from collections.abc import Iterable
 from decimal import Decimal
+from typing import Any
+from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -20,7 +22,7 @@ from .schema import RESULT_TYPES
 from .schema import Endpoint
 from .schema import Input
 
-__all__ = ["double_text", "entry", "finite_items", "read_values", "text_text"]
+__all__ = ["format_number", "entry", "finite_items", "read_values", "format_text"]
 
 
 def read_values(endpoint: Endpoint, values: object) -> dict:
@@ -86,7 +88,7 @@ def _read(own: Input, item: dict) -> object:
         except (ValueError, RecursionError):
             raise Unprocessable(f"{what} cannot be read as a {own.kind.lower()}; connect a {own.kind.lower()} to it") from None
     if own.kind == "Number":
-        value: object = number(data, what)
+        value: Any = number(data, what)
     elif own.kind == "Integer":
         value = whole(data, what)
     elif own.kind == "Boolean":
@@ -100,7 +102,8 @@ def _read(own: Input, item: dict) -> object:
             raise Unprocessable(f"{what} must be a {own.kind.lower()}")
         return data
     if (own.low is not None and value < own.low) or (own.high is not None and value > own.high):
-        raise Unprocessable(f"{what} must be between {own.low:g} and {own.high:g}, not {value:g}")
+        range = f"from {own.low:g} up" if own.high is None else f"between {own.low:g} and {own.high:g}"
+        raise Unprocessable(f"{what} must be {range}, not {value:g}")
     return value
 
 
@@ -119,10 +122,11 @@ def _text(data: object, what: str) -> str:
     return text
 
 
-def _point(data: object, what: str) -> tuple[float, float, float]:
+def _point(data: Any, what: str) -> tuple[float, float, float]:
     try:
         own = {str(name).lower(): value for name, value in data.items()}
-        return tuple(number(own[axis], f"{axis} of a point of {what}") for axis in "xyz")
+        x, y, z = (number(own[axis], f"{axis} of a point of {what}") for axis in "xyz")
+        return x, y, z
     except (AttributeError, KeyError):
         raise Unprocessable(f"{what} must hold points with X, Y and Z") from None
 
@@ -139,14 +143,15 @@ def entry(name: str, kind: str, items: Iterable[object]) -> dict:
     items
         Numbers, truths, texts, or geometry as text.
     """
-    write = {"Number": double_text, "Integer": str, "Boolean": lambda value: "true" if value else "false", "Text": text_text}.get(kind, str)
+    write = _WRITERS.get(kind, str)
     data = [{"type": RESULT_TYPES[kind], "data": write(item)} for item in items]
     return {"ParamName": name, "InnerTree": {"{0}": data} if data else {}}
 
 
-def double_text(value: float) -> str:
+def format_number(value: float) -> str:
     """Return a finite number as text without a decimal point, which Hops would read by the user's culture: 0.25 is 25E-2."""
-    sign, digits, exponent = Decimal(repr(float(value))).as_tuple()
+    sign, digits, power = Decimal(repr(float(value))).as_tuple()
+    exponent = int(power)
     text = "".join(map(str, digits))
     trimmed = text.rstrip("0")
     exponent += len(text) - len(trimmed)
@@ -157,7 +162,7 @@ def double_text(value: float) -> str:
     return f"{'-' * sign}{trimmed}" + (f"E{exponent}" if exponent else "")
 
 
-def text_text(value: str) -> str:
+def format_text(value: str) -> str:
     """Return a text as it is, in quotes when newer Hops would take it for a number, a truth or nothing."""
     try:
         scalar = not isinstance(json.loads(value), (dict, list))
@@ -171,3 +176,10 @@ def finite_items(values: np.ndarray) -> tuple[list[float], Optional[str]]:
     if np.isfinite(values).all() and (np.abs(values) <= LARGEST**3).all():
         return values.tolist(), None
     return [], "some vertices have no finite curvature, so none are put out; check the mesh for degenerate faces"
+
+
+_WRITERS: dict[str, Callable] = {
+    "Number": format_number,
+    "Boolean": lambda value: "true" if value else "false",
+    "Text": format_text,
+}

@@ -1,12 +1,20 @@
-"""The functions that Hops finds on the server."""
+"""Endpoints: the functions that Hops finds on the server, with the methods and options that are registered."""
 
 from __future__ import annotations
 
+from typing import Union
+
+from ...solvers.registry import METHODS
+from ...solvers.registry import method_names
+from ...solvers.registry import options
+from ...solvers.registry import owners
+from ...solvers.settings import AutoSettings
+from ...solvers.settings import Option
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
 
-__all__ = ["ENDPOINTS"]
+__all__ = ["OPTION_INPUTS", "endpoint", "endpoints"]
 
 
 def _icon(path: str, colour: str = "#b5482f") -> str:
@@ -16,30 +24,56 @@ def _icon(path: str, colour: str = "#b5482f") -> str:
     )
 
 
-MOST = 5000  # curves or points that are sought on the mesh one by one
+MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
+OPTION_INPUTS = {"S": ("S", "s"), "Delay": ("D", "delay"), "Tolerance": ("T", "tolerance")}  # nickname and option
 MESH = Input("Mesh", "M", "Mesh", "Start mesh; its normals point to where a surface of positive K rises.")
 K = Input("K", "K", "Number", "Gaussian curvature asked for, in 1 / (model unit)².", low=-1e9, high=1e9)
 SURFACE = Output("Mesh", "M", "Mesh", "Surface, coloured by the error of K: blue too small, red too large.")
 INFO = Output("Info", "I", "Text", "How the solve ended, and what the server did to the input.")
 ERROR = Output("Error", "E", "Number", "Largest error of K, in 1 / (model unit)².")
 
-SOLVE_INPUTS = (
+DRAWN_INPUTS = (
     MESH,
     Input("Supports", "P", "Point", "Points at the vertices that stay. Nothing: the whole edge stays.", many=True, optional=True),
-    Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, most=MOST, optional=True),
-    Input("K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, most=MOST, low=-1e9, high=1e9),
-    Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, most=MOST, optional=True),
-    Input("Method", "Me", "Text", "auto, flow, newton or projection. Defaults to auto.", default="auto"),
-    Input("S", "S", "Number", "Creases of the flow follow by this factor. Defaults to 0.8.", default=0.8, low=0.0, high=1.0),
-    Input("Delay", "D", "Integer", "First steps in which the creases of the flow wait. Defaults to 0.", default=0, low=0, high=100000),
+    Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, most=MAX_ITEMS, optional=True),
     Input(
-        "Tolerance", "T", "Number", "Largest error against the largest K. Defaults to 0: the method's own.", default=0.0, low=0.0, high=1.0
+        "K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, most=MAX_ITEMS, low=-1e9, high=1e9
     ),
+    Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, most=MAX_ITEMS, optional=True),
 )
 
-ENDPOINTS = {
-    endpoint.uri: endpoint
-    for endpoint in (
+
+def _method_input() -> Input:
+    *others, last = method_names()
+    return Input("Method", "Me", "Text", f"{', '.join(others)} or {last}. Defaults to {others[0]}.", default=others[0])
+
+
+def _option_input(name: str, nickname: str, option: str) -> Input:
+    own = options()[option]
+    default = _default(own)
+    kind = "Integer" if own.kind is int else "Number"
+    text = f"{own.summary} Defaults to {default:g}, which stands for the method's own."
+    return Input(name, nickname, kind, text, default=default, low=own.low, high=own.high)
+
+
+def _default(option: Option) -> Union[float, int]:
+    """Return what Hops sends where nothing is connected, which it cannot leave out."""
+    common = option.name in AutoSettings.options()
+    return 0.0 if common else getattr(METHODS[owners(option.name)[0]].settings(), option.name)
+
+
+def _solve_inputs() -> tuple[Input, ...]:
+    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()))
+
+
+def endpoint(uri: str) -> Endpoint:
+    """Return the function at a path such as ``cgc/dome``."""
+    return endpoints()[uri]
+
+
+def endpoints() -> dict[str, Endpoint]:
+    """Return all functions by their path."""
+    found = (
         Endpoint(
             "cgc/dome",
             "CGC Dome",
@@ -53,7 +87,7 @@ ENDPOINTS = {
             "CGC Solve",
             "Find the surface whose Gaussian curvature is the number asked for in each region between creases.",
             _icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
-            SOLVE_INPUTS,
+            _solve_inputs(),
             (SURFACE, INFO, ERROR),
         ),
         Endpoint(
@@ -85,7 +119,7 @@ ENDPOINTS = {
             "CGC Submit",
             "Start a solve that may take long and go on working; CGC Fetch brings the result.",
             _icon("M12 20V6M6 11L12 5L18 11"),
-            SOLVE_INPUTS,
+            _solve_inputs(),
             (Output("Job", "J", "Text", "Name of the job, for CGC Fetch."),),
         ),
         Endpoint(
@@ -105,4 +139,4 @@ ENDPOINTS = {
             ),
         ),
     )
-}
+    return {own.uri: own for own in found}

@@ -1,32 +1,39 @@
-"""The functions behind the components, run in the workers."""
+"""Functions behind the components, run in the workers."""
 
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
 
-from ..api.options import Asked
-from ..api.requests import Given
-from ..api.tasks import Progress
-from ..errors import RequestProblem
+from ...analysis import analyse
+from ...datastructures import SolveResult
+from ...discrete import gaussian_curvature
+from ...discrete import mean_curvature
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...meshing import vertex_labels
+from ...model.checks import check
+from ...model.problem import CGCProblem
+from ...solvers.flow import FlowSettings
+from ...solvers.registry import method_of
+from ..api.requests import SolveRequest
+from ..api.rhino_mesh import mesh_text
+from ..api.tasks import run_request
+from ..errors import RequestError
+from ..limits import Limits
 from .data_tree import entry
 from .data_tree import finite_items
 from .data_tree import read_values
-from .endpoints import ENDPOINTS
-from .geometry import mesh_text
-from .inputs import given_surface
-from .inputs import given_with_targets
-
-if TYPE_CHECKING:
-    from ...model.problem import CGCProblem
+from .endpoints import endpoint
+from .inputs import dome_request
+from .inputs import solve_inputs_request
 
 __all__ = ["Reply", "run_function", "surface_values"]
 
-MOST_TOLD = 20  # regions
+MAX_REGIONS = 20  # that the info tells of
 GOOD_ENOUGH = ("converged", "step_limit", "stalled")
 
 
@@ -40,84 +47,65 @@ class Reply(NamedTuple):
     spent: dict[str, float]  # seconds by part
 
 
-def run_function(uri: str, values: object, context: dict) -> Reply:
+def run_function(uri: str, values: object, context: dict, limits: Limits) -> Reply:
     """Run a function on the values of a request; what is wrong with them is told in the reply."""
     started = time.perf_counter()
     try:
-        inputs = read_values(ENDPOINTS[uri], values)
-        return FUNCTIONS[uri](inputs, context, started)
-    except RequestProblem as error:
+        return FUNCTIONS[uri](read_values(endpoint(uri), values), context, limits, started)
+    except RequestError as error:
         return Reply(error.status, [], [str(error)], [], {})
     except ValueError as error:
         return Reply(422, [], [str(error)], [], {})
 
 
-def _dome(inputs: dict, context: dict, started: float) -> Reply:
-    return _solved(given_surface(inputs, context), Asked(supports="boundary", targets=inputs["K"]), started)
+def _dome(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    return _solved(dome_request(inputs, context, limits, inputs["K"]), started)
 
 
-def _solve(inputs: dict, context: dict, started: float) -> Reply:
-    return _solved(*given_with_targets(inputs, context), started)
+def _solve(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    return _solved(solve_inputs_request(inputs, context, limits), started)
 
 
-def _solved(given: Given, asked: Asked, started: float) -> Reply:
-    from ...model.checks import check
-    from ...solvers import solve as solver
-
-    problem = asked.put_on(given.problem, given.names)
+def _solved(request: SolveRequest, started: float) -> Reply:
     read = time.perf_counter()
-    solution = solver.solve_problem(problem, asked.method, asked.method_settings(), Progress(), (), given.names)
+    result = run_request(request)
     solved = time.perf_counter()
-    notes = list(given.notes)
-    if solution.status not in GOOD_ENOUGH:
-        return Reply(422, [], [solution.message], notes, _spent(started, read, solved))
-    remarks = [] if solution.status == "converged" else [str(said) for said in check(problem, given.names)]
-    warnings = [] if solution.status == "converged" else [solution.message, *remarks]
-    info = "\n".join([f"{solution.message} ({solution.seconds:.2f} s)", *notes, *remarks])
-    return Reply(200, surface_values(problem, solution.vertices, info, solution.max_error), [], warnings, _spent(started, read, solved))
+    notes = list(request.notes)
+    if result.status not in GOOD_ENOUGH:
+        return Reply(422, [], [result.message], notes, _spent(started, read, solved))
+    remarks = [] if result.converged else [str(said) for said in check(request.problem)]
+    warnings = [] if result.converged else [result.message, *remarks]
+    info = "\n".join([f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
+    return Reply(200, surface_values(result, info), [], warnings, _spent(started, read, solved))
 
 
-def _flow(inputs: dict, context: dict, started: float) -> Reply:
-    from ...model.checks import check
-    from ...model.checks import refuse
-    from ...solvers.flow import FlowSettings
-    from ...solvers.flow import flow
-
-    given = given_surface(inputs, context)
-    problem = Asked(supports="boundary", targets=inputs["K"]).put_on(given.problem, given.names)
-    refuse(check(problem, given.names))
+def _flow(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    request = dome_request(inputs, context, limits, inputs["K"])
     read = time.perf_counter()
-    solution = flow(problem, FlowSettings(steps=inputs["Steps"]), Progress())
+    settings = FlowSettings(steps=inputs["Steps"], finish=False)
+    result = run_request(request._replace(method=method_of(settings), settings=settings))
     solved = time.perf_counter()
     # Steps that were asked for and taken are no failure.
-    warnings = [] if solution.status in ("converged", "step_limit") else [solution.message]
-    values = surface_values(problem, solution.vertices, "\n".join([solution.message, *given.notes]), solution.max_error)
+    warnings = [] if result.status in ("converged", "step_limit") else [result.message]
+    values = surface_values(result, "\n".join([result.message, *request.notes]))
     return Reply(200, values, [], warnings, _spent(started, read, solved))
 
 
-def _analyse(inputs: dict, context: dict, started: float) -> Reply:
-    from ...analysis import analyse_problem
-    from ...discrete import gaussian_curvature
-    from ...discrete import mean_curvature
-
-    given, target = given_surface(inputs, context), inputs["Target"]
-    problem = Asked(supports="boundary", targets=target).put_on(given.problem, given.names)
+def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    target = inputs["Target"]
+    problem, *_, notes = dome_request(inputs, context, limits, target)
     read = time.perf_counter()
     vertices, faces, asked = problem.vertices, problem.faces, problem.asked
     K, H = (np.where(asked, values, 0.0) for values in (gaussian_curvature(vertices, faces), mean_curvature(vertices, faces)))
-    report = str(analyse_problem(problem))
+    report = str(analyse(problem))
     measured = time.perf_counter()
-    warnings = []
-    columns = []
-    for values in (K, H):
-        items, warning = finite_items(values)
-        columns.append(items)
-        warnings += [warning] if warning and warning not in warnings else []
+    columns, found = zip(*(finite_items(values) for values in (K, H)))
+    warnings = list(dict.fromkeys(filter(None, found)))
     values = [
         entry("Mesh", "Mesh", [_coloured(vertices, faces, np.where(asked, K - target, np.nan), target)]),
         entry("K", "Number", columns[0]),
         entry("H", "Number", columns[1]),
-        entry("Info", "Text", ["\n".join([report, *given.notes])]),
+        entry("Info", "Text", ["\n".join([report, *notes])]),
     ]
     return Reply(200, values, [], warnings, _spent(started, read, measured))
 
@@ -125,28 +113,24 @@ def _analyse(inputs: dict, context: dict, started: float) -> Reply:
 FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse}
 
 
-def surface_values(problem: CGCProblem, vertices: np.ndarray, info: str, error: float) -> list[dict]:
+def surface_values(result: SolveResult, info: str) -> list[dict]:
     """Return the outputs Mesh, Info and Error; the regions are told of at the end of the info."""
-    from ...discrete import gaussian_curvature
-
-    K = gaussian_curvature(vertices, problem.faces)
-    missed = np.where(problem.asked, K - problem.targets, np.nan)
+    problem = result.problem
+    missed = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces) - problem.targets, np.nan)
     return [
-        entry("Mesh", "Mesh", [_coloured(vertices, problem.faces, missed, problem.target_scale)]),
+        entry("Mesh", "Mesh", [_coloured(problem.vertices, problem.faces, missed, problem.target_scale)]),
         entry("Info", "Text", ["\n".join([info, *_regions(problem, missed)])]),
-        entry("Error", "Number", [error] if np.isfinite(error) else []),
+        entry("Error", "Number", [result.max_error] if np.isfinite(result.max_error) else []),
     ]
 
 
-def _regions(problem: CGCProblem, missed: np.ndarray) -> list[str]:
+def _regions(problem: CGCProblem, missed: FloatArray) -> list[str]:
     """Return a line on each region: what is asked for there, and by how much it is missed."""
-    from ...meshing import vertex_labels
-
     label = problem.regions()
     region = vertex_labels(len(problem.vertices), problem.faces, label)
     count = int(label.max(initial=-1)) + 1
     lines = []
-    for number in range(min(count, MOST_TOLD)):
+    for number in range(min(count, MAX_REGIONS)):
         own = problem.asked & (region == number)
         if not own.any():
             lines.append(f"region {number}: {(label == number).sum()} triangles, no internal vertex")
@@ -154,10 +138,10 @@ def _regions(problem: CGCProblem, missed: np.ndarray) -> list[str]:
         low, high = problem.targets[own].min(), problem.targets[own].max()
         asked = f"{low:.6g}" if low == high else f"{low:.6g} to {high:.6g}"
         lines.append(f"region {number}: {(label == number).sum()} triangles, K̄ {asked}, largest |K - K̄| {np.abs(missed[own]).max():.3g}")
-    return [*lines, *([f"and {count - MOST_TOLD} more regions"] if count > MOST_TOLD else [])]
+    return [*lines, *([f"and {count - MAX_REGIONS} more regions"] if count > MAX_REGIONS else [])]
 
 
-def _coloured(vertices: np.ndarray, faces: np.ndarray, missed: np.ndarray, scale: Optional[float]) -> str:
+def _coloured(vertices: FloatArray, faces: IntArray, missed: FloatArray, scale: Optional[float]) -> str:
     """Return the mesh coloured by its error; errors that nobody can see stay white."""
     size = np.abs(missed[np.isfinite(missed)]).max(initial=0.0)
     return mesh_text(vertices, faces, missed, max(float(size), 1e-3 * abs(scale or 0.0)) or 1.0)

@@ -1,19 +1,15 @@
-"""Rhino geometry on the wire, decoded with suspicion."""
+"""Decoding of Rhino geometry; headers and limits are checked first."""
 
 from __future__ import annotations
 
-import json
-from typing import Optional
+from typing import Any
 
 import numpy as np
 
 from ...discrete.arrays import FloatArray
-from ...discrete.arrays import IntArray
-from ...io.rhino.colours import signed_colours
 from ...io.rhino.curves import curve_points
-from ...io.rhino.meshes import coloured
-from ...io.rhino.meshes import mesh_from_arrays
 from ...io.rhino.meshes import mesh_to_arrays
+from ...io.rhino.precision import rounding_of
 from ...io.rhino.sketch import Part
 from ..api.decoding import LARGEST
 from ..errors import TooLarge
@@ -22,7 +18,7 @@ from ..limits import Limits
 from .opennurbs_header import CURVES
 from .opennurbs_header import read_head
 
-__all__ = ["mesh_text", "read_curve", "read_mesh"]
+__all__ = ["read_curve", "read_mesh"]
 
 
 def read_mesh(data: dict, name: str, limits: Limits) -> Part:
@@ -48,8 +44,7 @@ def read_mesh(data: dict, name: str, limits: Limits) -> Part:
         raise Unprocessable(f"input '{name}' has vertices with coordinates that are no finite numbers; mesh it again")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise Unprocessable(f"input '{name}' has faces with vertices that do not exist; mesh it again")
-    single = not geometry.Vertices.UseDoublePrecisionVertices
-    rounding = float(np.abs(vertices).max()) * 2.0**-24 if single else 0.0
+    rounding = rounding_of(vertices, geometry.Vertices.UseDoublePrecisionVertices)
     return Part(f"input '{name}'", vertices, faces, rounding, None, {})
 
 
@@ -66,32 +61,14 @@ def read_curve(data: dict, name: str, tolerance: float) -> FloatArray:
     return points
 
 
-def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray] = None, limit: float = 1.0) -> str:
-    """Return a mesh as Hops reads it.
-
-    Parameters
-    ----------
-    vertices, faces
-        ``(n, 3)`` [L] and ``(m, 3)``.
-    values
-        ``(n,)`` numbers to colour the vertices by, from -limit (blue) to limit (red), grey for NaN.
-    limit
-        Largest value.
-    """
-    mesh = mesh_from_arrays(vertices, faces)
-    if values is not None:
-        mesh = coloured(mesh, signed_colours(values, limit))
-    return json.dumps(mesh.Encode())
-
-
-def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], mend: str) -> object:
+def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], hint: str) -> Any:
     """Return geometry of one of some classes; others are not even decoded, damaged ones can take minutes."""
     import rhino3dm
 
     head = read_head(data.get("data"))
     if head is not None and head.name not in classes:
-        raise Unprocessable(f"input '{name}' is {'an' if head.name[0] in 'AEo' else 'a'} {head.name}, not a {kind}; {mend}")
-    geometry = None
+        raise Unprocessable(f"input '{name}' is {'an' if head.name[0] in 'AEo' else 'a'} {head.name}, not a {kind}; {hint}")
+    geometry: Any = None
     if head is not None:
         try:
             # Some clients write the numbers as texts.

@@ -1,46 +1,52 @@
-"""What is connected to the inputs of a solve, as a mesh with what is asked of it."""
+"""Inputs of a solve as drawn on the canvas, turned into a request."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
-from ...errors import CGCError
+from ...io.reading import ReadProblem
 from ...io.rhino.assemble import assemble
 from ...io.rhino.sketch import Drawn
-from ..api.options import Asked
-from ..api.options import read_asked
-from ..api.requests import Given
+from ..api.decoding import read_json
+from ..api.requests import SolveRequest
+from ..api.requests import solve_request
 from ..errors import Unprocessable
 from ..limits import Limits
-from .endpoints import SOLVE_INPUTS
+from .data_tree import read_values
+from .endpoints import OPTION_INPUTS
+from .endpoints import endpoint
 from .geometry import read_curve
 from .geometry import read_mesh
 
-if TYPE_CHECKING:
-    from ...io.rhino.model import Model3dm
-
-__all__ = ["given_surface", "given_with_targets"]
-
-DEFAULTS = {own.name: own.default for own in SOLVE_INPUTS}
+__all__ = ["dome_request", "read_hops_request", "solve_inputs_request"]
 
 
-def given_surface(inputs: dict, context: dict) -> Given:
-    """Return the mesh of the input Mesh, welded and triangulated."""
-    return _given(_assembled({"Mesh": inputs["Mesh"]}, context))
+def read_hops_request(options: dict, body: bytes, limits: Limits) -> SolveRequest:
+    """Return the request of ``cgc/submit``, whose values and context were stored as JSON."""
+    request: Any = read_json(body, limits)
+    return solve_inputs_request(read_values(endpoint("cgc/solve"), request["values"]), request["context"], limits)
 
 
-def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
-    """Return the mesh with what is drawn on it, and what is asked of it.
+def dome_request(inputs: dict, context: dict, limits: Limits, K: float, **options: object) -> SolveRequest:
+    """Return the request for a surface of one curvature over the edge of the input Mesh, welded and triangulated."""
+    read = _assembled({"Mesh": inputs["Mesh"]}, context, limits)
+    return solve_request(read.checked(), {"supports": "boundary", "targets": K, **options}, limits, _notes(read))
+
+
+def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRequest:
+    """Return the request of the inputs of ``cgc/solve``.
 
     Parameters
     ----------
     inputs
-        Of ``cgc/solve``, by name.
+        By name.
     context
-        ``modelunits`` and ``absolutetolerance`` of the document [L], ``limits`` of the server.
+        ``modelunits`` and ``absolutetolerance`` of the document [L].
+    limits
+        Those of the server.
 
     Raises
     ------
@@ -52,42 +58,30 @@ def given_with_targets(inputs: dict, context: dict) -> tuple[Given, Asked]:
         raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
-    model = _assembled(inputs, context)
-    return _given(model), _asked(inputs, len(model.vertices), context["limits"])
+    read = _assembled(inputs, context, limits)
+    return solve_request(read.checked(), _options(inputs), limits, _notes(read))
 
 
-def _asked(inputs: dict, count: int, limits: Limits) -> Asked:
-    asked: dict = {"method": inputs["Method"], "settings": {}}
+def _options(inputs: Mapping[str, Any]) -> dict:
+    """Return what is asked besides what is drawn, as options of a request."""
+    defaults = {own.name: own.default for own in endpoint("cgc/solve").inputs}
+    # Hops sends the defaults of its inputs too; they are nobody's wish.
+    given = {option: inputs[name] for name, (_, option) in OPTION_INPUTS.items() if inputs[name] != defaults[name]}
+    options: dict = {"method": inputs["Method"], "settings": given}
     if not inputs["Supports"]:
-        asked["supports"] = "boundary"
+        options["supports"] = "boundary"
     if not inputs["At"]:
-        asked["targets"] = inputs["K"][0]
-    if inputs["Tolerance"] > 0:
-        asked["settings"]["tolerance"] = inputs["Tolerance"]
-    if (inputs["S"], inputs["Delay"]) != (DEFAULTS["S"], DEFAULTS["Delay"]):
-        asked["settings"].update(s=inputs["S"], e=inputs["Delay"])
-        asked["method"] = "flow" if asked["method"] == "auto" else asked["method"]
-    elif asked["method"] == "auto" and asked["settings"]:
-        raise Unprocessable("input 'Tolerance' belongs to a method; set Method to flow, newton or projection too")
-    return read_asked(asked, count, limits)
+        options["targets"] = inputs["K"][0]
+    return options
 
 
-def _given(model: Model3dm) -> Given:
-    """Return a model as arrays: a mesh of COMPAS in between would take half of the time."""
-    from ...model import posing
-    from ...model.checks import Names
-    from ...model.problem import CGCProblem
-
-    problem = posing.set_creases(CGCProblem(model.vertices, model.faces), model.creases)
-    problem = posing.set_supports(problem, model.supports.tolist())
-    names = Names(np.arange(len(model.vertices)), np.arange(len(model.faces)))
-    # What the model lacks is said by the check of the solve, in the words of the inputs.
-    notes = [note for note in model.notes if "no support" not in note]
-    return Given(replace(problem, targets=model.targets), names, model.name, notes)
+def _notes(read: ReadProblem) -> list[str]:
+    # What the mesh lacks is said by the check of the solve, in the words of the inputs.
+    return [note for note in read.notes if "no support" not in note]
 
 
-def _assembled(inputs: dict, context: dict) -> Model3dm:
-    part = read_mesh(inputs["Mesh"], "Mesh", context["limits"])
+def _assembled(inputs: dict, context: dict, limits: Limits) -> ReadProblem:
+    part = read_mesh(inputs["Mesh"], "Mesh", limits)
     supports = np.array(inputs.get("Supports") or [], dtype=np.float64).reshape(-1, 3)
     curves = inputs.get("Creases") or []
     places = inputs.get("At") or []
@@ -103,7 +97,7 @@ def _assembled(inputs: dict, context: dict) -> Model3dm:
         named = enumerate(zip(inputs["K"], places))
         return [Drawn(f"point {i} of input 'At'", "point", np.array([place]), K, {}) for i, (K, place) in named]
 
-    model = assemble(
+    return assemble(
         "mesh",
         [part],
         support,
@@ -113,6 +107,3 @@ def _assembled(inputs: dict, context: dict) -> Model3dm:
         context["modelunits"],
         context["absolutetolerance"],
     )
-    if model.problems:
-        raise CGCError("; ".join(model.problems))
-    return model

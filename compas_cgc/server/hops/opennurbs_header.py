@@ -1,9 +1,10 @@
-"""What an object of Rhino is, read from its archive without decoding it."""
+"""Header of an openNURBS archive: what an object is, read without decoding it."""
 
 from __future__ import annotations
 
 import base64
 import struct
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 from uuid import UUID
@@ -38,7 +39,7 @@ class Head(NamedTuple):
     faces: int  # of a mesh
 
 
-def read_head(archive: object) -> Optional[Head]:
+def read_head(archive: Any) -> Optional[Head]:
     """Return what an object in base64 says of itself, None if it is no archive of one."""
     try:
         head = base64.b64decode(archive[:_LENGTH])

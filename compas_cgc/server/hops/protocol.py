@@ -1,16 +1,17 @@
-"""The outside of a request: which function, in what units, whatever client wrote it."""
+"""Protocol of Hops: which function a request names and in what units, whatever client wrote it."""
 
 from __future__ import annotations
 
 import base64
 import binascii
+from typing import Any
 from urllib.parse import urlsplit
 
 from ..api.decoding import read_json
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..limits import Limits
-from .endpoints import ENDPOINTS
+from .endpoints import endpoints
 
 __all__ = ["context_of", "known", "read_body", "uri_of"]
 
@@ -46,7 +47,7 @@ def uri_of(body: dict) -> str:
         except (binascii.Error, ValueError):
             pointer = None
     if not isinstance(pointer, str) or not pointer:
-        raise NotFound(f"the request names no function; there are {', '.join(ENDPOINTS)}")
+        raise NotFound(f"the request names no function; there are {', '.join(endpoints())}")
     return known(_path(pointer))
 
 
@@ -59,18 +60,19 @@ def known(path: str) -> str:
         With what there is.
     """
     uri = path.strip("/").lower()
-    if uri not in ENDPOINTS:
-        raise NotFound(f"there is no function {uri[:60]!r}; there are {', '.join(ENDPOINTS)}")
+    if uri not in endpoints():
+        raise NotFound(f"there is no function {uri[:60]!r}; there are {', '.join(endpoints())}")
     return uri
 
 
 def context_of(body: dict) -> dict:
     """Return units and tolerance of the document [L], ``""`` and 0 where they are unknown."""
-    units, tolerance = body.get("modelunits"), body.get("absolutetolerance")
-    number = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool)
+    units: Any = body.get("modelunits")
+    tolerance: Any = body.get("absolutetolerance")
+    known = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool) and 0 < tolerance < 1e12
     return {
         "modelunits": units[:40] if isinstance(units, str) and units.isascii() else "",
-        "absolutetolerance": float(tolerance) if number and 0 < tolerance < 1e12 else 0.0,
+        "absolutetolerance": float(tolerance) if known else 0.0,
     }
 
 

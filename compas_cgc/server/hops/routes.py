@@ -1,4 +1,4 @@
-"""The addresses that Hops and McNeel's compute clients call."""
+"""Routes of Hops and McNeel's compute clients."""
 
 from __future__ import annotations
 
@@ -11,20 +11,19 @@ from flask import g
 from flask import request
 from flask.blueprints import BlueprintSetupState
 
-from ..api.blocking_calls import in_worker
 from ..api.blocking_calls import jobs
-from ..api.replies import respond
-from ..api.serialization import unpack_problem
-from ..errors import RequestProblem
+from ..api.blocking_calls import run_in_worker
+from ..api.responses import respond
+from ..api.serialization import unpack_result
+from ..errors import RequestError
 from ..errors import Unprocessable
 from ..errors import error_body
-from ..page import index
-from ..page import wants_page
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
 from .data_tree import read_values
-from .endpoints import ENDPOINTS
+from .endpoints import endpoint
+from .endpoints import endpoints
 from .functions import Reply
 from .functions import run_function
 from .functions import surface_values
@@ -33,40 +32,37 @@ from .protocol import known
 from .protocol import read_body
 from .protocol import uri_of
 
-__all__ = ["hops"]
+__all__ = ["hops", "list_functions"]
 
-KEPT = 64 * 2**20  # bytes of answers that are kept to be given again
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse")  # the same question has the same answer
+CACHE_SIZE = 64 * 2**20  # bytes of answers in the cache
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse")  # the same request has the same answer
 
 hops = Blueprint("hops", __name__)
 
 
 @hops.record
 def _set_up(state: BlueprintSetupState) -> None:
-    state.app.extensions["hops_answers"] = Answers(KEPT)
+    state.app.extensions["hops_answers"] = Answers(CACHE_SIZE)
 
 
-@hops.get("/")
-def functions() -> Response:
-    """List the functions; a browser gets the page."""
-    answer = index() if wants_page() else respond([endpoint.describe() for endpoint in ENDPOINTS.values()])
-    answer.headers["Vary"] = "Accept"
-    return answer
+def list_functions() -> Response:
+    """Describe all functions."""
+    return respond([own.describe() for own in endpoints().values()])
 
 
 @hops.get("/cgc/<name>", strict_slashes=False)
 @hops.get("/cgc/<name>/", strict_slashes=False)
 def describe(name: str) -> Response:
     """Describe a function."""
-    return respond(ENDPOINTS[known(f"cgc/{name}")].describe())
+    return respond(endpoint(known(f"cgc/{name}")).describe())
 
 
 @hops.route("/io", methods=["GET", "POST"])
 def io() -> Response:
     """Describe a function named in the request."""
     if request.method != "POST":
-        return respond(ENDPOINTS[uri_of({"pointer": request.args.get("pointer")})].describe())
-    return respond(ENDPOINTS[uri_of(_body())].describe())
+        return respond(endpoint(uri_of({"pointer": request.args.get("pointer")})).describe())
+    return respond(endpoint(uri_of(_body())).describe())
 
 
 @hops.post("/solve")
@@ -89,15 +85,16 @@ def solve(prefix: str = "") -> Response:
         elif uri == "cgc/fetch":
             reply = _fetch(values)
         else:
-            reply = in_worker(
+            reply = run_in_worker(
                 run_function,
                 uri,
                 values,
-                {**context, "limits": current_app.config["LIMITS"]},
-                mend="use /cgc/submit and /cgc/fetch for long ones",
+                context,
+                current_app.config["LIMITS"],
+                hint="use /cgc/submit and /cgc/fetch for long ones",
             )
-    except RequestProblem as problem:
-        reply = Reply(problem.status, [], [str(problem)], [], {})
+    except RequestError as error:
+        reply = Reply(error.status, [], [str(error)], [], {})
     g.spent = reply.spent
     message = reply.errors[0] if reply.errors else ""
     answer = {"message": message, "pointer": uri, "values": reply.values, "errors": reply.errors, "warnings": reply.warnings}
@@ -108,14 +105,14 @@ def solve(prefix: str = "") -> Response:
 
 
 def _submit(values: object, context: dict) -> Reply:
-    read_values(ENDPOINTS["cgc/submit"], values)
+    read_values(endpoint("cgc/submit"), values)
     body = json.dumps({"values": values, "context": context}).encode()
     job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=request.remote_addr or "")
     return Reply(200, [entry("Job", "Text", [job.id])], [], [], {})
 
 
 def _fetch(values: object) -> Reply:
-    inputs = read_values(ENDPOINTS["cgc/fetch"], values)
+    inputs = read_values(endpoint("cgc/fetch"), values)
     job = jobs().get(inputs["Job"])
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     if not job.over:
@@ -124,10 +121,10 @@ def _fetch(values: object) -> Reply:
         return _state(202, [], False, step / steps if steps else 0.0, told)
     if job.state != "succeeded":
         raise Unprocessable(f"the job was {job.state}: {job.message}" if job.state == "cancelled" else str(job.message))
-    problem, words = unpack_problem(jobs().result(job.id))
-    mesh = surface_values(problem, problem.vertices, "", words["max_error"])[0]
-    reply = _state(200, [], True, 1.0, "\n".join([words["message"], *words["report"]["notes"]]))
-    warnings = [] if words["status"] == "converged" else [words["message"]]
+    result, report = unpack_result(jobs().result(job.id))
+    mesh = surface_values(result, "")[0]
+    reply = _state(200, [], True, 1.0, "\n".join([result.message, *report["notes"]]))
+    warnings = [] if result.converged else [result.message]
     return reply._replace(values=[mesh, *reply.values[1:]], warnings=warnings)
 
 

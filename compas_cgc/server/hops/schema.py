@@ -1,4 +1,4 @@
-"""What Hops is told about a function."""
+"""Schema of a component: the inputs and outputs that Hops shows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The job engine: accepts, runs, follows, keeps."""
+"""Job engine: a queue of solves with their progress, results and cancellation."""
 
 from __future__ import annotations
 
@@ -11,33 +11,39 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from concurrent.futures import Executor
 from concurrent.futures import Future
 from typing import Callable
+from typing import NamedTuple
 from typing import Optional
 
-from ..api.tasks import solve_job
 from ..errors import Busy
 from ..errors import Conflict
 from ..errors import Gone
 from ..errors import NotFound
 from ..errors import Unprocessable
 from ..limits import Limits
-from .ending import CANCELLED
-from .ending import ending
+from .future import TaskError
+from .future import TaskStopped
 from .future import stop
 from .future import wait_for
 from .store import Job
 from .store import Store
+from .worker import JobOutput
 
 __all__ = ["Jobs"]
 
 ATTEMPTS = 2  # times that a job may be running while the server ends, until it is blamed for it
+CANCELLED = "it was cancelled"
 log = logging.getLogger(__name__)
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
 
+# Solves a request of a kind (kind, options, body, limits) in a worker, which has to be able to import it.
+SolveJob = Callable[[str, dict, bytes, Limits], JobOutput]
 
-class _Live:
+
+class RunningJob:
     """A job that waits or runs."""
 
     def __init__(self, client: str):
@@ -58,18 +64,23 @@ class Jobs:
         progress and can be stopped; any other executor runs them to their end.
     store
         Keeps the jobs. Those in it that are not finished are taken up again.
+    solve
+        Solves a request; runs on the executor.
     limits
         What is refused.
-    clerk
-        Reads and writes files, beside the solves. Default: the executor.
+    io_pool
+        Reads and writes files, apart from the solves. Default: the executor.
     """
 
-    def __init__(self, executor: Executor, store: Store, limits: Optional[Limits] = None, clerk: Optional[Executor] = None):
+    def __init__(
+        self, executor: Executor, store: Store, solve: SolveJob, limits: Optional[Limits] = None, io_pool: Optional[Executor] = None
+    ):
         self.executor = executor
-        self.clerk = clerk or executor
+        self.io_pool = io_pool or executor
         self.store = store
+        self._solve = solve
         self.limits = limits or Limits()
-        self._live: dict[str, _Live] = {}
+        self._running: dict[str, RunningJob] = {}
         # Jobs that are over, which the store could not be told of.
         self._lost: dict[str, Job] = {}
         self._change = threading.Condition(threading.RLock())
@@ -94,7 +105,7 @@ class Jobs:
         Parameters
         ----------
         kind
-            ``"arrays"``, ``"compas"``, ``"hops"``, ``"3dm"`` or ``"obj"``: what the body is.
+            What the body is, such as ``"json"`` or ``"3dm"``.
         body
             The request, checked.
         options
@@ -140,15 +151,15 @@ class Jobs:
             job = self._lost.get(id) or self.store.get(id)
             if job is None:
                 raise NotFound(f"there is no job {id:.80}; it was deleted, or was never here")
-            live = self._live.get(id)
-            return job if live is None else job._replace(progress=dict(live.progress))
+            running = self._running.get(id)
+            return job if running is None else job._replace(progress=dict(running.progress))
 
     def list(self) -> list[Job]:
         """Return the newest jobs."""
         with self._change:
-            live = {id: dict(entry.progress) for id, entry in self._live.items()}
-            found = [self._lost.get(job.id, job) for job in self.store.list()]
-            return [job._replace(progress=live.get(job.id, job.progress)) for job in found]
+            running = {id: dict(entry.progress) for id, entry in self._running.items()}
+            found = [self._lost.get(job.id, job) for job in self.store.newest()]
+            return [job._replace(progress=running.get(job.id, job.progress)) for job in found]
 
     def result(self, id: str) -> bytes:
         """Return the packed result of a job."""
@@ -166,14 +177,14 @@ class Jobs:
         """Return the present vertices of a running job that was submitted as live: float32, x y z after x y z."""
         self.get(id)
         with self._change:
-            live = self._live.get(id)
-            return live.surface if live is not None else None
+            running = self._running.get(id)
+            return running.surface if running is not None else None
 
     def cancel(self, id: str) -> Job:
         """Ask a job to stop; does nothing to one that is over."""
         self.get(id)
         with self._change:
-            task = self._live[id].task if id in self._live else None
+            task = self._running[id].task if id in self._running else None
         if task is not None:
             stop(task, CANCELLED)
         return self.get(id)
@@ -183,26 +194,26 @@ class Jobs:
         self.get(id)
         with self._change:
             self.store.delete(id)
-            live = self._live.pop(id, None)
+            running = self._running.pop(id, None)
             self._lost.pop(id, None)
             self._change.notify_all()
-        if live is not None:
-            task, live.task = live.task, None
+        if running is not None:
+            task, running.task = running.task, None
             stop(task, CANCELLED)
 
     def wait(self, id: str, seconds: float) -> Job:
         """Return a job as soon as it is over, or as it is after some seconds."""
         self.get(id)
         with self._change:
-            self._change.wait_for(lambda: self._closed or id not in self._live, seconds)
+            self._change.wait_for(lambda: self._closed or id not in self._running, seconds)
             if self._closed:
                 raise Busy("the server is stopping; ask again when it is back")
         return self.get(id)
 
-    def follow(self, id: str, patience: float = 15.0) -> Iterator[Optional[Job]]:
+    def follow(self, id: str, heartbeat: float = 15.0) -> Iterator[Optional[Job]]:
         """Yield a job after every change until it is over, and None when nothing happened for a while."""
         with self._change:
-            seen = self._live[id].changes if id in self._live else -1
+            seen = self._running[id].changes if id in self._running else -1
         job: Optional[Job] = self.get(id)
         while True:
             yield job
@@ -211,19 +222,19 @@ class Jobs:
             with self._change:
 
                 def changed(seen: int = seen) -> bool:
-                    return self._closed or id not in self._live or self._live[id].changes != seen
+                    return self._closed or id not in self._running or self._running[id].changes != seen
 
-                happened = self._change.wait_for(changed, patience)
+                happened = self._change.wait_for(changed, heartbeat)
                 if self._closed or self.store.get(id) is None:
                     return
-                seen = self._live[id].changes if id in self._live else -1
+                seen = self._running[id].changes if id in self._running else -1
                 job = self.get(id) if happened else None
 
     # ------------------------------------------------------------------
     # Calls that are waited for
     # ------------------------------------------------------------------
 
-    def call(self, function: Callable, *args: object, client: str = "", gone: Callable[[], bool] = lambda: False) -> object:
+    def call(self, function: Callable, *args: object, client: str = "", disconnected: Callable[[], bool] = lambda: False) -> object:
         """Run a function in a worker and wait for it.
 
         Parameters
@@ -232,7 +243,7 @@ class Jobs:
             What to run.
         client
             Who asks.
-        gone
+        disconnected
             Tells whether the client has given up, which stops the function.
 
         Raises
@@ -244,19 +255,19 @@ class Jobs:
         """
         key = secrets.token_urlsafe(16)
         with self._change:
-            if sum(id.startswith("call:") for id in self._live) >= self.limits.calls:
+            if sum(id.startswith("call:") for id in self._running) >= self.limits.calls:
                 raise Busy("the server is busy with other solves; try again in a moment")
             self.admit(client)
-            live = self._live[f"call:{key}"] = _Live(client)
+            running = self._running[f"call:{key}"] = RunningJob(client)
             # Somebody waits for it, as nobody does for a job.
-            live.task = self._run(function, args, None, urgent=True)
+            running.task = self._run(function, args, None, urgent=True)
         try:
-            return wait_for(live.task, self.limits.blocking, gone)
+            return wait_for(running.task, self.limits.blocking, disconnected)
         finally:
             with self._change:
-                self._live.pop(f"call:{key}", None)
+                self._running.pop(f"call:{key}", None)
 
-    def convert(self, function: Callable, *args: object, gone: Callable[[], bool] = lambda: False) -> object:
+    def convert(self, function: Callable, *args: object, disconnected: Callable[[], bool] = lambda: False) -> object:
         """Run a function that reads or writes a file and wait for it; no solve is waited for.
 
         Raises
@@ -269,7 +280,7 @@ class Jobs:
         if not self._conversions.acquire(blocking=False):
             raise Busy("the server is busy with other files; try again in a moment")
         try:
-            return wait_for(self._run(function, args, None, self.clerk), self.limits.blocking, gone)
+            return wait_for(self._run(function, args, None, self.io_pool), self.limits.blocking, disconnected)
         finally:
             self._conversions.release()
 
@@ -283,9 +294,9 @@ class Jobs:
         """
         if self._closed:
             raise Busy("the server is stopping; submit again when it is back")
-        if len(self._live) >= self.limits.queue:
+        if len(self._running) >= self.limits.queue:
             raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished")
-        if sum(live.client == client for live in self._live.values()) >= self.limits.per_client:
+        if sum(running.client == client for running in self._running.values()) >= self.limits.per_client:
             raise Busy(f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them")
 
     def close(self) -> None:
@@ -294,9 +305,9 @@ class Jobs:
             if self._closed:
                 return
             self._closed = True
-            left = [id for id in self._live if not id.startswith("call:")]
+            left = [id for id in self._running if not id.startswith("call:")]
             self._change.notify_all()
-        for executor in {self.executor, self.clerk}:
+        for executor in {self.executor, self.io_pool}:
             executor.shutdown(wait=True, cancel_futures=True)
         for id in left:
             job = self.store.get(id)
@@ -307,45 +318,78 @@ class Jobs:
     # ------------------------------------------------------------------
 
     def _start(self, job: Job) -> None:
-        live = self._live[job.id] = _Live(job.client)
+        running = self._running[job.id] = RunningJob(job.client)
         kind, options, body = self.store.request(job.id)
-        live.task = self._run(solve_job, (kind, options, body, self.limits), lambda progress: self._progress(job.id, live, progress))
-        live.task.add_done_callback(lambda task: self._done(job, live, task))
+        running.task = self._run(
+            self._solve, (kind, options, body, self.limits), lambda progress: self._progress(job.id, running, progress)
+        )
+        running.task.add_done_callback(lambda task: self._done(job, running, task))
 
     def _run(
         self, function: Callable, args: tuple, on_progress: Optional[Callable], executor: Optional[Executor] = None, urgent: bool = False
     ) -> Future:
         executor = executor or self.executor
-        if hasattr(executor, "start"):
-            return executor.start(function, args, on_progress=on_progress, time_limit=self.limits.seconds, urgent=urgent)
-        return executor.submit(function, *args)
+        start = getattr(executor, "start", None)
+        if start is None:
+            return executor.submit(function, *args)
+        return start(function, args, on_progress=on_progress, time_limit=self.limits.seconds, urgent=urgent)
 
-    def _progress(self, id: str, live: _Live, news: dict) -> None:
+    def _progress(self, id: str, running: RunningJob, news: dict) -> None:
         with self._change:
             # It may have been deleted, and another may have its id by now.
-            if self._live.get(id) is not live:
+            if self._running.get(id) is not running:
                 return
-            if not live.progress:
+            if not running.progress:
                 self.store.set_started(id)
-            live.surface = news.pop("surface", live.surface)
-            live.progress = news
-            live.changes += 1
+            running.surface = news.pop("surface", running.surface)
+            running.progress = news
+            running.changes += 1
             self._change.notify_all()
 
-    def _done(self, job: Job, live: _Live, task: Future) -> None:
+    def _done(self, job: Job, running: RunningJob, task: Future) -> None:
         with self._change:
-            if self._closed or self._live.get(job.id) is not live:
+            if self._closed or self._running.get(job.id) is not running:
                 return
-            del self._live[job.id]
+            del self._running[job.id]
             # The task knows its listeners: a circle that would keep request and result for a long while.
-            live.task = None
+            running.task = None
             try:
-                state, message, content = ending(task)
-                self.store.finish(job.id, state, message, live.progress, content)
+                state, message, content = _ending(task)
+                self.store.finish(job.id, state, message, running.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
             except sqlite3.Error as error:
                 log.error("the outcome of job %s cannot be kept: %s", job.id, error)
                 text = "the server could not keep the result, its disk may be full; make room there and submit the job again"
-                self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=live.progress)
+                self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
             finally:
                 self._change.notify_all()
+
+
+class _Ending(NamedTuple):
+    """How a job ended."""
+
+    state: str  # succeeded, failed or cancelled
+    message: str  # one sentence
+    content: Optional[bytes] = None  # the packed result
+
+
+def _ending(task: Future) -> _Ending:
+    """Return how a task that is over ended."""
+    reason = getattr(task, "stop_reason", None)
+    try:
+        output: JobOutput = task.result()
+    except CancelledError:
+        return _Ending("cancelled", "cancelled before it began")
+    except TaskStopped as error:
+        return _Ending("cancelled" if str(error) == CANCELLED else "failed", f"stopped: {error}")
+    except TaskError as error:
+        log.error("a job failed: %s", error.trace)
+        return _Ending("failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more")
+    except Exception as error:
+        return _Ending("failed", str(error))
+    # It may be asked to stop when it has just ended by itself.
+    if not output.stopped or reason is None:
+        return _Ending("succeeded" if output.content is not None else "failed", output.message, output.content)
+    if reason == CANCELLED:
+        return _Ending("cancelled", output.message, output.content)
+    return _Ending("failed", f"stopped: {reason}", output.content)

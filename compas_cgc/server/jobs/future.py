@@ -1,4 +1,4 @@
-"""A call on its way through a worker."""
+"""Futures of calls that run in worker processes."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Optional
 
 __all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "stop", "wait_for"]
 
-LOOK = 0.1  # seconds between two looks at whether somebody still waits
-PATIENCE = 0.15  # seconds that somebody waits for a task that was asked to stop
+POLL_INTERVAL = 0.1  # seconds between two checks whether somebody still waits
+GRACE = 0.15  # seconds that somebody waits for a task that was asked to stop
 
 
 class WorkerDied(RuntimeError):
@@ -19,7 +19,7 @@ class WorkerDied(RuntimeError):
 
 
 class TaskStopped(RuntimeError):
-    """A task was ended by force: it did not heed the wish to stop within the grace period."""
+    """A task was ended by force: it did not stop within the grace period."""
 
 
 class TaskError(RuntimeError):
@@ -55,38 +55,38 @@ class Task(Future):
         Goes before those that nobody waits for.
     since
         When it was handed in.
-    patience
+    grace
         Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
 
     def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
         super().__init__()
-        self.call = call
+        self.call: Optional[tuple] = call  # dropped once it is sent
         self.on_progress = on_progress
         self.time_limit = time_limit
         self.stop_reason: Optional[str] = None
         self.stop_time = 0.0
-        self.patience = PATIENCE
+        self.grace = GRACE
         self.urgent = False
         self.since = time.monotonic()
 
-    def stop(self, reason: str = "cancelled", patience: float = PATIENCE) -> None:
+    def stop(self, reason: str = "cancelled", grace: float = GRACE) -> None:
         """Cancel the task if it waits, ask it to end if it runs."""
         if not self.cancel() and self.stop_reason is None:
             self.stop_time = time.monotonic()
-            self.patience = patience
+            self.grace = grace
             self.stop_reason = reason
 
 
-def stop(task: Future, reason: str) -> None:
+def stop(task: Optional[Future], reason: str) -> None:
     """Stop a task, or cancel a future of another executor."""
     if isinstance(task, Task):
         task.stop(reason)
-    else:
+    elif task is not None:
         task.cancel()
 
 
-def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
+def wait_for(task: Future, seconds: float, disconnected: Callable[[], bool]) -> object:
     """Return the result of a task, or stop it when it takes too long or nobody waits for it any more.
 
     Raises
@@ -97,12 +97,12 @@ def wait_for(task: Future, seconds: float, gone: Callable[[], bool]) -> object:
     end = time.monotonic() + seconds
     while True:
         try:
-            return task.result(timeout=min(LOOK, max(0.001, end - time.monotonic())))
+            return task.result(timeout=min(POLL_INTERVAL, max(0.001, end - time.monotonic())))
         except FutureTimeout:
             if task.done():
                 raise
             late = time.monotonic() >= end
-            if late or gone():
+            if late or disconnected():
                 begun = task.running()
                 stop(task, "it took too long" if late else "the client is gone")
                 raise TimeoutError(("late" if begun else "queued") if late else "gone") from None

@@ -1,4 +1,4 @@
-"""Warm worker processes behind the interface of :class:`concurrent.futures.Executor`."""
+"""Process pool: warm workers behind the interface of :class:`concurrent.futures.Executor`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import time
 from collections import deque
 from concurrent.futures import Executor
 from multiprocessing import connection
+from types import TracebackType
+from typing import Any
 from typing import Callable
 from typing import Optional
 
@@ -17,11 +19,11 @@ from .future import TaskError
 from .future import TaskStopped
 from .future import WorkerDied
 from .worker import run_tasks
-from .worker_handle import Slot
+from .worker_handle import WorkerHandle
 
 __all__ = ["WorkerPool"]
 
-TICK = 0.02  # seconds between two looks at wishes and limits
+POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
 FAIR = 5.0  # seconds after which a task is no longer overtaken
 FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
 
@@ -41,7 +43,7 @@ class WorkerPool(Executor):
     warm_up
         Function called in every process before its first task.
     grace
-        Seconds between the wish to stop and force.
+        Seconds between being asked to stop and being killed.
     """
 
     def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0):
@@ -53,12 +55,12 @@ class WorkerPool(Executor):
         self._closed = False
         self._failed_starts = 0
         self.replaced = 0
-        self._slots = [Slot() for _ in range(workers)]
+        self._slots = [WorkerHandle() for _ in range(workers)]
         self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
         for thread in self._threads:
             thread.start()
 
-    def submit(self, function: Callable, *args: object, **kwargs: object) -> Task:
+    def submit(self, function: Callable, /, *args: Any, **kwargs: Any) -> Task:
         """Queue a call; `function` must be importable by the workers."""
         return self.start(function, args, kwargs)
 
@@ -96,7 +98,8 @@ class WorkerPool(Executor):
 
     def processes(self) -> list[int]:
         """Return the process ids of the workers."""
-        return [slot.process.pid for slot in self._slots if slot.process is not None and slot.process.is_alive()]
+        pids = [slot.process.pid for slot in self._slots if slot.process is not None and slot.process.is_alive()]
+        return [pid for pid in pids if pid is not None]
 
     def wait_until_ready(self, timeout: Optional[float] = None) -> bool:
         """Wait until every worker has started."""
@@ -118,11 +121,15 @@ class WorkerPool(Executor):
             for thread in self._threads:
                 thread.join()
 
+    def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
+        """Leave a block: its tasks are finished first, unless an exception leaves it, after which nobody would end them."""
+        self.shutdown(wait=True, cancel_futures=kind is not None)
+
     # ------------------------------------------------------------------
     # One thread per worker
     # ------------------------------------------------------------------
 
-    def _keep(self, slot: Slot) -> None:
+    def _keep(self, slot: WorkerHandle) -> None:
         """Keep a worker running and fed until the pool is closed."""
         while not self._closed:
             if self._started(slot):
@@ -133,7 +140,7 @@ class WorkerPool(Executor):
             slot.end()
         slot.state = "closed"
 
-    def _started(self, slot: Slot) -> bool:
+    def _started(self, slot: WorkerHandle) -> bool:
         try:
             return self._start(slot)
         except OSError as error:
@@ -141,7 +148,7 @@ class WorkerPool(Executor):
             log.error("a worker cannot be started: %s", error)
             return False
 
-    def _start(self, slot: Slot) -> bool:
+    def _start(self, slot: WorkerHandle) -> bool:
         slot.state = "starting"
         slot.line, theirs = self._context.Pipe()
         slot.flag = self._context.RawValue("b", 0)
@@ -149,7 +156,7 @@ class WorkerPool(Executor):
         slot.process.start()
         theirs.close()
         while not self._closed:
-            if slot.line in connection.wait([slot.line, slot.process.sentinel], TICK):
+            if slot.line in connection.wait([slot.line, slot.process.sentinel], POLL_INTERVAL):
                 try:
                     slot.line.recv()
                     return True
@@ -171,7 +178,7 @@ class WorkerPool(Executor):
                     task.set_exception(WorkerDied("the workers of the server do not start; its log says why"))
             time.sleep(1.0)
 
-    def _feed(self, slot: Slot) -> None:
+    def _feed(self, slot: WorkerHandle) -> None:
         """Run tasks until the process is gone."""
         while True:
             with self._change:
@@ -189,7 +196,7 @@ class WorkerPool(Executor):
                 self.replaced += 1
                 return
 
-    def _run(self, slot: Slot, task: Task) -> bool:
+    def _run(self, slot: WorkerHandle, task: Task) -> bool:
         """Run a task; tell whether the process is still there."""
         slot.flag.value = 0
         started = time.monotonic()
@@ -197,7 +204,7 @@ class WorkerPool(Executor):
             slot.line.send(task.call)
             task.call = None
         except Exception as error:
-            task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.obituary()))
+            task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.exit_message()))
             return slot.process.is_alive()
         while True:
             if self._closed:
@@ -208,23 +215,24 @@ class WorkerPool(Executor):
                 task.stop(f"it took longer than the {task.time_limit:g} seconds allowed", self._grace)
             if task.stop_reason is not None:
                 slot.flag.value = 1
-                if not task.done() and now - task.stop_time > min(task.patience, self._grace):
+                if not task.done() and now - task.stop_time > min(task.grace, self._grace):
                     # Whoever waits is told; the worker has some more time, as a new one would have to warm up.
                     task.set_exception(TaskStopped(task.stop_reason))
                 if now - task.stop_time > self._grace:
                     slot.end()
                     return False
-            if slot.line not in connection.wait([slot.line, slot.process.sentinel], TICK) and slot.process.is_alive():
+            if slot.line not in connection.wait([slot.line, slot.process.sentinel], POLL_INTERVAL) and slot.process.is_alive():
                 continue
             try:
                 # What was sent before the end of the process can still be read.
+                content: Any
                 kind, content = slot.line.recv() if slot.line.poll() else ("gone", None)
             except (EOFError, OSError):
                 kind, content = "gone", None
             if kind == "gone":
                 slot.process.join(1.0)
-                log.error("worker %s: %s", slot.process.pid, slot.obituary())
-                _fail(task, WorkerDied(slot.obituary()))
+                log.error("worker %s: %s", slot.process.pid, slot.exit_message())
+                _fail(task, WorkerDied(slot.exit_message()))
                 return False
             if kind == "progress":
                 _tell(task, content)

@@ -74,7 +74,7 @@ class Store:
         with self._lock, self._base:
             self._base.execute("BEGIN")
             marks = ",".join("?" * len(Job._fields))
-            self._base.execute(f"INSERT INTO jobs VALUES ({marks})", job._replace(progress=json.dumps(job.progress)))
+            self._base.execute(f"INSERT INTO jobs VALUES ({marks})", (*job[:9], json.dumps(job.progress), *job[10:]))
             self._base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), body))
 
     def get(self, id: str) -> Optional[Job]:
@@ -82,7 +82,7 @@ class Store:
         rows = self._rows("SELECT * FROM jobs WHERE id = ?", id)
         return rows[0] if rows else None
 
-    def list(self, count: int = 100) -> list[Job]:
+    def newest(self, count: int = 100) -> list[Job]:
         """Return the newest jobs."""
         return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC LIMIT ?", count)
 

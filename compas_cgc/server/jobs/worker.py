@@ -1,4 +1,4 @@
-"""The worker's side: a process that runs one task after another and can be told to stop.
+"""Worker: a process that runs one task after another and can be told to stop.
 
 A task is any function. While it runs it may call :func:`report` to tell how far it is and
 :func:`stop_wanted` to learn whether it should end early; outside of a worker both do nothing.
@@ -12,13 +12,23 @@ import threading
 import traceback
 from multiprocessing import connection
 from multiprocessing import parent_process
+from typing import Any
 from typing import Callable
+from typing import NamedTuple
 from typing import Optional
 
-__all__ = ["report", "run_tasks", "stop_wanted"]
+__all__ = ["JobOutput", "report", "run_tasks", "stop_wanted"]
 
 _line: Optional[connection.Connection] = None
-_flag: Optional[object] = None
+_flag: Any = None
+
+
+class JobOutput(NamedTuple):
+    """What the function that solves a job returns."""
+
+    message: str  # one sentence
+    content: Optional[bytes] = None  # the packed result, None if there is none
+    stopped: bool = False  # it ended early because it was asked to
 
 
 def report(progress: object) -> None:

@@ -1,16 +1,16 @@
-"""A place for a worker process."""
+"""Handle of a worker process: the process, its pipe and its flag to stop."""
 
 from __future__ import annotations
 
 from multiprocessing import connection
 from multiprocessing import process
-from typing import Optional
+from typing import Any
 
-__all__ = ["Slot"]
+__all__ = ["WorkerHandle"]
 
 
-class Slot:
-    """The process that is there at the moment, the line to it, and its flag to stop.
+class WorkerHandle:
+    """The process that runs at the moment, the pipe to it, and its flag to stop.
 
     Attributes
     ----------
@@ -20,12 +20,12 @@ class Slot:
 
     def __init__(self) -> None:
         self.state = "starting"
-        self.process: Optional[process.BaseProcess] = None
-        self.line: Optional[connection.Connection] = None
-        self.flag: Optional[object] = None
+        self.process: process.BaseProcess = None  # type: ignore[assignment]  # until it is started
+        self.line: connection.Connection = None  # type: ignore[assignment]
+        self.flag: Any = None
 
     def end(self) -> None:
-        """End the process by force and let go of the line."""
+        """End the process by force and close the pipe."""
         if self.process is not None and self.process.is_alive():
             self.process.terminate()
             self.process.join(0.3)
@@ -35,7 +35,7 @@ class Slot:
         if self.line is not None:
             self.line.close()
 
-    def obituary(self) -> str:
+    def exit_message(self) -> str:
         """Say how the process ended."""
         code = self.process.exitcode
         how = f"killed by signal {-code}" if code is not None and code < 0 else f"exit code {code}"

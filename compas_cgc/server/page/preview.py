@@ -1,22 +1,26 @@
-"""What a file or an example holds, as JSON for the page; made in the workers."""
+"""Preview of a file or an example: what it holds, as JSON for the page; made in the workers."""
 
 from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 from typing import Optional
 
 import numpy as np
 
+from ...discrete import face_areas
+from ...io.rhino.units import unit_suffix
+from ...model.checks import check
+from ...model.constraint_data import constraint_data
+from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
+from ...model.roles import CREASE
+from ...model.roles import ROLES
 from ..api.decoding import check_size
 from ..api.mesh_files import read_upload
 from ..errors import Unprocessable
 from ..limits import Limits
-
-if TYPE_CHECKING:
-    from ...datastructures import CGCMesh
-    from ...io.asked import Asked
 
 __all__ = ["contents", "read_example", "read_model"]
 
@@ -41,10 +45,10 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
         With a sentence on the file.
     """
     try:
-        mesh, notes = read_upload(kind, body)
-        check_size(mesh.number_of_vertices(), mesh.number_of_faces(), limits)
-        mesh.name = name or mesh.name
-        return _json(contents(mesh, notes))
+        read = read_upload(kind, body)
+        problem = read.checked()
+        check_size(len(problem.vertices), len(problem.faces), limits)
+        return _json(contents(problem, read.notes, name))
     except ValueError as error:
         raise Unprocessable(str(error)) from None
 
@@ -52,75 +56,68 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
 def read_example(name: str, title: str, text: str) -> bytes:
     """Tell what is in an example of the paper, as JSON."""
     from ...paper.examples import CATALOGUE
+    from ...paper.examples import SurfaceExample
 
-    example = next(example for example in CATALOGUE if example.name == name)
+    example = next(own for own in CATALOGUE if isinstance(own, SurfaceExample) and own.name == name)
     mesh, settings = example.build()
-    mesh.name = title
-    return _json({**contents(mesh, [text]), "s": settings.s, "e": settings.e})
+    return _json({**contents(mesh, [text], title), "settings": {"s": settings.s, "e": settings.e}})
 
 
-def contents(mesh: CGCMesh, notes: list[str]) -> dict:
+def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
     """Return a mesh with what is asked of it, as plain data.
 
     Supports and targets that are not there are suggested, which the notes say; the
     problems are those of the mesh with these. Vertices and faces are numbered from 0 in
     their order, without dummies.
     """
-    from ...io.asked import asked_of
-    from ...io.rhino.units import unit_suffix
-
-    mesh, notes = mesh.without_dummies(), list(notes)
-    own = asked_of(mesh)
-    index = {key: i for i, key in enumerate(mesh.vertices())}
-    named = {name: _supports(mesh, name, index) for name in ("boundary", "corners")}
+    own = posed.to_problem().without_dummies()
+    notes = list(notes)
     chosen = "file" if len(own.supports) else "boundary"
     if chosen == "boundary":
         notes.append("no supports are given: the whole edge is held, to begin with")
-        mesh.set_supports("boundary")
-    targets, suggested = _targets(mesh)
+    problem, suggested = _with_targets(own if chosen == "file" else own.with_supports("boundary"))
+    targets = problem.region_targets()
     if suggested:
         notes.append(f"no curvature is given{_where(suggested, len(targets))}; a gentle one is set, to begin with")
     if np.isfinite(own.s).any() or np.isfinite(own.e).any():
         notes.append("the file sets the strategies s and e along creases; here one of each holds for all")
-    asked = asked_of(mesh)
     return {
-        "name": mesh.name,
-        "unit": unit_suffix(mesh.attributes.get("units") or "").strip(),
-        "vertices": asked.vertices.tolist(),
-        "faces": asked.faces.tolist(),
-        "roles": [mesh.vertex_role(key) for key in mesh.vertices()],
-        "supports": {"file": own.supports.tolist(), **named},
+        "name": name or own.drawing.name,
+        "unit": unit_suffix(own.drawing.units or "").strip(),
+        "vertices": problem.vertices.tolist(),
+        "faces": problem.faces.tolist(),
+        "roles": [ROLES[role] for role in problem.roles.tolist()],
+        "supports": {"file": own.supports.tolist(), **{side: _supports(own, side) for side in ("boundary", "corners")}},
         "support_choice": chosen,
-        "creases": asked.creases,
-        "constraints": mesh.attributes.get("constraints") or [],
-        "regions": asked.regions.tolist(),
+        "creases": problem.crease_paths(),
+        "constraints": [constraint_data(constraint) for constraint in problem.constraints],
+        "regions": problem.regions().tolist(),
         "targets": targets,
-        "vertex_targets": _of_vertices(asked) if None in targets else None,
+        "vertex_targets": _of_vertices(problem) if None in targets else None,
         "notes": notes,
-        "problems": [{"text": str(problem), "fatal": problem.fatal} for problem in mesh.check()],
+        "problems": [{"text": str(said), "fatal": said.fatal} for said in check(problem)],
     }
 
 
-def _supports(mesh: CGCMesh, name: str, index: dict[int, int]) -> list[int]:
-    copy = mesh.without_dummies()
-    copy.set_supports(name)
-    return sorted(index[key] for key in copy.supports())
+def _supports(problem: CGCProblem, name: str) -> list[int]:
+    return problem.with_supports(name).supports.tolist()
 
 
-def _targets(mesh: CGCMesh) -> tuple[list[Optional[float]], list[int]]:
-    """Return the target of every region, None where it is not one number, after setting one where there is none; and where."""
-    targets: list[Optional[float]] = []
-    suggested = []
-    for region, faces in enumerate(mesh.regions()):
-        K = mesh.region_target(region)
-        if K is None and not any(mesh.vertex_target(key) is not None for key in mesh.region_vertices(region)):
-            area = sum(mesh.face_area(face) for face in faces)
-            # A cap that turns through an eighth of what a hemisphere does.
-            K = float(f"{math.pi / 4 / area:.1g}") if area > 0 else 0.0
-            mesh.set_target(K, region=region)
-            suggested.append(region)
-        targets.append(K)
-    return targets, suggested
+def _with_targets(problem: CGCProblem) -> tuple[CGCProblem, list[int]]:
+    """Return the problem with a target in every region that has none, and the numbers of these regions."""
+    regions, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
+    suggested, targets = [], np.full(len(problem.vertices), np.nan)
+    for region in range(int(regions.max(initial=-1)) + 1):
+        inside = np.zeros(len(problem.vertices), bool)
+        inside[problem.faces[regions == region]] = True
+        inside &= problem.roles != CREASE
+        if np.isfinite(problem.targets[inside]).any():
+            continue
+        area = float(areas[regions == region].sum())
+        # A cap that turns through an eighth of what a hemisphere does.
+        targets[inside] = float(f"{math.pi / 4 / area:.1g}") if area > 0 else 0.0
+        suggested.append(region)
+    return problem.with_targets(targets), suggested
 
 
 def _where(regions: list[int], count: int) -> str:
@@ -129,8 +126,8 @@ def _where(regions: list[int], count: int) -> str:
     return f" for region{'s' if len(regions) > 1 else ''} {', '.join(map(str, regions))}"
 
 
-def _of_vertices(asked: Asked) -> list[Optional[float]]:
-    return [K if K == K else None for K in asked.targets.tolist()]
+def _of_vertices(problem: CGCProblem) -> list[Optional[float]]:
+    return [K if K == K else None for K in problem.targets.tolist()]
 
 
 def _json(value: dict) -> bytes:

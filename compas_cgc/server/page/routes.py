@@ -9,9 +9,9 @@ from flask import Response
 from flask import current_app
 from flask import request
 
-from ..api.blocking_calls import by_clerk
+from ..api.blocking_calls import run_in_io_pool
 from ..api.mesh_files import KINDS
-from ..api.replies import respond
+from ..api.responses import respond
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
@@ -61,7 +61,8 @@ def _file(name: str) -> Response:
     answer = Response(path.read_bytes(), mimetype=TYPES[path.suffix])
     answer.headers["Cache-Control"] = "no-cache"
     answer.add_etag()
-    return answer.make_conditional(request)
+    answer.make_conditional(request)
+    return answer
 
 
 @page.post("/api/v1/models")
@@ -73,7 +74,7 @@ def model() -> Response:
     body = request.get_data(cache=False)
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
-    found = by_clerk(read_model, kind, body, name, current_app.config["LIMITS"])
+    found = run_in_io_pool(read_model, kind, body, name, current_app.config["LIMITS"])
     return Response(found, mimetype="application/json")
 
 
@@ -91,5 +92,5 @@ def example(name: str) -> Response:
         raise NotFound(f"there is no example {name[:60]!r}; there are {', '.join(GALLERY)}")
     if name not in _examples:
         entry = GALLERY[name]
-        _examples[name] = by_clerk(read_example, name, entry.title, entry.text)
+        _examples[name] = run_in_io_pool(read_example, name, entry.title, entry.text)
     return Response(_examples[name], mimetype="application/json")

@@ -1,4 +1,4 @@
-"""The flow on a plane curve: Example 1 of the paper."""
+"""Curve flow: the flow on a plane curve, Example 1 of the paper."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Mask
 
 __all__ = ["CurveResult", "curve_curvature", "curve_flow"]
 
@@ -121,7 +122,7 @@ def curve_flow(
     return CurveResult(P, gradient, k, float(np.abs(k - target)[asked].max()), history)
 
 
-def _gradient(P: FloatArray, k: FloatArray, target: float, asked: np.ndarray, crease: Optional[int]) -> FloatArray:
+def _gradient(P: FloatArray, k: FloatArray, target: float, asked: Mask, crease: Optional[int]) -> FloatArray:
     chord = P[2:] - P[:-2]
     normal = np.zeros_like(P)
     normal[1:-1] = np.column_stack([-chord[:, 1], chord[:, 0]]) / np.linalg.norm(chord, axis=1, keepdims=True)

@@ -1,16 +1,19 @@
-"""The filter of Eqs. 23-26: a weighted mean of the gradients within a radius."""
+"""Gradient filter: a weighted mean of the gradients within a radius (Eq. 23, Eq. 24, Eq. 25, Eq. 26)."""
 
 from __future__ import annotations
 
 import math
+from typing import Optional
 
 import numpy as np
 from numba import njit
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from ...discrete.arrays import FloatArray
-from ...discrete.arrays import IntArray
+from ...discrete.arrays import Faces
+from ...discrete.arrays import Indices
+from ...discrete.arrays import Vectors
+from ...discrete.arrays import Vertices
 
 __all__ = ["GradientFilter"]
 
@@ -19,8 +22,12 @@ MOST_PAIRS = 60_000_000  # about one gigabyte of neighbour lists
 
 
 @njit(cache=True)
-def weighted_means(P, G, rows, start, neighbours, radius, power):
-    """Return the mean of `G` around every vertex of `rows`, weighted by Eq. 24 (n, 3)."""
+def weighted_means(P: Vertices, G: Vectors, rows: Indices, start: Indices, neighbours: Indices, radius: float, power: float) -> Vectors:
+    """Return the mean of `G` around every vertex of `rows` (n, 3), Eq. 26.
+
+    The distances are cut off at the radius (Eq. 23); the weights of Eq. 24 are
+    normalized by their sum (Eq. 25).
+    """
     out = np.zeros_like(P)
     cube = power == 3.0
     for r in range(rows.shape[0]):
@@ -42,7 +49,7 @@ def weighted_means(P, G, rows, start, neighbours, radius, power):
 
 
 @njit(cache=True)
-def farthest(P, Q):
+def farthest(P: Vertices, Q: Vertices) -> float:
     """Return the largest distance between the rows of two arrays."""
     most = 0.0
     for i in range(P.shape[0]):
@@ -62,40 +69,42 @@ class GradientFilter:
     Parameters
     ----------
     sources
-        Vertices whose gradients count: the internal ones (Eq. 24).
+        Vertices whose gradients count: the internal ones (the cases of Eq. 24).
     rows
         Vertices that a filtered gradient is wanted for: all that move.
     faces
-        ``(m, 3)``: without a radius, vertices that are no source take the mean of their
-        neighbours in the mesh.
+        ``(m, 3)``: without a radius, vertices that are not among the sources take the
+        mean of their neighbours in the mesh.
     radius
-        d̄ [L]; zero for no filter.
+        d̄ of Eq. 23 [L]; zero for no filter.
     power
         p of Eq. 24.
     refilter
         Measure distances on the present shape, or on the first one seen.
     """
 
-    def __init__(self, sources: IntArray, rows: IntArray, faces: IntArray, *, radius: float, power: float, refilter: bool):
+    def __init__(self, sources: Indices, rows: Indices, faces: Faces, *, radius: float, power: float, refilter: bool):
         self.sources = sources
         self.rows = rows
         self.faces = faces
         self.radius = float(radius)
         self.power = float(power)
         self.refilter = refilter
-        self._built_at: FloatArray | None = None
-        self._means: sparse.csr_matrix | None = None
+        self._built_at: Optional[Vertices] = None
+        self._means: Optional[sparse.csr_matrix] = None
 
-    def __call__(self, vertices: FloatArray, gradient: FloatArray) -> FloatArray:
+    def __call__(self, vertices: Vertices, gradient: Vectors) -> Vectors:
         """Return the filtered gradient (n, 3): zero at vertices outside `rows`."""
         if self.radius == 0.0:
             return self._unfiltered(gradient)
-        if self._built_at is None or (self.refilter and farthest(vertices, self._built_at) > 0.5 * SKIN * self.radius):
-            self._build(vertices)
-        shape = vertices if self.refilter else self._built_at
+        built_at = self._built_at
+        if built_at is None or (self.refilter and farthest(vertices, built_at) > 0.5 * SKIN * self.radius):
+            built_at = self._build(vertices)
+        shape = vertices if self.refilter else built_at
         return weighted_means(shape, gradient, self.rows, self._start, self._neighbours, self.radius, self.power)
 
-    def _build(self, vertices: FloatArray) -> None:
+    def _build(self, vertices: Vertices) -> Vertices:
+        """Build the neighbour lists of a shape, and return a copy of it."""
         reach = self.radius * (1.0 + SKIN if self.refilter else 1.0)
         sources, rows = cKDTree(vertices[self.sources]), cKDTree(vertices[self.rows])
         pairs = rows.count_neighbors(sources, reach)
@@ -107,12 +116,14 @@ class GradientFilter:
         order = np.lexsort((table["j"], table["i"]))
         self._neighbours = self.sources[table["j"][order]]
         self._start = np.concatenate([[0], np.cumsum(np.bincount(table["i"], minlength=len(self.rows)))])
-        self._built_at = vertices.copy()
+        self._built_at = built_at = vertices.copy()
+        return built_at
 
-    def _unfiltered(self, gradient: FloatArray) -> FloatArray:
-        if self._means is None:
-            self._means = self._neighbour_means(len(gradient))
-        return self._means @ gradient
+    def _unfiltered(self, gradient: Vectors) -> Vectors:
+        means = self._means
+        if means is None:
+            means = self._means = self._neighbour_means(len(gradient))
+        return means @ gradient
 
     def _neighbour_means(self, n: int) -> sparse.csr_matrix:
         source = np.zeros(n, bool)

@@ -1,4 +1,4 @@
-"""The step length of Section 4: Armijo's condition (Eq. 28) and a bound on K (Eq. 29)."""
+"""Armijo line search (Eq. 28) with a bound on K (Eq. 29), as in Section 4."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
+from ...discrete.arrays import PerVertex
+from ...discrete.arrays import Vectors
+from ...discrete.arrays import Vertices
 from ...discrete.evaluation import Measurement
 
 __all__ = ["Step", "armijo_line_search"]
@@ -16,27 +18,27 @@ __all__ = ["Step", "armijo_line_search"]
 class Step(NamedTuple):
     """The step that a line search ended with."""
 
-    vertices: FloatArray  # (n, 3)
+    vertices: Vertices  # (n, 3)
     measurement: Measurement  # of these vertices
     length: float  # μ
     trials: int  # step lengths tried
-    accepted: bool  # the step fulfils Eqs. 28 and 29
+    accepted: bool  # the step fulfils Eq. 28 and Eq. 29
 
 
 def armijo_line_search(
-    measure: Callable[[FloatArray], Measurement],
-    vertices: FloatArray,
-    direction: FloatArray,
+    measure: Callable[[Vertices], Measurement],
+    vertices: Vertices,
+    direction: Vectors,
     energy: float,
     slope: float,
-    curvature_bound: FloatArray,
+    curvature_bound: PerVertex,
     *,
     mu0: float,
     tau: float,
     xi: float,
     q: int,
 ) -> Step:
-    """Return the longest of the steps μ0, τ μ0, τ² μ0, ... that fulfils Eqs. 28 and 29.
+    """Return the longest of the steps μ0, τ μ0, τ² μ0, ... that fulfils Eq. 28 and Eq. 29.
 
     When none of the ``q + 1`` does, the shortest is returned, not accepted.
 
@@ -55,13 +57,13 @@ def armijo_line_search(
     curvature_bound
         ``(n,)`` largest K allowed, infinite where there is no bound.
     """
-    mu = mu0
-    for trial in range(1, q + 2):
+    mu, trial = mu0, 1
+    while True:
         moved = vertices + mu * direction
         there = measure(moved)
         enough = there.energy <= energy + xi * mu * slope
         if enough and bool(np.all(there.curvature <= curvature_bound)):
             return Step(moved, there, mu, trial, True)
-        if trial <= q:
-            mu *= tau
-    return Step(moved, there, mu, q + 1, False)
+        if trial > q:
+            return Step(moved, there, mu, trial, False)
+        mu, trial = mu * tau, trial + 1

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from .newton import newton
+from typing import TYPE_CHECKING
+
+from ..._lazy import attach
+from .method import METHOD
 from .settings import NewtonSettings
 
-__all__ = ["NewtonSettings", "newton"]
+if TYPE_CHECKING:
+    from .normal_newton import newton
+
+__all__ = ["METHOD", "NewtonSettings", "newton"]
+
+__getattr__, __dir__ = attach(__name__, {"newton": ".normal_newton"})

@@ -1,4 +1,4 @@
-"""Newton's method with damping that keeps a convex surface convex."""
+"""Damped Newton's method: backtracking that keeps a convex surface convex."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROUNDING = 10.0  # residuals of so many rounding errors are zero
 
 
 def damped_newton(system: System, shape: Shape, tolerance: float, shortest: float) -> Generator[Step, None, bool]:
-    """Yield Newton's steps until the residuals are below the tolerance, and return True.
+    """Yield Newton's steps until the errors of K are below the tolerance, and return True.
 
     Return False when no step makes them smaller, or only ever shorter ones do.
 
@@ -39,7 +39,7 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
     shape
         The first shape.
     tolerance
-        Largest residual to stop at [rad].
+        Largest |K - K̄| to stop at, against the largest |K̄|.
     shortest
         Smallest damping factor.
 
@@ -49,7 +49,7 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
         If the equations have no solution to first order.
     """
     crawled = 0
-    while shape.largest > tolerance:
+    while not system.meets(shape, tolerance):
         J = system.equations.jacobian(shape.vertices, shape.normal)
         move = system.solver.factorise(J).solve(-shape.residual)
         step = _shortened(system, shape, move, shortest)
@@ -83,7 +83,7 @@ def _repeated(system: System, shape: Shape, tolerance: float) -> Shape:
     """Return the shape after steps with the factors at hand, for as long as they pay."""
     while shape.largest > 0:
         there = system.moved(shape, system.solver.solve(-shape.residual), shape.normal)
-        if not there.largest < (WORTHWHILE if shape.largest > tolerance else 0.5) * shape.largest:
+        if not there.largest < (0.5 if system.meets(shape, tolerance) else WORTHWHILE) * shape.largest:
             return shape
         shape = there
     return shape

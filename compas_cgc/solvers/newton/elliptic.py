@@ -1,4 +1,4 @@
-r"""Steps that lead from any shape to the convex one: policy iteration on a bounded Monge-Ampere operator.
+r"""Policy iteration on a bounded Monge-Ampère operator: steps that lead from any shape to the convex one.
 
 For a convex surface ``√K`` is the smallest of ``½ (a k₁ + k₂ / a)`` over all a > 0, with
 ``k₁ >= k₂`` the principal curvatures. With a held between ``1/Λ`` and ``Λ`` the same
@@ -132,7 +132,7 @@ def _policy_and_error(shape: Shape, goal: FloatArray, bound: float, unit: FloatA
 def _is_exact(now: Policy, goal: FloatArray) -> bool:
     """Return whether F_Λ is √K nearly everywhere where K̄ > 0."""
     bounded = (now.of_laplacian != 0) & (goal > 0)
-    return np.count_nonzero(bounded) <= FEW * len(goal)
+    return bool(np.count_nonzero(bounded) <= FEW * len(goal))
 
 
 def _derivative(system: System, shape: Shape, now: Policy, directions: FloatArray) -> sparse.csr_matrix:

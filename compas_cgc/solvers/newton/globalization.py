@@ -1,4 +1,4 @@
-"""Which steps a solve takes, one start after the other."""
+"""Globalization: which steps a solve takes, one start after the other."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Union
 import numpy as np
 
 from ...linalg import SingularMatrixError
+from ...meshing.existence import Overload
+from ...meshing.existence import overload
 from .damped import at_rounding
 from .damped import damped_newton
 from .elliptic import elliptic_steps
-from .feasibility import Overload
-from .feasibility import overload
 from .membrane import membrane
 from .settings import NewtonSettings
 from .system import Shape
@@ -39,7 +39,7 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
     From a start near the target, or where the settings say so, Newton's method right
     away; else after elliptic steps from there; if that fails, the same from a membrane.
     """
-    if start.largest <= settings.tolerance:
+    if system.meets(start, settings.tolerance):
         return "converged", ""
     only_given = settings.start == "given" or bool((system.targets < 0).any())
     near = settings.start == "auto" and _is_near(system, start)
@@ -48,9 +48,10 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
             outcome = yield from _by_newton(system, start, settings)
             if only_given or outcome == "converged":
                 return outcome, "start"
-        too_much = overload(system)
-        if too_much is not None:
-            return "infeasible", too_much
+        own = system.problem
+        excess = overload(start.vertices, own.faces, own.targets, own.asked)
+        if excess is not None:
+            return "infeasible", excess
         outcome = yield from _from_elliptic(system, start, settings)
         if outcome != "converged":
             taut = membrane(system)

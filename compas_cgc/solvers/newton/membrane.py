@@ -1,4 +1,4 @@
-"""A plain start in place of one that leads nowhere."""
+"""Harmonic membrane and Tutte embedding: a plain start in place of one that leads nowhere."""
 
 from __future__ import annotations
 

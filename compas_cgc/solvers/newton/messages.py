@@ -1,15 +1,15 @@
-"""How a solve ended, in one sentence for the designer."""
+"""Messages: how a solve ended, in one sentence for the designer."""
 
 from __future__ import annotations
 
-import math
 from typing import Union
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 
-from ...model.problem import Frame
-from .feasibility import Overload
+from ...meshing.existence import Overload
+from ...meshing.existence import too_much
+from ...model.frame import Frame
 from .system import System
 
 __all__ = ["message"]
@@ -45,11 +45,7 @@ def message(status: str, cause: Union[str, Overload], steps: int, max_error: flo
     if status == "step_limit":
         return f"not converged in {taken}: {reached}; allow more steps"
     if isinstance(cause, Overload):
-        K, area = cause.curvature / frame.scale**2, cause.area * frame.scale**2
-        return (
-            f"no convex surface spans this plane boundary with K̄ = {K:.3g}: K̄ times the plan area {area:.3g} "
-            f"must stay below π; ask for less than {math.pi / area:.3g}"
-        )
+        return too_much(cause.curvature / frame.scale**2, cause.most / frame.scale**2)
     return f"{status} after {taken}: {_advice(cause, system)}; the best shape on the way is returned, {reached}"
 
 

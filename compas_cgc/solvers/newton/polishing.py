@@ -1,4 +1,4 @@
-"""The last digits, in the coordinates that are handed back."""
+"""Iterative refinement in model coordinates: the last digits of a converged shape."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 from ...discrete import _kernels
 from ...discrete.arrays import FloatArray
 from ...linalg import SingularMatrixError
+from ...model.frame import Frame
 from ...model.problem import CGCProblem
-from ...model.problem import Frame
 from .system import System
 
 __all__ = ["model_errors", "polished"]

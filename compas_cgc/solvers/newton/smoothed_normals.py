@@ -1,4 +1,4 @@
-"""Directions for long moves."""
+"""Smoothed vertex normals, as directions for long moves."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 from numba import njit
 
 from ...discrete import _kernels
-from ...discrete.arrays import FloatArray
-from ...discrete.arrays import IntArray
+from ...discrete.arrays import Faces
+from ...discrete.arrays import Vectors
+from ...discrete.arrays import Vertices
 
 __all__ = ["smooth_normals"]
 
 
 @njit(cache=True)
-def smooth_normals(vertices: FloatArray, faces: IntArray, times: int) -> FloatArray:
+def smooth_normals(vertices: Vertices, faces: Faces, times: int) -> Vectors:
     """Return unit vertex normals, averaged `times` times over the corners of the faces around (n, 3).
 
     On irregular meshes the plain normals scatter, and long moves along them fold the

@@ -1,4 +1,4 @@
-"""The curvature equations of one problem, with one unknown per vertex where K is asked for."""
+"""System of the curvature equations of one problem, with one unknown per vertex where K is asked for."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from ...discrete import _kernels
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Vertices
 from ...discrete.evaluation import Measure
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import LinearSolver
@@ -17,12 +18,13 @@ from ...model.problem import CGCProblem
 __all__ = ["Shape", "Step", "System"]
 
 EPS = np.finfo(np.float64).eps
+ROUNDED = 1e-13  # residual that says no more of a shape than rounding [rad]
 
 
 class Shape(NamedTuple):
     """A surface as Newton's method sees it, at the k vertices where K is asked for."""
 
-    vertices: FloatArray  # (n, 3) all coordinates [L]
+    vertices: Vertices  # (n, 3) all coordinates [L]
     residual: FloatArray  # (k,) defect_i - K̄_i A_i [rad]
     curvature: FloatArray  # (k,) K of Eq. 10 [1/L^2]
     mean: FloatArray  # (k,) mean curvature, positive where convex towards the normal [1/L]
@@ -70,8 +72,8 @@ class System:
         self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
         self.measures = Measure(problem.vertices, problem.faces, problem.face_targets())
 
-    def measure(self, vertices: FloatArray) -> Shape:
-        """Return the measures of a shape with vertices (n, 3)."""
+    def measure(self, vertices: Vertices) -> Shape:
+        """Return the measures of a shape with vertices (n, 3), the mean curvature by Eq. 14."""
         here = self.measures(vertices)
         K, A, N = here.curvature[self.asked], here.area[self.asked], here.normal[self.asked]
         vectors = _kernels.mean_curvature_vectors(vertices, self.problem.faces)[self.asked]
@@ -91,6 +93,10 @@ class System:
         if not error.size:
             return 0.0, 0.0
         return float(np.abs(error).max()), float(np.linalg.norm(error))
+
+    def meets(self, shape: Shape, tolerance: float) -> bool:
+        """Return whether no |K - K̄| exceeds this part of the largest |K̄|, or what does is rounding."""
+        return bool((np.abs(shape.residual) <= np.maximum(tolerance * self.scale * shape.area, ROUNDED)).all())
 
     def dents(self, shape: Shape) -> int:
         """Return how many vertices bend the other way than most, of those where K̄ > 0."""

@@ -5,28 +5,23 @@
 
 from __future__ import annotations
 
-from ...model.constraints import AtHeight
-from ...model.constraints import Constraint
-from ...model.constraints import Held
-from ...model.constraints import Mirror
-from ...model.constraints import Near
-from ...model.constraints import OnCurve
-from ...model.constraints import OnLine
-from ...model.constraints import OnPlane
-from .project import project
-from .projector import Projector
+from typing import TYPE_CHECKING
+
+from ..._lazy import attach
+from .method import METHOD
 from .settings import ProjectionSettings
 
-__all__ = [
-    "AtHeight",
-    "Constraint",
-    "Held",
-    "Mirror",
-    "Near",
-    "OnCurve",
-    "OnLine",
-    "OnPlane",
-    "ProjectionSettings",
-    "Projector",
-    "project",
-]
+if TYPE_CHECKING:
+    from .projector import Projector
+    from .projector import project
+
+__all__ = ["METHOD", "ProjectionSettings", "Projector", "project"]
+
+# Constraints lived here, under these names.
+_MOVED = ("AtHeight", "Constraint", "Mirror", "OnCurve", "OnLine", "OnPlane")
+
+__getattr__, __dir__ = attach(
+    __name__,
+    {"Projector": ".projector", "project": ".projector"},
+    renamed={**{name: f"compas_cgc.{name}" for name in _MOVED}, "Held": "compas_cgc.Fixed", "Near": "compas_cgc.Proximity"},
+)

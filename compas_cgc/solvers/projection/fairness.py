@@ -14,10 +14,10 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...linalg import factorise
 from ...model.constraints import Constraint
-from ...model.constraints import Near
+from ...model.constraints import Proximity
 from ...model.constraints import indices
-from ...model.problem import CREASE
 from ...model.problem import CGCProblem
+from ...model.roles import CREASE
 from .metric import Metric
 from .metric import bending_matrix
 from .placement import Freedoms
@@ -72,7 +72,7 @@ class Fairness:
         bending = size**4 * bending_matrix(V, faces, problem.roles == CREASE, settings.crease_stiffness)
         weights = np.full(len(V), settings.nearness)
         for constraint in constraints:
-            if isinstance(constraint, Near):
+            if isinstance(constraint, Proximity):
                 weights[indices(constraint.vertices, len(V))] *= constraint.weight
         self.plate = (SEED_MASS * sparse.diags(mass) + bending).tocsr()
         self.axes, has_plan = _axes(V, faces)

@@ -13,7 +13,7 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import ProblemError
-from ...model.constraints import Placing
+from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from .symmetry import Image
 
@@ -63,7 +63,9 @@ class Places:
         If a constraint names a vertex that is not there or that is fixed elsewhere.
     """
 
-    def __init__(self, start: FloatArray, movable: NDArray[np.bool_], constraints: Sequence[Placing], symmetries: Sequence[Image]):
+    def __init__(
+        self, start: FloatArray, movable: NDArray[np.bool_], constraints: Sequence[PositionConstraint], symmetries: Sequence[Image]
+    ):
         n = len(start)
         self.start = start
         self.movable = movable
@@ -84,7 +86,7 @@ class Places:
         if len(self.symmetries) > 1:
             gap = np.linalg.norm(self._symmetric(vertices) - vertices, axis=1)
         for at, constraint in self.constraints:
-            gap[at] = np.maximum(gap[at], np.linalg.norm(constraint.feet(vertices[at]).points - vertices[at], axis=1))
+            gap[at] = np.maximum(gap[at], np.linalg.norm(constraint.closest_points(vertices[at]).points - vertices[at], axis=1))
         return gap
 
     def freedoms(self, vertices: FloatArray) -> Freedoms:
@@ -124,7 +126,7 @@ class Places:
             bound[~self.movable] = np.eye(3)
             pull[~self.movable] = (self.start - vertices)[~self.movable]
         for at, constraint in self.constraints:
-            feet = constraint.feet(vertices[at])
+            feet = constraint.closest_points(vertices[at])
             bound[at] += feet.normal
             pull[at] += np.einsum("kxy,ky->kx", feet.normal, feet.points - vertices[at])
         if len(self.symmetries) == 1:

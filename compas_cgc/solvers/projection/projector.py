@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -15,12 +12,10 @@ from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
 from ...errors import MeshError
 from ...errors import ProblemError
-from ...model.constraints import Constraint
 from ...model.problem import CGCProblem
-from ...model.result import History
+from ...model.recorder import Callback
+from ...model.recorder import Recorder
 from ...model.result import Solution
-from ...model.result import SolveState
-from ...model.result import stops
 from .energy import energy_meter
 from .messages import cause
 from .messages import message
@@ -28,7 +23,7 @@ from .settings import ProjectionSettings
 from .strategies import ways
 from .system import System
 
-__all__ = ["Projector"]
+__all__ = ["Projector", "project"]
 
 
 class Projector:
@@ -37,11 +32,9 @@ class Projector:
     Parameters
     ----------
     problem
-        Vertices, faces, roles and targets. The vertices are the drawing.
+        Vertices, faces, roles, targets and constraints. The vertices are the drawing.
     settings
         Parameters.
-    constraints
-        What is asked of vertices besides K; lengths in model units.
 
     Raises
     ------
@@ -62,21 +55,16 @@ class Projector:
     ('converged', 'converged', True)
     """
 
-    def __init__(self, problem: CGCProblem, settings: Optional[ProjectionSettings] = None, constraints: Sequence[Constraint] = ()):
+    def __init__(self, problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None):
         if not len(problem.faces):
             raise MeshError("the mesh has no faces")
         self.problem = problem
         self.settings = settings or ProjectionSettings()
         self._local, self._frame = problem.local()
-        self._system = System(self._local, self.settings, [constraint.local(self._frame) for constraint in constraints])
+        self._system = System(self._local, self.settings)
         self._edges = edge_faces(problem.faces)
 
-    def solve(
-        self,
-        targets: Optional[ArrayLike] = None,
-        vertices: Optional[ArrayLike] = None,
-        callback: Optional[Callable[[SolveState], object]] = None,
-    ) -> Solution:
+    def solve(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None, *, callback: Callback = None) -> Solution:
         """Return the fairest surface with the curvature asked for.
 
         Parameters
@@ -101,14 +89,13 @@ class Projector:
         ProblemError
             If a vertex where K is asked for has no target.
         """
-        started = time.perf_counter()
         system, settings, scale2 = self._system, self.settings, self._frame.scale**2
         local = self._posed(targets, vertices)
         equations = system.equations(local.targets)
         energy = energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
         start = best = system.at(local.vertices, equations)
-        status, rows = "stalled", []
+        status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
@@ -116,16 +103,13 @@ class Projector:
         for taken in ways(system, equations, start, settings, vertices is not None) if status == "stalled" else ():
             here = system.at(taken.vertices, taken.equations or equations)
             best = min(best, here, key=lambda point: point.badness)
-            errors = (here.error_norm / scale2, here.max_error / scale2)
-            rows.append((energy(here.vertices) * self._frame.scale, *errors, taken.length, taken.trials, True))
+            recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
                 status, best = "converged", here
-            elif len(rows) == settings.steps:
+            elif len(recorder) == settings.steps:
                 status = "step_limit"
-            if callback is not None:
-                state = SolveState(len(rows), settings.steps, *rows[-1][:5], time.perf_counter() - started, self._to_model(here.vertices))
-                if stops(callback, state) and status == "stalled":
-                    status = "cancelled"
+            if recorder.cancelled(here.vertices) and status == "stalled":
+                status = "cancelled"
             if status != "stalled":
                 break
         if status == "stalled" and best.fulfils(goal, system.rounding(best, equations)):
@@ -135,11 +119,11 @@ class Projector:
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(rows), max_error, start.max_error / scale2, goal / scale2, why, settings.measure),
-            len(rows),
-            time.perf_counter() - started,
+            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, settings.measure),
+            len(recorder),
+            recorder.seconds,
             max_error,
-            History.from_rows(rows),
+            recorder.history,
         )
 
     def _posed(self, targets: Optional[ArrayLike], vertices: Optional[ArrayLike]) -> CGCProblem:
@@ -165,3 +149,47 @@ class Projector:
         columns = self._system.columns
         result[columns] = self._frame.to_model(vertices[columns])
         return result
+
+
+def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
+    r"""Return the fairest surface with the curvature asked for.
+
+    Unknown are the three coordinates of every vertex that may move; there is an equation
+    :math:`r_i = \text{defect}_i - \bar K_i A_i = 0` at every internal vertex, and none on
+    creases and free edges. Of the many solutions it is one that bends least, and keeps to the
+    drawing as far as the settings say,
+
+    .. math:: \min \tfrac12\, x^T B x + \tfrac12\, |x - x_0|^2 \quad \text{subject to} \quad r(x) = 0,
+
+    with B the bending energy of the shape and the distance weighed apart in plan and height. The
+    way there is sequential quadratic programming from starts of its own or the one given, then Newton's
+    method with the second derivatives of the equations, then least-norm steps to rounding. K may
+    have any sign; no dummy mesh is needed.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles, targets and constraints. The vertices are the drawing, of which the settings say what is kept.
+    settings
+        Parameters.
+    callback
+        Called with a :class:`~compas_cgc.model.result.SolveState` after every step. To cancel,
+        return True or raise ``StopIteration``.
+
+    Returns
+    -------
+    Solution
+        With the best shape that was reached.
+
+    Raises
+    ------
+    ProblemError
+        If a constraint cannot be.
+
+    References
+    ----------
+    Tang, Sun, Gomes, Wallner, Pottmann, *Form-finding with polyhedral meshes made simple*,
+    doi:10.1145/2601097.2601213. Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for
+    inextensible surfaces*, doi:10.2312/SGP/SGP06/227-230.
+    """
+    return Projector(problem, settings=settings).solve(callback=callback)

@@ -19,9 +19,9 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
 from ...model.constraints import Constraint
-from ...model.constraints import Held
+from ...model.constraints import Fixed
 from ...model.constraints import Mirror
-from ...model.constraints import Placing
+from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from ...model.problem import CGCProblem
 from .fairness import Fairness
@@ -57,8 +57,6 @@ class System:
         The problem in its local frame.
     settings
         Parameters.
-    constraints
-        Constraints in the local frame.
 
     Raises
     ------
@@ -66,8 +64,8 @@ class System:
         If a constraint cannot be.
     """
 
-    def __init__(self, problem: CGCProblem, settings: ProjectionSettings, constraints: Sequence[Constraint]):
-        V, F = problem.vertices, problem.faces
+    def __init__(self, problem: CGCProblem, settings: ProjectionSettings):
+        V, F, constraints = problem.vertices, problem.faces, problem.constraints
         self.faces = np.ascontiguousarray(F[problem.real_faces])
         areas = face_areas(V, self.faces)
         self.size = math.sqrt(float(areas.sum()))
@@ -80,7 +78,9 @@ class System:
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
         symmetries = images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
-        self.places = Places(V, movable, [constraint for constraint in constraints if isinstance(constraint, Placing)], symmetries)
+        self.places = Places(
+            V, movable, [constraint for constraint in constraints if isinstance(constraint, PositionConstraint)], symmetries
+        )
         # Mirrored equations say the same twice, which makes the systems singular.
         self.leading = np.arange(len(self.rows))
         if len(symmetries) > 1 and keep_faces(F, symmetries):
@@ -199,6 +199,6 @@ def _movable(problem: CGCProblem, faces: np.ndarray, constraints: Sequence[Const
     used[faces.ravel()] = True
     movable = problem.movable & used
     for constraint in constraints:
-        if isinstance(constraint, Held):
+        if isinstance(constraint, Fixed):
             movable[indices(constraint.vertices, len(movable))] = False
     return movable

@@ -14,9 +14,9 @@ from compas_cgc.cli.main import main
 from compas_cgc.errors import FileError
 from compas_cgc.grasshopper.build import component_manifest as bundle
 from compas_cgc.grasshopper.build.archive import read_archive
+from compas_cgc.grasshopper.build.build_all import built_files
 from compas_cgc.grasshopper.build.component_manifest import read_bundles
 from compas_cgc.grasshopper.build.component_manifest import sources_folder
-from compas_cgc.grasshopper.build.everything import built_files
 from compas_cgc.grasshopper.build.install import install
 from compas_cgc.grasshopper.build.install import uninstall
 from compas_cgc.grasshopper.build.install import user_objects_folder

@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import shutil
+from dataclasses import dataclass
 
 import pytest
 
@@ -13,13 +14,23 @@ from compas_cgc._version import __version__
 from compas_cgc.errors import FileError
 from compas_cgc.grasshopper.build.archive import from_bytes
 from compas_cgc.grasshopper.build.archive import to_bytes
+from compas_cgc.grasshopper.build.build_all import user_object_files
 from compas_cgc.grasshopper.build.component_manifest import read_bundle
 from compas_cgc.grasshopper.build.component_manifest import read_bundles
 from compas_cgc.grasshopper.build.component_manifest import sources_folder
 from compas_cgc.grasshopper.build.guids import HINTS
+from compas_cgc.grasshopper.build.placeholders import option_text
+from compas_cgc.grasshopper.build.placeholders import placeholders
 from compas_cgc.grasshopper.build.userobject import inner_archive
 from compas_cgc.grasshopper.build.userobject import is_ours
 from compas_cgc.grasshopper.build.userobject import user_object
+from compas_cgc.solvers import METHODS
+from compas_cgc.solvers import Method
+from compas_cgc.solvers import Settings
+from compas_cgc.solvers import options
+from compas_cgc.solvers import register
+from compas_cgc.solvers import settings_for
+from compas_cgc.solvers.settings import option
 
 BUNDLES = {bundle.key: bundle for bundle in read_bundles()}
 each = pytest.mark.parametrize("bundle", BUNDLES.values(), ids=BUNDLES)
@@ -113,6 +124,56 @@ def test_code_that_does_not_fit_its_metadata(tmp_path, old, new, sentence):
     (folder / "code.py").write_text(code.replace(old, new), encoding="utf-8")
     with pytest.raises(FileError, match=sentence):
         read_bundle(folder)
+
+
+def test_a_placeholder_that_there_is_not_is_named(tmp_path):
+    folder = tmp_path / "CGC_Settings"
+    shutil.copytree(sources_folder() / "CGC_Settings", folder)
+    text = (folder / "metadata.json").read_text(encoding="utf-8")
+    (folder / "metadata.json").write_text(text.replace("{{options.delay}}", "{{options.wait}}"), encoding="utf-8")
+    with pytest.raises(FileError, match="CGC_Settings: there is no placeholder {{options.wait}}; there are version, methods"):
+        read_bundle(folder)
+
+
+# ----------------------------------------------------------------------
+# What is made from the registry of methods and the table of options
+# ----------------------------------------------------------------------
+
+
+def test_the_inputs_of_settings_are_those_of_the_table():
+    inputs = {parameter.name: parameter for parameter in BUNDLES["CGC_Settings"].inputs}
+    assert list(inputs) == "method steps tolerance s delay filter_radius nearness smoothness crease_stiffness".split(), "saved canvases"
+    assert set(inputs) <= {"method", *options()}
+    hints = {int: "int", float: "float", bool: "bool", str: "str"}
+    for name, own in options().items():
+        if name in inputs:
+            assert inputs[name].hint == hints[own.kind] and inputs[name].description == option_text(own)
+    assert inputs["s"].description.endswith("For the method flow. Defaults to 0.8, or 1 where creases wait (e).")
+    assert all(repr(name) in inputs["method"].description for name in METHODS)
+
+
+@dataclass(frozen=True)
+class ToySettings(Settings):
+    """Settings of a method that does nothing."""
+
+    steps: int = option(7, "Most steps to take.", int, low=1)
+    tolerance: float = option(1e-3, "As everywhere.", float, low=0)
+    sparkle: float = option(1.0, "How much it sparkles.", float, low=0)
+
+
+@pytest.fixture
+def toy():
+    """Register a fourth method for a while."""
+    yield register(Method("toy", "Leaves everything as it is.", ToySettings, lambda problem, settings, callback: None))
+    del METHODS["toy"]
+
+
+def test_a_method_that_is_registered_is_in_the_built_component(toy):
+    built = inner_archive(from_bytes(user_object_files()["CGC_Settings.ghuser"]))
+    part = built.child("ParameterData").child("InputParam", 0)
+    assert part.get("Name") == "method" and part.get("Description").startswith("'auto', 'flow', 'newton', 'projection' or 'toy'.")
+    assert placeholders()["options.sparkle"] == "How much it sparkles. For the method toy. Defaults to 1."
+    assert settings_for("toy", steps=9) == ToySettings(steps=9)
 
 
 def test_missing_files_and_folders(tmp_path):

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from compas_cgc import AtHeight
+from compas_cgc import AutoSettings
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import NewtonSettings
+from compas_cgc import ProjectionSettings
 from compas_cgc.errors import ProblemError
 from compas_cgc.grasshopper.components.info import InfoOutputs
-from compas_cgc.grasshopper.runtime.component_feedback import items
-from compas_cgc.grasshopper.runtime.component_feedback import plain
-from compas_cgc.grasshopper.runtime.component_feedback import reporting
-from compas_cgc.solvers.newton import NewtonSettings
-from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import ProjectionSettings
+from compas_cgc.grasshopper.runtime.component_feedback import as_list
+from compas_cgc.grasshopper.runtime.component_feedback import reports_errors
+from compas_cgc.grasshopper.runtime.component_feedback import unwrapped
 
 from ...support.gh_stand_ins import BUNDLES
 from ...support.gh_stand_ins import Component
 from ...support.gh_stand_ins import Document
+from ...support.gh_stand_ins import Placed
 from ...support.gh_stand_ins import Plane
 from ...support.gh_stand_ins import Point3d
 from ...support.gh_stand_ins import PolylineCurve
@@ -27,6 +31,8 @@ from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import rhino_mesh
 from ...support.gh_stand_ins import square
+from .test_components import ToySettings
+from .test_components import toy  # noqa: F401
 
 pytestmark = pytest.mark.usefixtures("rhino")
 
@@ -69,9 +75,14 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Target", {"cgc_mesh": "NINE", "K": [1.0], "region": [0], "point": [Point3d(0, 0, 0)]}, "by number or by points, not both"),
         ("Target", {"cgc_mesh": "NINE", "K": [float("nan")]}, "must be a finite number"),
         ("Settings", {"s": 2.0}, "s must be between 0 and 1"),
-        ("Settings", {"steps": 5}, "say which one, flow, newton or projection"),
-        ("Settings", {"method": "magic"}, "method must be one of flow, newton, projection, not 'magic'"),
-        ("Settings", {"delay": 5, "smoothness": 1.0}, "smoothness are settings of the method projection, not of flow"),
+        ("Settings", {"steps": 0}, "steps must be a whole number from 1 up"),
+        ("Settings", {"method": "newton", "delay": 5}, "delay is a setting of flow, not of newton"),
+        ("Settings", {"method": "magic"}, "method must be one of auto, flow, newton, projection, not 'magic'"),
+        (
+            "Settings",
+            {"delay": 5, "smoothness": 1.0},
+            "the settings delay, smoothness do not belong to one method; name it, flow, newton, projection",
+        ),
         ("Constraints", {"cgc_mesh": "NINE", "height": 1.0}, "a height needs the points"),
         ("Constraints", {"cgc_mesh": "NINE", "points": [Point3d(0.5, 0.5, 0.0)]}, "the point 0 is 0.707 away"),
         ("Constraints", {"cgc_mesh": "NINE", "curve": line((0.5, 0, 1), (0.5, 9, 1))}, "no vertex lies on the curve"),
@@ -91,8 +102,17 @@ def test_a_wrong_input_gets_a_red_balloon_with_a_sentence(name, inputs, sentence
     assert set(out.values()) == {None}
 
 
+@pytest.mark.filterwarnings("ignore:.*the old name will go:DeprecationWarning")
+@pytest.mark.parametrize("name", sorted(BUNDLES))
+def test_components_saved_with_the_old_names_of_modules_work(name):
+    code = BUNDLES[name].code.replace("compas_cgc.grasshopper.components", "compas_cgc.ghpython.components")
+    assert code != BUNDLES[name].code
+    placed = Placed(replace(BUNDLES[name], code=code))
+    assert set(placed.run()) == {parameter.name for parameter in BUNDLES[name].outputs} and not placed.said("Error")
+
+
 def test_every_problem_is_a_balloon_of_its_own():
-    @reporting(InfoOutputs)
+    @reports_errors(InfoOutputs)
     def refuse(component):
         raise ProblemError(["one", "two"])
 
@@ -105,9 +125,9 @@ def test_lists_and_wrapped_values():
     class GH_ObjectWrapper:
         Value = 5
 
-    assert plain(GH_ObjectWrapper()) == 5 and plain(3) == 3
-    assert items(None) == [] and items([1, None, GH_ObjectWrapper()]) == [1, 5]
-    assert items("boundary") == ["boundary"] and items(2.0) == [2.0]
+    assert unwrapped(GH_ObjectWrapper()) == 5 and unwrapped(3) == 3
+    assert as_list(None) == [] and as_list([1, None, GH_ObjectWrapper()]) == [1, 5]
+    assert as_list("boundary") == ["boundary"] and as_list(2.0) == [2.0]
 
 
 # ----------------------------------------------------------------------
@@ -176,8 +196,13 @@ def test_settings_keep_their_defaults():
     assert settings.run(method="flow")["settings"] == FlowSettings() and settings.component.Message == "flow"
     assert settings.run(method="newton", steps=9)["settings"] == NewtonSettings(steps=9)
     assert settings.run(smoothness=0.3, tolerance=1e-9)["settings"] == ProjectionSettings(smoothness=0.3, tolerance=1e-9)
+    assert settings.run(steps=9)["settings"] == AutoSettings(steps=9) and settings.component.Message == "auto", "it means the same in all"
     assert place("Settings").run(delay=5)["settings"].s == 1.0
     assert place("Settings").run(delay=5, s=0.5)["settings"].s == 0.5
+
+
+def test_settings_take_any_method_that_is_registered(toy):  # noqa: F811
+    assert place("Settings").run(method="toy", steps=3)["settings"] == ToySettings(steps=3)
 
 
 def test_constraints_for_points_curves_planes_and_mirrors():

@@ -5,22 +5,23 @@ from __future__ import annotations
 import sys
 import time
 
+import numpy as np
 import pytest
 
+from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
 from compas_cgc.grasshopper.components import server as server_component
-from compas_cgc.grasshopper.runtime import server_process as serving
 from compas_cgc.grasshopper.runtime.address import Address
-from compas_cgc.grasshopper.runtime.local_solve import Question
-from compas_cgc.grasshopper.runtime.local_solve import local_job
+from compas_cgc.grasshopper.runtime.local_solve import local_solve
 from compas_cgc.grasshopper.runtime.remote_solve import request_body
-from compas_cgc.solvers.projection import AtHeight
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.server_process import PATIENCE
 from ...support.server_process import free_port
 from ...support.server_process import running_server
+from ...support.server_process import wait_for
 from .test_solve import dome
 from .test_solve import endless
 from .test_solve import memory_of
@@ -39,8 +40,8 @@ def states(running):
     return {job["id"]: job["state"] for job in running.client.jobs()}
 
 
-def here(mesh, settings=None):
-    return local_job(Question(mesh, settings))(lambda progress: False)
+def here(mesh, settings=None, constraints=()):
+    return local_solve(mesh, settings, constraints)(lambda progress: False)
 
 
 def test_the_server_gives_what_this_process_gives(running):
@@ -49,9 +50,7 @@ def test_the_server_gives_what_this_process_gives(running):
     assert outs[0]["status"] == "running" and outs[-1]["status"] == "converged" and not placed.component.balloons
     own = here(dome())
     assert [list(p) for p in outs[-1]["mesh"].Vertices] == own.mesh.arrays()[0].tolist(), "bit by bit"
-    assert "max error" in outs[-1]["report"] and len(place("History").run(result=outs[-1]["result"])["energy"]) == len(
-        own.history["energy"]
-    )
+    assert "max error" in outs[-1]["report"] and len(place("History").run(result=outs[-1]["result"])["energy"]) == len(own.history.energy)
 
 
 def test_creases_strategies_and_dummies_arrive_there(running):
@@ -59,15 +58,15 @@ def test_creases_strategies_and_dummies_arrive_there(running):
     mesh.set_supports("corners")
     mesh.set_creases([[7 * i + 3 for i in range(7)]])
     mesh.set_target(0.02)
-    plain = request_body(Question(mesh))["bytes"]
+    plain = request_body("id", mesh.to_problem())
     assert b'"creases": [[3, 10]' in plain and b'"dtype"' not in plain
     single, ringed = mesh.copy(), mesh.copy()
     single.set_strategy(s=0.5)
     ringed.add_dummy_ring()
-    for question in (mesh, single, ringed):
-        out = until_done(place("Solve"), cgc_mesh=question, run=True, server=Address(running.url))[-1]
+    for posed in (mesh, single, ringed):
+        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=Address(running.url))[-1]
         assert out["status"] == "converged" and out["cgc_mesh"].creases() == mesh.creases()
-        assert out["cgc_mesh"].arrays()[0].tolist() == here(question).mesh.arrays()[0].tolist()
+        assert out["cgc_mesh"].arrays()[0].tolist() == here(posed).mesh.arrays()[0].tolist()
 
 
 def test_settings_and_constraints_go_along(running):
@@ -78,6 +77,31 @@ def test_settings_and_constraints_go_along(running):
     out = until_done(placed, constraints=[AtHeight([44], 1.0)], **inputs)[-1]
     assert out["status"] == "converged" and len(states(running)) == before + 1
     assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(1.0, abs=1e-9)
+    own = here(dome(), None, [AtHeight([44], 1.0)])
+    assert np.array_equal(out["result"].vertices, own.vertices) and out["result"].method == own.method
+
+
+def test_constraints_of_the_mesh_go_along_once(running):
+    mesh = dome()
+    mesh.set_constraints([AtHeight([44], 0.9)])
+    ringed = mesh.copy()
+    ringed.add_dummy_ring()
+    for posed in (mesh, ringed):
+        assert request_body("id", posed.to_problem()).count(b'"kind": "height"') == 1
+        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=running.url)[-1]
+        assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(0.9, abs=1e-9) and out["status"] == "converged"
+        assert [one.height for one in out["cgc_mesh"].constraints()] == [0.9]
+        assert np.array_equal(out["result"].vertices, here(posed).vertices)
+
+
+def test_the_result_of_a_server_is_like_that_of_this_process(running):
+    settings = FlowSettings(steps=5, finish=False)
+    there = until_done(place("Solve"), cgc_mesh=dome(), settings=settings, run=True, server=running.url)[-1]["result"]
+    own = here(dome(), settings)
+    words, same = there.to_dict(), own.to_dict()
+    assert words.pop("seconds") >= 0 and same.pop("seconds") >= 0 and words == same
+    assert all(a.dtype == b.dtype for a, b in zip(there.history, own.history)) and isinstance(there.mesh, CGCMesh)
+    assert there.problem.roles.tolist() == own.problem.roles.tolist() and there.problem.names[0].tolist() == own.problem.names[0].tolist()
 
 
 def test_a_refusal_of_the_server_is_a_red_balloon(running):
@@ -90,21 +114,13 @@ def test_a_refusal_of_the_server_is_a_red_balloon(running):
 
 
 def busy():
-    question = endless()
-    return dict(cgc_mesh=question["cgc_mesh"], settings=FlowSettings(steps=100000, tolerance=0.0, finish=False))
-
-
-def wait_until(true, seconds=20.0):
-    end = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    return dict(cgc_mesh=endless()["cgc_mesh"], settings=FlowSettings(steps=100000, tolerance=0.0, finish=False))
 
 
 def test_a_newer_input_cancels_the_job_on_the_server(running):
     placed = place("Solve")
     placed.run(run=True, server=running.url, **busy())
-    wait_until(lambda: "running" in states(running).values())
+    wait_for(lambda: "running" in states(running).values())
     (job,) = [id for id, state in states(running).items() if state == "running"]
     done = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
     assert done[-1]["status"] == "converged" and states(running)[job] == "cancelled"
@@ -113,33 +129,33 @@ def test_a_newer_input_cancels_the_job_on_the_server(running):
 def test_reset_cancels_the_job_on_the_server(running):
     placed = place("Solve")
     placed.run(run=True, server=running.url, **busy())
-    wait_until(lambda: "running" in states(running).values())
-    wait_until(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
+    wait_for(lambda: "running" in states(running).values())
+    wait_for(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
     placed.run(reset=True)
-    wait_until(lambda: "running" not in states(running).values())
+    wait_for(lambda: "running" not in states(running).values())
 
 
+@pytest.mark.slow
 def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
-    monkeypatch.setattr("compas_cgc.grasshopper.runtime.remote_solve.AGAIN", 0.1)
+    monkeypatch.setattr("compas_cgc.grasshopper.runtime.remote_solve.RETRY_INTERVAL", 0.1)
     placed, port = place("Solve"), free_port()
-    question = busy()
     url = f"http://127.0.0.1:{port}"
-    inputs = dict(run=True, server=url, **question)
+    inputs = dict(run=True, server=url, **busy())
     placed.run(**inputs)
     memory = memory_of(placed)
-    wait_until(lambda: memory.work.progress.note)
+    wait_for(lambda: memory.task.progress.note)
     assert placed.run(**inputs)["status"] == "running" and placed.component.Message == "waiting"
     assert "start one with: compas-cgc serve; trying again" in placed.said("Warning")[0]
     with running_server(tmp_path / "first.sqlite", workers=1, port=port):
-        wait_until(lambda: memory.work.progress.step > 0)
+        wait_for(lambda: memory.task.progress.step > 0)
         assert placed.run(**inputs)["status"] == "running" and not placed.component.balloons
-    wait_until(lambda: memory.work.progress.note)
+    wait_for(lambda: memory.task.progress.note)
     # Another server knows nothing of the job and gets it again.
     with running_server(tmp_path / "second.sqlite", workers=1, port=port) as second:
-        wait_until(lambda: "running" in states(second).values())
-        assert memory.work.running
+        wait_for(lambda: "running" in states(second).values())
+        assert memory.task.running
         placed.run(reset=True)
-        wait_until(lambda: "running" not in states(second).values())
+        wait_for(lambda: "running" not in states(second).values())
 
 
 # ----------------------------------------------------------------------
@@ -149,7 +165,7 @@ def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
 
 def settled(placed, **inputs):
     out = placed.run(**inputs)
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while placed.component.document.scheduled:
         assert time.monotonic() < end
         time.sleep(0.05)
@@ -175,10 +191,10 @@ def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):
     assert first["server"] is None and placed.component.Message == "starting"
     out = settled(placed, run=True, url=url, python=sys.executable)
     assert out["status"].endswith("started here") and placed.component.Message == "running"
-    process = server_component._MEMORIES[str(placed.component.InstanceGuid)].work.outcome.process
+    process = server_component._MEMORIES[str(placed.component.InstanceGuid)].task.result.process
     assert until_done(place("Solve"), cgc_mesh=dome(), run=True, server=out["server"])[-1]["status"] == "converged"
     assert settled(placed, run=False, url=url)["status"] == "not running"
-    assert process.wait(20) is not None
+    assert process.wait(PATIENCE) is not None
 
 
 @pytest.mark.parametrize(
@@ -198,7 +214,7 @@ def test_a_server_that_cannot_start_says_why(inputs, sentence):
 
 
 def test_inside_rhino_a_python_must_be_named(monkeypatch):
-    monkeypatch.setattr(serving.sys, "executable", "C:/Program Files/Rhino 8/System/Rhino.exe")
+    monkeypatch.setattr(sys, "executable", "C:/Program Files/Rhino 8/System/Rhino.exe")
     placed = place("Server")
     settled(placed, run=True, url=f"http://127.0.0.1:{free_port()}")
     assert "Rhino itself cannot run one" in placed.said("Error")[0]

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import threading
 import time
 
 import numpy as np
 import pytest
 
+from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import SolveResult
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.grasshopper.components import solve as component_module
-from compas_cgc.grasshopper.runtime.background import Progress
-from compas_cgc.grasshopper.runtime.background import Work
-from compas_cgc.grasshopper.runtime.local_solve import Question
-from compas_cgc.solvers.projection import AtHeight
+from compas_cgc.grasshopper.runtime.address import Address
+from compas_cgc.grasshopper.runtime.background import BackgroundTask
+from compas_cgc.grasshopper.runtime.component_feedback import as_list
+from compas_cgc.grasshopper.runtime.progress import Progress
 
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.rhino_models import Sketch
+from ...support.server_process import PATIENCE
 
 pytestmark = pytest.mark.usefixtures("rhino")
 
@@ -30,7 +35,7 @@ def dome(K=0.01, n=9):
 
 
 def endless():
-    """Return a question that takes longer than any test: no step satisfies a tolerance of zero."""
+    """Return inputs of a solve that takes longer than any test: no step satisfies a tolerance of zero."""
     return dict(cgc_mesh=dome(n=30), settings=FlowSettings(steps=10**6, tolerance=0.0))
 
 
@@ -42,13 +47,13 @@ def memory_of(placed):
 def until_done(placed, **inputs):
     """Run a component whenever its canvas wants it to, and return all outputs, the last one last."""
     outs = [placed.run(**inputs)]
-    for _ in range(600):
-        if outs[-1]["status"] != "running":
-            return outs
+    end = time.monotonic() + PATIENCE
+    while outs[-1]["status"] == "running":
+        assert time.monotonic() < end, "the solve does not end"
         time.sleep(0.02)
         assert placed.component.document.tick() >= 1 and placed.component.expired
         outs.append(placed.run(**inputs))
-    raise AssertionError("the solve does not end")
+    return outs
 
 
 def test_from_toggle_to_surface():
@@ -67,27 +72,24 @@ def test_from_toggle_to_surface():
     assert gaussian_curvature(vertices, faces)[inner] == pytest.approx(0.01, rel=1e-5)
     assert out["cgc_mesh"].region_target(0) == 0.01 and mesh.arrays()[0][:, 2].max() == 0, "the input is not changed"
     history = place("History").run(result=out["result"])
-    assert len(history["step"]) == len(history["max_error"]) == len(out["result"].history["energy"])
+    assert len(history["step"]) == len(history["max_error"]) == len(out["result"].history.energy)
     analysed = place("Analyse").run(cgc_mesh=out["cgc_mesh"], show="error")
     assert max(abs(x) for x in analysed["error"] if x is not None) < 1e-7
 
 
-def test_nothing_new_costs_next_to_nothing():
+def test_nothing_new_costs_next_to_nothing(monkeypatch):
     placed = place("Solve")
     mesh = dome()
     inputs = dict(cgc_mesh=mesh, settings=FlowSettings(steps=5), run=True)
     done = until_done(placed, **inputs)[-1]
     assert done["status"] == "step_limit" and "not converged in 5 steps" in placed.said("Warning")[0]
-    asked = []
-    real = Question.fingerprint
-    try:
-        Question.fingerprint = lambda self: asked.append(self) or real(self)
-        again = placed.run(**inputs)
-        assert again["mesh"] is done["mesh"] and not asked, "neither solved nor compared nor converted again"
-        same = placed.run(**{**inputs, "cgc_mesh": mesh.copy(), "settings": FlowSettings(steps=5)})
-        assert same["mesh"] is done["mesh"] and len(asked) == 1, "an equal mesh is no news"
-    finally:
-        Question.fingerprint = real
+    compared = []
+    real = component_module.fingerprint
+    monkeypatch.setattr(component_module, "fingerprint", lambda *inputs: compared.append(inputs) or real(*inputs))
+    again = placed.run(**inputs)
+    assert again["mesh"] is done["mesh"] and not compared, "neither solved nor compared nor converted again"
+    same = placed.run(**{**inputs, "cgc_mesh": mesh.copy(), "settings": FlowSettings(steps=5)})
+    assert same["mesh"] is done["mesh"] and len(compared) == 1, "an equal mesh is no news"
     assert not placed.component.document.scheduled
 
 
@@ -101,10 +103,10 @@ def test_progress_is_shown_and_rises():
 def test_a_newer_input_cancels_the_older_one():
     placed = place("Solve")
     placed.run(run=True, **endless())
-    first = memory_of(placed).work
+    first = memory_of(placed).task
     assert first.running
     outs = until_done(placed, cgc_mesh=dome(), run=True)
-    assert outs[-1]["status"] == "converged" and first.wait(10), "the older solve has ended"
+    assert outs[-1]["status"] == "converged" and first.wait(PATIENCE), "the older solve has ended"
     assert outs[-1]["cgc_mesh"].number_of_vertices() == 100
 
 
@@ -130,20 +132,20 @@ def test_reset_cancels_and_forgets():
     placed = place("Solve")
     inputs = endless()
     placed.run(run=True, **inputs)
-    work = memory_of(placed).work
+    task = memory_of(placed).task
     out = placed.run(run=True, reset=True, **inputs)
-    assert work.wait(10) and set(out.values()) == {None} and placed.component.Message == "reset"
+    assert task.wait(PATIENCE) and set(out.values()) == {None} and placed.component.Message == "reset"
     assert memory_of(placed) is None
 
 
 def test_removing_the_component_cancels():
     placed = place("Solve")
     placed.run(run=True, **endless())
-    work = memory_of(placed).work
+    task = memory_of(placed).task
     document, placed.component.document = placed.component.document, None
     placed.component.expired = False
     document.tick()
-    assert work.wait(10) and not placed.component.expired and not document.scheduled
+    assert task.wait(PATIENCE) and not placed.component.expired and not document.scheduled
     assert memory_of(placed) is None
 
 
@@ -165,6 +167,69 @@ def test_constraints_are_held():
     assert again["mesh"].Vertices[crown].Z == pytest.approx(1.1, abs=1e-9), "a changed constraint is a newer input"
 
 
+def drawn_crown(height=0.5):
+    """Return the model of a dome with a point drawn over its crown."""
+    sketch, mesh = Sketch(), dome()
+    vertices, faces = mesh.arrays()
+    sketch.mesh(vertices, faces)
+    sketch.points(vertices[mesh.supports()], "CGC::Supports")
+    sketch.points([vertices[44] + [0.0, 0.0, height]], "CGC::Constraints")
+    return sketch
+
+
+def test_constraints_drawn_in_a_file_are_held(tmp_path):
+    read = place("Read3dm").run(path=str(drawn_crown().save(tmp_path / "dome.3dm")))["cgc_mesh"]
+    mesh = place("Target").run(cgc_mesh=read, K=[0.01])["cgc_mesh"]
+    (drawn,) = mesh.constraints()
+    assert isinstance(drawn, AtHeight) and drawn.height == 0.5
+    placed = place("Solve")
+    out = until_done(placed, cgc_mesh=mesh, run=True)[-1]
+    assert out["status"] == "converged"
+    assert out["mesh"].Vertices[drawn.vertices[0]].Z == pytest.approx(0.5, abs=1e-9), "not where K alone would lead it"
+    second = [AtHeight([22], 0.4)]
+    both = until_done(placed, cgc_mesh=mesh, constraints=second, run=True)[-1]["mesh"].Vertices
+    assert [both[drawn.vertices[0]].Z, both[22].Z] == pytest.approx([0.5, 0.4], abs=1e-9), "those of the wire are added"
+    again = place("Write3dm").run(path=str(tmp_path / "out.3dm"), cgc_mesh=out["cgc_mesh"], write=True)
+    back = place("Read3dm").run(path=again["written"])["cgc_mesh"]
+    assert [one.height for one in back.constraints()] == [0.5], "and the surface carries them on"
+
+
+def test_a_change_on_any_wire_is_news():
+    mesh = dome()
+    held = mesh.copy()
+    held.set_constraints([AtHeight([44], 0.5)])
+    many = [AtHeight(np.arange(2000), 1.0), AtHeight(np.where(np.arange(2000) == 1000, 0, np.arange(2000)), 1.0)]
+    inputs = [
+        (mesh, None, None),
+        (held, None, None),
+        (mesh, FlowSettings(), None),
+        (mesh, FlowSettings(steps=5), None),
+        (mesh, None, Address("http://127.0.0.1:7331")),
+        (mesh, None, Address("http://127.0.0.1:7332")),
+        (mesh, None, None, AtHeight([44], 0.5)),
+        (mesh, None, None, AtHeight([44], 0.6)),
+        *((mesh, None, None, one) for one in many),
+    ]
+    assert len({component_module.fingerprint(*own) for own in inputs}) == len(inputs)
+    assert component_module.fingerprint(*inputs[7]) == component_module.fingerprint(mesh.copy(), None, None, AtHeight([44], 0.6))
+
+
+def test_another_server_is_asked_anew():
+    placed = place("Solve")
+    mesh = dome()
+    assert until_done(placed, cgc_mesh=mesh, run=True)[-1]["status"] == "converged"
+    assert placed.run(cgc_mesh=mesh, run=False, server="http://127.0.0.1:1")["status"] == "out of date"
+    assert placed.run(cgc_mesh=mesh, run=False)["status"] == "converged"
+
+
+def test_what_is_on_the_wires_is_not_taken_apart():
+    out = until_done(place("Solve"), cgc_mesh=dome(), settings=FlowSettings(steps=5), run=True)[-1]
+    result = out["result"]
+    assert isinstance(result, SolveResult) and result.mesh is out["cgc_mesh"] and result.settings == FlowSettings(steps=5)
+    for value in (result, result.settings, out["cgc_mesh"], AtHeight([44], 0.5), Address("http://127.0.0.1:7331")):
+        assert not isinstance(value, (tuple, dict)) and not hasattr(value, "__iter__") and as_list(value) == [value]
+
+
 def test_several_meshes_on_one_wire_are_several_solves():
     placed = place("Solve")
     meshes = [dome(), dome(0.02)]
@@ -176,9 +241,9 @@ def test_several_meshes_on_one_wire_are_several_solves():
         return outs
 
     outs = solution()
-    for _ in range(500):
-        if all(out["status"] != "running" for out in outs):
-            break
+    end = time.monotonic() + PATIENCE
+    while any(out["status"] == "running" for out in outs):
+        assert time.monotonic() < end
         time.sleep(0.02)
         placed.component.document.tick()
         outs = solution()
@@ -200,31 +265,30 @@ def test_refusals_are_red_and_stay_red():
     assert until_done(placed, cgc_mesh=dome(), run=True)[-1]["status"] == "converged" and not placed.component.balloons
 
 
-def test_a_fault_of_the_program_is_not_hidden():
+def test_a_fault_of_the_program_is_not_hidden(monkeypatch):
     placed = place("Solve")
 
-    def broken(tell):
+    def broken(report):
         raise ZeroDivisionError("a fault")
 
-    original, component_module._job = component_module._job, lambda question: broken
-    try:
+    monkeypatch.setattr(component_module, "_solving", lambda *inputs: broken)
+    placed.run(cgc_mesh=dome(), run=True)
+    assert memory_of(placed).task.wait(PATIENCE)
+    with pytest.raises(ZeroDivisionError):
         placed.run(cgc_mesh=dome(), run=True)
-        assert memory_of(placed).work.wait(10)
-        with pytest.raises(ZeroDivisionError):
-            placed.run(cgc_mesh=dome(), run=True)
-    finally:
-        component_module._job = original
 
 
-def test_work_tells_and_stops():
-    def count(tell):
-        step = 0
-        while not tell(Progress(step)):
+def test_a_task_reports_and_stops():
+    begun = threading.Event()
+
+    def count(report):
+        step = 1
+        while not report(Progress(step)):
+            begun.set()
             step += 1
-            time.sleep(0.001)
         return step
 
-    work = Work(count)
-    assert not work.wait(0.05) and work.progress.step > 0
-    work.cancel()
-    assert work.wait(10) and work.outcome >= work.progress.step and work.refusal is None
+    task = BackgroundTask(count)
+    assert begun.wait(PATIENCE) and task.running and task.progress.step > 0
+    task.cancel()
+    assert task.wait(PATIENCE) and task.result >= task.progress.step and task.error is None

@@ -10,7 +10,7 @@ import pytest
 
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
-from compas_cgc.io.rhino import read_model
+from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino.archive import read_archive
 
 from ...support.rhino_models import Sketch
@@ -54,12 +54,12 @@ def test_a_mutated_file_is_refused_in_a_sentence_or_read(whole, tmp_path, seed):
     path = tmp_path / "roof.3dm"
     path.write_bytes(mutated(whole, seed))
     try:
-        model = read_model(path)
+        model = read_3dm(path)
     except CGCError as refusal:
         assert "roof.3dm" in str(refusal) and "\n" not in str(refusal) and str(refusal).count(";") >= 1
     else:
         # The damage hit nothing that is read: all of the mesh is there.
-        assert len(model.vertices) == 81 and len(model.faces) == 128
+        assert len(model.problem.vertices) == 81 and len(model.problem.faces) == 128
 
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.9, 0.99])

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import rhino3dm
 
+from compas_cgc import CGCMesh
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import face_areas
 from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
-from compas_cgc.io.rhino import read_model
+from compas_cgc.io.rhino import read_3dm
 
 from ...support.rhino_models import Sketch
 from ...support.rhino_models import point3d
@@ -73,19 +74,19 @@ def test_an_outline_on_the_mesh_layer_with_holes_and_creases(mesher, tmp_path):
     sketch.points(SQUARE[:4], "CGC::Supports")
     path = sketch.save(tmp_path / "a.3dm")
     with pytest.raises(FileError, match="no mesh in the file.*--edge-length"):
-        read_model(path)
-    model = read_model(path, edge_length=0.8)
-    mesh = model.to_cgcmesh()
+        read_3dm(path)
+    model = read_3dm(path, edge_length=0.8)
+    mesh = CGCMesh.from_problem(model.checked())
     assert len(mesh.regions()) == 2 and len(mesh.supports()) == 4 and len(mesh.boundary_loops()) == 2
-    assert model.faces[:, 0].size and not any("left out: the layer" in note for note in model.notes)
+    assert model.problem.faces[:, 0].size and not any("left out: the layer" in note for note in model.notes)
 
 
 def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path):
     sketch = Sketch()
     sketch.curve([[2, 2, 0], [6, 2, 0], [6, 6, 0], [2, 6, 0], [2, 2, 0]])
     sketch.curve(SQUARE)
-    model = read_model(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
-    assert len(model.to_cgcmesh().regions()) == 2 and not model.problems
+    model = read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
+    assert len(CGCMesh.from_problem(model.checked()).regions()) == 2 and not model.diagnostics
 
 
 def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
@@ -97,7 +98,7 @@ def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
     sketch = Sketch()
     sketch.curve(SQUARE[:-1], "CGC::Mesh")
     with pytest.raises(FileError, match="is not closed; close it"):
-        read_model(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
+        read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
     monkeypatch.setitem(sys.modules, "compas_cgal.triangulation", None)
     with pytest.raises(MeshError, match=r"pip install 'compas_cgc\[mesher\]'"):
         mesher(SQUARE, [], [], 1.0, 1e-6)

@@ -93,13 +93,13 @@ def test_a_mesh_goes_in_and_out_with_every_bit():
 def test_geometry_on_a_canvas_becomes_a_problem():
     vertices, faces = far_grid()
     mesh = inside.mesh_from_arrays(vertices, faces)
-    model = inside.model_from_rhino(
+    model = inside.problem_from_rhino(
         mesh,
         supports=[Point3d(*vertices[v]) for v in corners_of(N)],
         creases=[Curve(vertices[row(N, 2)]), Curve(vertices[row(N, 4)], exact=False)],
         targets=[(Point3d(*(vertices[0] + [0.1, 0.1, 0])), 0.25)],
     )
-    solved = model.to_cgcmesh()
+    solved = CGCMesh.from_problem(model.checked())
     assert isinstance(solved, CGCMesh)
     assert solved.supports() == sorted(corners_of(N)) and len(solved.regions()) == 3 and solved.region_target(0) == 0.25
     assert solved.arrays()[0].tobytes() == vertices.tobytes()
@@ -112,7 +112,21 @@ def test_a_single_precision_mesh_still_meets_its_points():
         mesh.Vertices.Add(*point)
     for face in faces.tolist():
         mesh.Faces.AddFace(*face)
-    model = inside.model_from_rhino(mesh, [Point3d(*vertices[0])], tolerance=1e-9)
-    assert model.supports.tolist() == [0] and any("seven digits" in note for note in model.notes)
-    far = inside.model_from_rhino(mesh, [Point3d(0.0, 0.0, 0.0)])
-    assert "point 0 is up to 1000" in far.problems[0]
+    model = inside.problem_from_rhino(mesh, [Point3d(*vertices[0])], tolerance=1e-9)
+    assert model.problem.supports.tolist() == [0] and any("seven digits" in note for note in model.notes)
+    far = inside.problem_from_rhino(mesh, [Point3d(0.0, 0.0, 0.0)])
+    assert "point 0 is up to 1000" in far.diagnostics[0]
+
+
+def test_old_names_go_on_working_with_a_warning(tmp_path):
+    from compas_cgc.io import rhino
+
+    mesh = CGCMesh.from_meshgrid(dx=N, nx=N)
+    with pytest.warns(DeprecationWarning, match="is now compas_cgc.io.rhino.write_problem"):
+        rhino.write_model(tmp_path / "a.3dm", mesh)
+    with pytest.warns(DeprecationWarning, match="is now compas_cgc.io.rhino.read_3dm"):
+        model = rhino.read_model(tmp_path / "a.3dm")
+    with pytest.warns(DeprecationWarning, match="CGCMesh.from_problem"):
+        assert model.to_cgcmesh().number_of_vertices() == (N + 1) ** 2
+    with pytest.warns(DeprecationWarning, match="problem_from_rhino"):
+        assert inside.model_from_rhino is inside.problem_from_rhino

@@ -8,14 +8,18 @@ import numpy as np
 import pytest
 import rhino3dm
 
+from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
+from compas_cgc import FlowSettings
+from compas_cgc import OnPlane
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.discrete import vertex_areas
 from compas_cgc.errors import FileError
-from compas_cgc.io.asked import asked_of
-from compas_cgc.io.rhino import read_model
-from compas_cgc.io.rhino import write_model
+from compas_cgc.io.rhino import read_3dm
+from compas_cgc.io.rhino import write_problem
 from compas_cgc.io.rhino import write_result
+from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 
@@ -38,11 +42,16 @@ def problem():
     return mesh
 
 
-def same_model(one, other):
-    for name in ("vertices", "faces", "supports", "targets", "s", "e"):
+def mesh_of(model):
+    """Return the mesh of what was read, if all of it could be used."""
+    return CGCMesh.from_problem(model.checked())
+
+
+def same_problem(one, other):
+    for name in ("vertices", "faces", "roles", "targets", "s", "e"):
         a, b = getattr(one, name), getattr(other, name)
         assert a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), name
-    assert one.creases == other.creases and (one.units, one.tolerance) == (other.units, other.tolerance)
+    assert one.crease_paths() == other.crease_paths() and one.drawing == other.drawing
 
 
 def objects(path):
@@ -57,7 +66,7 @@ def objects(path):
 @pytest.mark.parametrize("version", [7, 8])
 def test_a_problem_goes_out_and_comes_in(tmp_path, version):
     mesh = problem()
-    write_model(tmp_path / "a.3dm", mesh, version=version)
+    write_problem(tmp_path / "a.3dm", mesh, version=version)
     file, found = objects(tmp_path / "a.3dm")
     assert file.ArchiveVersion == 10 * version and file.ApplicationName == "compas_cgc"
     assert {layer: len(entries) for layer, entries in found.items()} == {
@@ -66,11 +75,11 @@ def test_a_problem_goes_out_and_comes_in(tmp_path, version):
         "CGC::Creases": 1,
         "CGC::Targets": 2,
     }
-    back = read_model(tmp_path / "a.3dm").to_cgcmesh()
+    back = mesh_of(read_3dm(tmp_path / "a.3dm"))
     assert back.attributes["units"] == "Feet" and back.attributes["tolerance"] == 0.25e-3
     assert back.vertices_role() == mesh.vertices_role() and [back.region_target(r) for r in range(2)] == [0.01, 0.02]
     with pytest.raises(ValueError, match="version"):
-        write_model(tmp_path / "b.3dm", mesh, version=6)
+        write_problem(tmp_path / "b.3dm", mesh, version=6)
 
 
 def test_targets_and_strategies_of_single_vertices_are_kept(tmp_path):
@@ -78,8 +87,8 @@ def test_targets_and_strategies_of_single_vertices_are_kept(tmp_path):
     mesh.set_target(1 / 3, vertices=[55])
     mesh.set_strategy(s=0.25, vertices=[33])
     mesh.set_strategy(e=3, vertices=[34])
-    write_model(tmp_path / "a.3dm", mesh)
-    back = read_model(tmp_path / "a.3dm").to_cgcmesh()
+    write_problem(tmp_path / "a.3dm", mesh)
+    back = mesh_of(read_3dm(tmp_path / "a.3dm"))
     for name in ("target", "s", "e"):
         inside = [v for v in mesh.vertices() if mesh.vertex_role(v) in ("internal", "crease")]
         assert mesh.vertices_attribute(name, keys=inside) == back.vertices_attribute(name, keys=inside)
@@ -91,13 +100,13 @@ def test_every_example_of_the_paper_survives_bit_for_bit(tmp_path, example, orig
     mesh, _ = example.build()
     mesh = mesh.without_dummies()
     mesh = mesh.with_coordinates(mesh.arrays()[0] + np.array(origin) / 3)
-    write_model(tmp_path / "a.3dm", mesh)
-    model = read_model(tmp_path / "a.3dm")
-    back = model.to_cgcmesh()
-    one, other = asked_of(mesh), asked_of(back)
+    write_problem(tmp_path / "a.3dm", mesh)
+    model = read_3dm(tmp_path / "a.3dm")
+    back = mesh_of(model)
+    one, other = mesh.to_problem(), back.to_problem()
     assert one.vertices.tobytes() == other.vertices.tobytes() and np.array_equal(one.faces, other.faces)
-    assert np.array_equal(one.roles, other.roles) and np.array_equal(one.regions, other.regions)
-    assert np.array_equal(one.edges, other.edges) and np.array_equal(one.targets[one.asked], other.targets[other.asked])
+    assert np.array_equal(one.roles, other.roles) and np.array_equal(one.regions(), other.regions())
+    assert np.array_equal(one.creases, other.creases) and np.array_equal(one.targets[one.asked], other.targets[other.asked])
     K, L = gaussian_curvature(one.vertices, one.faces), gaussian_curvature(other.vertices, other.faces)
     assert np.array_equal(K, L, equal_nan=True)
 
@@ -106,7 +115,7 @@ def test_units_that_are_none_are_refused(tmp_path):
     mesh = problem()
     mesh.attributes["units"] = "Cubits"
     with pytest.raises(FileError, match="no unit 'Cubits'"):
-        write_model(tmp_path / "a.3dm", mesh)
+        write_problem(tmp_path / "a.3dm", mesh)
     assert not list(tmp_path.iterdir())
 
 
@@ -136,10 +145,10 @@ def handed_over(tmp_path):
 def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path):
     source, roof, tree = handed_over
     before = source.read_bytes()
-    model = read_model(source)
-    result = solve(model.to_cgcmesh())
+    model = read_3dm(source)
+    result = solve(mesh_of(model), settings={"s": 0.7})
     out = tmp_path / "out.3dm"
-    write_result(out, result, source, settings={"s": 0.7})
+    write_result(out, result, source)
     assert source.read_bytes() == before
     file, found = objects(out)
     old, old_found = objects(source)
@@ -175,16 +184,46 @@ def test_the_input_is_kept_and_the_result_stands_beside_it(handed_over, tmp_path
     assert "hall.3dm" in parts["Report"][0].Geometry.Text and result.status in parts["Report"][0].Geometry.Text
     record = json.loads(file.Strings["compas_cgc.result"])
     assert record["status"] == result.status and record["units"] == "Centimeters" and len(record["regions"]) == 2
-    assert json.loads(file.Strings["compas_cgc.settings"]) == {"s": 0.7}
+    assert json.loads(file.Strings["compas_cgc.settings"])["s"] == 0.7 == result.settings.s
+
+
+def test_what_was_reached_is_measured_on_the_surface_and_not_what_was_asked(tmp_path):
+    """After five steps of the flow the regions are far from their targets: the file says how far each is."""
+    result = solve(problem(), settings=FlowSettings(steps=5, finish=False))
+    write_result(tmp_path / "a.3dm", result)
+    _, found = objects(tmp_path / "a.3dm")
+    mesh = result.problem
+    K, area = gaussian_curvature(mesh.vertices, mesh.faces), vertex_areas(mesh.vertices, mesh.faces)
+    regions = [dict(entry.Attributes.GetUserStrings()) for entry in found["CGC Result::Regions"]]
+    for number, region in enumerate(regions):
+        inside = np.unique(mesh.faces[mesh.regions() == number])
+        inside = inside[mesh.asked[inside]]
+        assert float(region["K"]) == [0.01, 0.02][number]
+        assert float(region["K reached"]) == pytest.approx((K * area)[inside].sum() / area[inside].sum(), rel=1e-9)
+        assert float(region["error"]) == pytest.approx(np.abs(K[inside] - float(region["K"])).max(), rel=1e-9)
+        assert abs(float(region["K reached"]) - float(region["K"])) > 1e-3
+    (report,) = found["CGC Result::Report"]
+    assert f"largest error of K {result.max_error:.3g} 1/ft²" in report.Geometry.Text
+
+
+@pytest.mark.parametrize("source", [True, False])
+def test_a_result_keeps_the_constraints(tmp_path, source):
+    mesh = problem()
+    mesh.set_constraints([AtHeight([55], 0.5), OnPlane([36], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0])])
+    write_problem(tmp_path / "a.3dm", mesh)
+    result = solve(mesh)
+    write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm" if source else None)
+    back = read_3dm(tmp_path / "b.3dm").checked()
+    assert list(map(constraint_data, back.constraints)) == list(map(constraint_data, mesh.constraints()))
 
 
 def test_the_result_is_an_input_for_the_same_problem_even_on_top_of_itself(handed_over, tmp_path):
     source, *_ = handed_over
-    model = read_model(source)
-    result = solve(model.to_cgcmesh())
+    model = read_3dm(source)
+    result = solve(mesh_of(model))
     write_result(source, result, source)
     first = objects(source)[1]
-    same_model(read_model(source), model)
+    same_problem(read_3dm(source).problem, model.problem)
     write_result(source, result, source)
     again = objects(source)[1]
     assert {layer: len(entries) for layer, entries in first.items()} == {layer: len(entries) for layer, entries in again.items()}
@@ -197,24 +236,24 @@ def test_targets_given_elsewhere_come_back_from_the_regions_of_the_result(tmp_pa
     sketch.curve(vertices[row(N, 3)])
     sketch.points(vertices[corners_of(N)])
     source = sketch.save(tmp_path / "a.3dm")
-    mesh = read_model(source).to_cgcmesh()
+    mesh = mesh_of(read_3dm(source))
     mesh.set_target(0.01)
     mesh.set_target(0.02, region=1)
     write_result(tmp_path / "b.3dm", solve(mesh), source)
-    back = read_model(tmp_path / "b.3dm")
-    assert [back.to_cgcmesh().region_target(r) for r in range(2)] == [0.01, 0.02]
-    assert back.vertices.tobytes() == vertices.tobytes()
+    back = read_3dm(tmp_path / "b.3dm")
+    assert [mesh_of(back).region_target(r) for r in range(2)] == [0.01, 0.02]
+    assert back.problem.vertices.tobytes() == vertices.tobytes()
     sketch.curve(vertices[row(N, 6)])
     write_result(tmp_path / "c.3dm", solve(mesh), sketch.save(tmp_path / "a.3dm"))
-    changed = read_model(tmp_path / "c.3dm")
-    assert any("not those of this mesh" in note for note in changed.notes) and np.isnan(changed.targets).all()
+    changed = read_3dm(tmp_path / "c.3dm")
+    assert any("not those of this mesh" in note for note in changed.notes) and np.isnan(changed.problem.targets).all()
 
 
 def test_a_result_alone_is_the_next_input(tmp_path):
     result = solve(problem())
     write_result(tmp_path / "a.3dm", result)
-    model = read_model(tmp_path / "a.3dm")
-    back = model.to_cgcmesh()
+    model = read_3dm(tmp_path / "a.3dm")
+    back = mesh_of(model)
     assert any("earlier result" in note for note in model.notes)
     assert back.arrays()[0].tobytes() == result.mesh.arrays()[0].tobytes()
     assert back.vertices_role() == result.mesh.vertices_role() and back.region_target(1) == 0.02
@@ -225,7 +264,7 @@ def test_a_result_alone_is_the_next_input(tmp_path):
 @pytest.mark.parametrize("damage", ["replace", "Write"])
 def test_half_a_file_is_never_left(handed_over, tmp_path, monkeypatch, damage):
     source, *_ = handed_over
-    result = solve(read_model(source).to_cgcmesh())
+    result = solve(mesh_of(read_3dm(source)))
     before = source.read_bytes()
     if damage == "replace":
 

@@ -15,6 +15,7 @@ from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
 from compas_cgc.server.limits import Limits
 
+from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
@@ -42,7 +43,7 @@ def test_an_id_can_be_used_again_after_a_delete(server):
     wait_for(lambda: server.client.poll("the-same-id")["iteration"] > 0)
     server.client.delete("the-same-id")
     server.client.submit(*grid(6), id="the-same-id", supports="boundary", targets=0.5)
-    assert server.client.poll("the-same-id", wait=20)["state"] == "succeeded"
+    wait_for(lambda: server.client.poll("the-same-id")["state"] == "succeeded")
     assert len(server.client.result("the-same-id")["vertices"]) == 49
 
 
@@ -77,14 +78,15 @@ def test_files_have_the_limits_of_requests(server):
     vertices, faces = grid(60)
     lines = [f"v {x} {y} {z}\n" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist()]
     id = server.client.submit_file("".join(lines).encode(), "obj", supports="boundary", targets=0.1)
-    status = server.client.poll(id, wait=20)
-    assert status["state"] == "failed" and "the mesh has 3721 vertices" in status["message"]
+    wait_for(lambda: server.client.poll(id)["state"] == "failed")
+    status = server.client.poll(id)
+    assert "the mesh has 3721 vertices" in status["message"]
 
 
 def test_large_results_are_written_beside_a_busy_worker(server):
     vertices, faces = grid(50, 9.0)
     id = server.client.submit(vertices, faces, supports="boundary", targets=0.01)
-    assert server.client.poll(id, wait=30)["state"] == "succeeded"
+    wait_for(lambda: server.client.poll(id)["state"] == "succeeded")
     busy = server.client.submit(*grid(20), **ENDLESS)
     wait_for(lambda: server.client.poll(busy)["iteration"] > 0)
     assert server.client.result(id, "3dm").startswith(b"3D Geometry File Format")
@@ -100,7 +102,7 @@ def test_a_script_that_breaks_off_leaves_no_job_behind(server):
 
     with pytest.raises(KeyboardInterrupt):
         server.client.solve(*grid(20), on_progress=interrupt, interval=0.05, id="interrupted", **ENDLESS)
-    assert server.client.poll("interrupted", wait=5)["state"] == "cancelled"
+    wait_for(lambda: server.client.poll("interrupted")["state"] == "cancelled")
 
 
 def test_a_store_belongs_to_one_server(tmp_path):
@@ -135,18 +137,19 @@ def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
     from concurrent.futures import ThreadPoolExecutor
 
     from compas_cgc.server.api.requests import accept
+    from compas_cgc.server.api.tasks import solve_job
     from compas_cgc.server.jobs.engine import Jobs
 
     def full(*args):
         raise sqlite3.OperationalError("database or disk is full")
 
-    engine = Jobs(ThreadPoolExecutor(1), Store(":memory:"), Limits())
+    engine = Jobs(ThreadPoolExecutor(1), Store(":memory:"), solve_job, Limits())
     vertices, faces = grid(4)
     monkeypatch.setattr(engine.store, "finish", full)
     job, _ = engine.submit(
-        *accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
+        "json", accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
     )
-    done = engine.wait(job.id, 20)
+    done = engine.wait(job.id, PATIENCE)
     assert done.state == "failed" and "its disk may be full" in done.message
     engine.close()
 

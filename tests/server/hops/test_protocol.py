@@ -14,13 +14,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
-from compas_cgc.server.hops.data_tree import double_text
-from compas_cgc.server.hops.data_tree import text_text
+from compas_cgc.server.hops.data_tree import format_number
+from compas_cgc.server.hops.data_tree import format_text
 
 from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
 from ...support.hops_client import get
 from ...support.hops_client import write
+from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
@@ -360,7 +361,7 @@ def test_a_client_that_asks_before_it_sends_is_told_to_go_on(server, hops):
     host, port = server.address.split(":")
     head = f"POST /solve HTTP/1.1\r\nHost: {server.address}\r\nRhinoComputeKey: {KEY}\r\n"
     head += f"Content-Length: {len(body)}\r\nExpect: 100-continue\r\n\r\n"
-    with socket.create_connection((host, int(port)), 10) as connection:
+    with socket.create_connection((host, int(port)), PATIENCE) as connection:
         connection.sendall(head.encode())
         assert connection.recv(1000).startswith(b"HTTP/1.1 100 ")
         connection.sendall(body)
@@ -424,7 +425,7 @@ def reader(generation, comma=False):
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_every_number_is_read_in_every_culture(value):
-    item = {"type": "System.Double", "data": double_text(value)}
+    item = {"type": "System.Double", "data": format_number(value)}
     assert [reader(8, comma).read(item) for comma in (False, True)] == [value, value]
 
 
@@ -435,7 +436,7 @@ def test_every_number_is_read_in_every_culture(value):
 def test_every_text_is_shown_as_it_is(text):
     # Quotes at the ends are trimmed by Hops, and objects with backslashes unescaped: no text of the server has either.
     if text.strip('"') == text and not (text.strip().startswith("{") and "\\" in text):
-        item = {"type": "System.String", "data": text_text(text)}
+        item = {"type": "System.String", "data": format_text(text)}
         assert [reader(generation).read(item) for generation in (7, 8, 2026)] == [text, text, text]
 
 

@@ -10,7 +10,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from compas_cgc.server.api.requests import accept
-from compas_cgc.server.api.serialization import unpack
+from compas_cgc.server.api.serialization import unpack_result
+from compas_cgc.server.api.tasks import solve_job
 from compas_cgc.server.api.tasks import warm_up
 from compas_cgc.server.errors import Busy
 from compas_cgc.server.errors import Conflict
@@ -25,6 +26,7 @@ from compas_cgc.server.jobs.worker import report
 from compas_cgc.server.jobs.worker import stop_wanted
 from compas_cgc.server.limits import Limits
 
+from ...support.server_process import PATIENCE
 from ...support.server_process import wait_for
 from ...support.shapes import grid
 
@@ -56,7 +58,7 @@ def die():
 def body(n=6, **more):
     vertices, faces = grid(n)
     request = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, **more}
-    return accept(request, Limits())
+    return "json", accept(request, Limits())
 
 
 def endless(n=24):
@@ -66,7 +68,7 @@ def endless(n=24):
 @pytest.fixture(scope="module")
 def pool():
     with_two = WorkerPool(2, warm_up, grace=1.0)
-    assert with_two.wait_until_ready(120)
+    assert with_two.wait_until_ready(PATIENCE)
     yield with_two
     with_two.shutdown(cancel_futures=True)
 
@@ -81,7 +83,7 @@ def jobs(pool):
         def shutdown(self, wait=True, cancel_futures=False):
             pass
 
-    engine = Jobs(Borrowed(), Store(":memory:"), Limits(queue=6, per_client=4, results=3))
+    engine = Jobs(Borrowed(), Store(":memory:"), solve_job, Limits(queue=6, per_client=4, results=3))
     yield engine
     for job in engine.list():
         engine.cancel(job.id)
@@ -102,7 +104,7 @@ def test_the_pool_is_an_executor(pool):
 
 def test_an_exception_comes_back_with_the_name_of_its_class(pool):
     with pytest.raises(TaskError, match="lost") as error:
-        pool.submit(fail).result(10)
+        pool.submit(fail).result(PATIENCE)
     assert error.value.kind == "KeyError" and "in fail" in error.value.trace
 
 
@@ -110,7 +112,7 @@ def test_a_task_that_listens_is_stopped_without_force(pool):
     before = pool.processes()
     task = begun(pool, sleep_until_told)
     task.stop()
-    assert task.result(5) == "stopped gently"
+    assert task.result(PATIENCE) == "stopped gently"
     assert pool.processes() == before
 
 
@@ -119,31 +121,53 @@ def test_a_task_that_does_not_listen_is_ended_and_its_worker_replaced(pool):
     task = begun(pool, sleep_for_ever)
     task.stop("enough")
     with pytest.raises(TaskStopped, match="enough"):
-        task.result(5)
+        task.result(PATIENCE)
     wait_for(lambda: len(set(pool.processes()) - before) == 1)
-    assert pool.submit(add, 1, 1).result(60) == 2
+    assert pool.submit(add, 1, 1).result(PATIENCE) == 2
+
+
+@pytest.mark.timeout(60)
+def test_an_exception_that_leaves_the_block_of_a_pool_ends_what_is_in_it():
+    with pytest.raises(ZeroDivisionError), WorkerPool(1) as one:
+        running, waiting = begun(one, sleep_for_ever), one.submit(add, 1, 2)
+        raise ZeroDivisionError
+    with pytest.raises(TaskStopped):
+        running.result(0)
+    assert waiting.cancelled() and one.processes() == []
+
+
+def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
+    with WorkerPool(1) as one:
+        tasks = [one.submit(add, k, 2) for k in range(3)]
+    assert [task.result(0) for task in tasks] == [2, 3, 4] and one.processes() == []
+
+
+def test_where_no_worker_starts_nobody_waits_for_ever():
+    with WorkerPool(1, warm_up=die) as none:
+        with pytest.raises(WorkerDied, match="do not start; its log says why"):
+            none.submit(add, 1, 2).result(PATIENCE)
 
 
 def test_a_time_limit_stops_a_task(pool):
-    assert pool.start(sleep_until_told, time_limit=0.1).result(5) == "stopped gently"
+    assert pool.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
 
 
 def test_a_killed_worker_fails_its_own_task_only(pool):
-    pool.wait_until_ready(60)
+    pool.wait_until_ready(PATIENCE)
     victim, other = begun(pool, sleep_until_told), begun(pool, sleep_until_told)
     dead = pool.submit(die)
     victim.stop()
     with pytest.raises(WorkerDied, match="exit code 3.*submit the job again"):
-        dead.result(10)
+        dead.result(PATIENCE)
     assert not other.done()
     other.stop()
-    assert other.result(5) == "stopped gently"
-    assert pool.wait_until_ready(60)
+    assert other.result(PATIENCE) == "stopped gently"
+    assert pool.wait_until_ready(PATIENCE)
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
-    pool.wait_until_ready(60)
+    pool.wait_until_ready(PATIENCE)
     job, _ = jobs.submit(*endless())
     wait_for(lambda: jobs.get(job.id).progress.get("step"))
     (busy,) = (slot for slot in pool._slots if slot.state == "busy")
@@ -158,7 +182,7 @@ def test_a_job_runs_and_keeps_its_result(jobs):
     wait_for(lambda: jobs.get(job.id).over)
     done = jobs.get(job.id)
     assert done.state == "succeeded" and "converged in" in done.message
-    result, findings = unpack(jobs.result(job.id))
+    result, findings = unpack_result(jobs.result(job.id))
     assert result.converged and result.max_error < 1e-6
     assert result.mesh.number_of_vertices() == 49 and findings["quality"]["faces"] == 72
     assert jobs.submit(*body(), id="roof-0001") == (done, False)
@@ -176,7 +200,7 @@ def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
     steps = [state.progress["step"] for state in states if state.state == "running"]
     assert steps == sorted(steps) and steps[-1] > 0
     assert states[-1].state == "cancelled" and states[-1].message.startswith("cancelled after")
-    assert unpack(jobs.result(job.id))[0].status == "cancelled"
+    assert unpack_result(jobs.result(job.id))[0].status == "cancelled"
 
 
 def test_a_refused_solve_fails_with_the_sentence_of_the_check(jobs):
@@ -208,7 +232,7 @@ def test_old_results_make_room(jobs):
 
 def test_jobs_survive_the_server(tmp_path):
     first = WorkerPool(1)
-    engine = Jobs(first, Store(tmp_path / "jobs.sqlite"))
+    engine = Jobs(first, Store(tmp_path / "jobs.sqlite"), solve_job)
     running, _ = engine.submit(*endless(8))
     waiting, _ = engine.submit(*body())
     engine.close()
@@ -217,37 +241,57 @@ def test_jobs_survive_the_server(tmp_path):
         store = Store(tmp_path / "jobs.sqlite")
         assert [job.id for job in store.unfinished()] == [running.id, waiting.id]
         store.delete(running.id)
-        engine = Jobs(second, store)
+        engine = Jobs(second, store, solve_job)
         wait_for(lambda: engine.get(waiting.id).over)
         assert engine.get(waiting.id).state == "succeeded"
+
+
+def test_a_stop_in_order_costs_a_job_none_of_its_attempts(tmp_path):
+    for _ in range(3):
+        engine = Jobs(WorkerPool(1), Store(tmp_path / "jobs.sqlite"), solve_job)
+        job, _ = engine.submit(*endless(8), id="restarted")
+        wait_for(lambda engine=engine: engine.get("restarted").state == "running")
+        engine.close()
+    store = Store(tmp_path / "jobs.sqlite")
+    assert [(job.id, job.state, job.attempts) for job in store.unfinished()] == [("restarted", "queued", 0)]
+    store.close()
 
 
 def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
     store = Store(tmp_path / "jobs.sqlite")
     with ThreadPoolExecutor(1) as executor:
-        engine = Jobs(executor, store)
+        engine = Jobs(executor, store, solve_job)
         job, _ = engine.submit(*body())
         wait_for(lambda: engine.get(job.id).over)
         # As if the server had been killed twice while it ran.
         store.add(job._replace(id="deadly-one", state="running", attempts=2), body()[0], {}, body()[1])
-        again = Jobs(executor, store)
+        again = Jobs(executor, store, solve_job)
     assert again.get("deadly-one").state == "failed" and "ended 2 times" in again.get("deadly-one").message
 
 
 def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     with pytest.raises(TimeoutError, match="gone"):
-        jobs.call(sleep_until_told, gone=lambda: True)
+        jobs.call(sleep_until_told, disconnected=lambda: True)
     assert jobs.call(add, 2, 2) == 4
 
 
-def test_nobody_waits_long_for_a_task_that_was_cancelled(pool):
-    task = begun(pool, sleep_for_ever)
-    busy = set(pool.processes())
+def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():
+    """The worker has the time of its grace to end by itself; whoever waits for the task is told long before."""
+    slow = WorkerPool(1, grace=2 * PATIENCE)
+    task = begun(slow, sleep_for_ever)
+    busy = slow.processes()
     task.stop("it was cancelled")
     with pytest.raises(TaskStopped, match="it was cancelled"):
-        task.result(timeout=0.6)
-    assert set(pool.processes()) == busy, "the worker has a second to end by itself"
-    wait_for(lambda: pool.health()["replaced"] and pool.health()["busy"] == 0)
+        task.result(PATIENCE)
+    assert slow.processes() == busy and slow.health()["busy"] == 1
+    slow.shutdown(cancel_futures=True)
+
+
+def test_a_worker_that_does_not_heed_a_cancel_is_replaced_after_its_grace(pool):
+    before = pool.health()["replaced"]
+    task = begun(pool, sleep_for_ever)
+    task.stop("it was cancelled")
+    wait_for(lambda: pool.health()["replaced"] == before + 1 and pool.health()["busy"] == 0)
 
 
 def test_who_is_waited_for_goes_before_all_but_those_who_wait_for_long():

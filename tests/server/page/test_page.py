@@ -15,7 +15,7 @@ import rhino3dm
 
 from compas_cgc import CGCMesh
 from compas_cgc.discrete import gaussian_curvature
-from compas_cgc.io import write_mesh
+from compas_cgc.io import write
 from compas_cgc.server import Limits
 from compas_cgc.server import create_app
 from compas_cgc.server.page.preview import contents
@@ -63,7 +63,7 @@ def nine_regions(K=0.01):
 
 def file_of(mesh, kind, tmp_path):
     path = tmp_path / f"roof.{kind}"
-    write_mesh(path, mesh)
+    write(path, mesh)
     return path
 
 
@@ -235,6 +235,9 @@ class Page:
         wait_for(lambda: self.all(".example") or self.all("dialog[open]"), what="the page does not start")
         if self.all("dialog[open]"):
             self.give(KEY)
+            self.seen(".example")
+            # The browser notes what made the page ask for the key; a test begins after that.
+            assert all("401" in text for text in self.complaints())
         self.seen(".example")
 
     def give(self, key):
@@ -307,16 +310,20 @@ def changed(before, after):
 
 def test_the_key_is_asked_for_until_it_is_right(page):
     page.window.get(page.server.url)
+    page.window.execute_script("sessionStorage.clear()")
+    page.window.refresh()
     page.seen("dialog[open]")
+    before = page.complaints()
     page.give("not-the-key")
     wait_for(lambda: "not it" in page.one("#key-text").text)
     page.give(KEY)
     assert len(wait_for(lambda: page.all(".example"))) == 6
-    assert all("401" in text for text in page.complaints())
+    assert before and all("401" in text for text in [before[-1], *page.complaints()])
     page.window.refresh()
     page.seen(".example")
 
 
+@pytest.mark.slow
 def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     from selenium.webdriver.common.keys import Keys
 
@@ -349,6 +356,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     assert len(asked) > 20 and all(url.startswith((page.server.url, "data:", "blob:")) for url in asked), asked
 
 
+@pytest.mark.slow
 def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp_path):
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
@@ -381,6 +389,7 @@ def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp
     assert json.loads(page.download("json").read_text(encoding="utf-8"))["dtype"].endswith("CGCMesh")
 
 
+@pytest.mark.slow
 def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=40, nx=44), "obj", tmp_path)))

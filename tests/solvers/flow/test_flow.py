@@ -13,11 +13,11 @@ from compas_cgc.discrete import energy_gradient
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete.evaluation import Measure
 from compas_cgc.discrete.evaluation import Measurement
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import DUMMY
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import DUMMY
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.paper.examples import example2
 from compas_cgc.paper.examples import example4
 from compas_cgc.solvers.flow import FlowSettings
@@ -66,7 +66,7 @@ def test_curvature_is_the_same_as_that_of_a_sphere_over_a_circle():
         r = 0.6 * ring / rings
         vertices = np.column_stack([r * np.cos(angle), r * np.sin(angle), np.zeros(len(r))])
         problem = CGCProblem(vertices, faces, np.where(ring == rings, FIXED, INTERNAL), 1.0)
-        solution = flow(problem, FlowSettings(steps=4000))
+        solution = flow(problem, settings=FlowSettings(steps=4000))
         assert solution.status == "converged"
         heights.append(solution.vertices[0, 2])
     errors = np.abs(np.array(heights) - (1 - 0.8))
@@ -76,14 +76,14 @@ def test_curvature_is_the_same_as_that_of_a_sphere_over_a_circle():
 
 def test_supports_and_dummies_come_back_bit_for_bit():
     problem, settings = problem_of(example2())
-    solution = flow(problem, settings)
+    solution = flow(problem, settings=settings)
     still = np.isin(problem.roles, [FIXED, DUMMY])
     assert np.array_equal(solution.vertices[still], problem.vertices[still])
 
 
 def test_same_input_same_bits():
     problem, settings = problem_of(example4(centre=4.0, around=1.0))
-    first, second = flow(problem, settings), flow(problem, settings)
+    first, second = flow(problem, settings=settings), flow(problem, settings=settings)
     assert np.array_equal(first.vertices, second.vertices)
     assert all(np.array_equal(a, b) for a, b in zip(first.history, second.history))
 
@@ -105,7 +105,7 @@ def test_size_place_and_numbering_change_nothing_but_rounding(seed, scale, shift
         problem.targets[order] / scale**2,
     )
     settings = FlowSettings(steps=30, tolerance=0.0)
-    a, b = flow(problem, settings), flow(other, settings)
+    a, b = flow(problem, settings=settings), flow(other, settings=settings)
     back = turn.inv().apply((b.vertices - shift * scale) / scale)[place]
     assert np.abs(back - a.vertices).max() < 1e-9
     assert b.max_error * scale**2 == pytest.approx(a.max_error, rel=1e-6)
@@ -116,9 +116,22 @@ def test_s_and_e_of_a_vertex_go_before_the_settings():
     creases = problem.roles == CREASE
     given = CGCProblem(problem.vertices, problem.faces, problem.roles, problem.targets, s=np.where(creases, 0.5, np.nan))
     asked, _ = problem_of(example4(s=0.5))
-    assert np.array_equal(flow(given, settings).vertices, flow(asked, example4(s=0.5)[1]).vertices)
+    assert np.array_equal(flow(given, settings=settings).vertices, flow(asked, settings=example4(s=0.5)[1]).vertices)
     held = CGCProblem(problem.vertices, problem.faces, problem.roles, problem.targets, e=np.where(creases, 10_000, np.nan))
-    assert np.array_equal(flow(held, settings).vertices[creases], problem.vertices[creases])
+    assert np.array_equal(flow(held, settings=settings).vertices[creases], problem.vertices[creases])
+
+
+@pytest.mark.parametrize("e", [0, 1, 5])
+def test_a_crease_waits_exactly_as_many_steps_as_it_is_told(e):
+    problem, settings = problem_of(example4(centre=4.0, around=1.0, e=e))
+    creases, moved = problem.roles == CREASE, []
+
+    def callback(state):
+        moved.append(not np.array_equal(state.vertices[creases], problem.vertices[creases]))
+        return len(moved) == e + 2
+
+    flow(problem, settings=settings, callback=callback)
+    assert moved == [False] * e + [True, True]
 
 
 def test_the_step_length_and_radius_of_the_paper_scale_with_the_mesh():
@@ -126,8 +139,8 @@ def test_the_step_length_and_radius_of_the_paper_scale_with_the_mesh():
     mesh, settings = example2()
     small = CGCProblem.from_mesh(mesh)
     large = CGCProblem(small.vertices * 10, small.faces, small.roles, small.targets / 100)
-    a = flow(small, FlowSettings(steps=50, tolerance=0, mu0=0.1, filter_radius=0.5))
-    b = flow(large, FlowSettings(steps=50, tolerance=0, mu0=100.0, filter_radius=5.0))
+    a = flow(small, settings=FlowSettings(steps=50, tolerance=0, mu0=0.1, filter_radius=0.5))
+    b = flow(large, settings=FlowSettings(steps=50, tolerance=0, mu0=100.0, filter_radius=5.0))
     assert b.max_error * 100 == pytest.approx(a.max_error, rel=1e-6)
     assert b.history.step_length == pytest.approx(1000 * a.history.step_length, rel=1e-12)
 
@@ -140,7 +153,7 @@ def test_the_step_length_and_radius_of_the_paper_scale_with_the_mesh():
 @pytest.mark.parametrize("example", [example2(), example4()], ids=["example 2", "example 4"])
 def test_every_accepted_step_lowers_the_energy(example):
     problem, settings = problem_of(example)
-    history = flow(problem, settings).history
+    history = flow(problem, settings=settings).history
     local, _ = problem.local()
     first = Measure(local.vertices, local.faces, local.face_targets())(local.vertices).energy
     before = np.concatenate([[first], history.energy[:-1]])
@@ -152,14 +165,14 @@ def test_every_accepted_step_lowers_the_energy(example):
 
 def test_energy_falls_at_every_one_of_the_steps_that_shape_the_surface():
     problem, settings = problem_of(example2())
-    history = flow(problem, settings).history
+    history = flow(problem, settings=settings).history
     assert (np.diff(history.energy[:50]) < 0).all()
     assert history.max_error[49] < 0.1
 
 
 @pytest.mark.parametrize("kind", ["steiner", "cotangent"])
 def test_both_energies_lead_to_the_same_surface(kind):
-    solution = flow(fixed_square(), FlowSettings(energy=kind))
+    solution = flow(fixed_square(), settings=FlowSettings(energy=kind))
     assert solution.status == "converged"
     assert solution.vertices[:, 2].max() == pytest.approx(flow(fixed_square()).vertices[:, 2].max(), rel=1e-3)
 
@@ -238,7 +251,7 @@ def test_without_a_filter_creases_take_the_mean_of_their_neighbours():
 def test_a_radius_that_reaches_too_many_vertices_is_refused_in_words(monkeypatch):
     monkeypatch.setattr("compas_cgc.solvers.flow.filter.MOST_PAIRS", 1000)
     with pytest.raises(ValueError, match="choose a smaller radius"):
-        flow(fixed_square(12), FlowSettings(filter_radius=10.0))
+        flow(fixed_square(12), settings=FlowSettings(filter_radius=10.0))
 
 
 # ----------------------------------------------------------------------
@@ -249,7 +262,7 @@ def test_a_radius_that_reaches_too_many_vertices_is_refused_in_words(monkeypatch
 def test_too_much_curvature_inflates_and_is_called_divergence():
     """No surface with K = 4.0 spans a square 10 wide: the flow blows it up until it is stopped."""
     problem = fixed_square(9, 10.0, 4.0)
-    solution = flow(problem, FlowSettings(steps=5000))
+    solution = flow(problem, settings=FlowSettings(steps=5000))
     assert solution.status == "diverged"
     assert "more than the boundary can carry" in solution.message
     assert np.isfinite(solution.vertices).all()
@@ -259,13 +272,13 @@ def test_too_much_curvature_inflates_and_is_called_divergence():
 
 def test_without_a_filter_the_flow_diverges_and_says_so():
     problem, settings = problem_of(example2(filtered=False))
-    solution = flow(problem, settings)
+    solution = flow(problem, settings=settings)
     assert solution.status == "diverged"
     assert "set filter_radius" in solution.message
 
 
 def test_a_step_limit_is_said_and_the_shape_kept():
-    solution = flow(fixed_square(), FlowSettings(steps=20))
+    solution = flow(fixed_square(), settings=FlowSettings(steps=20))
     assert (solution.status, solution.iterations) == ("step_limit", 20)
     assert "allow more steps" in solution.message
     assert len(solution.history.energy) == 20
@@ -299,7 +312,7 @@ def test_a_solved_shape_is_left_alone():
 def test_targets_of_zero_are_reached():
     problem = fixed_square(8, 1.0, 0.0)
     vertices = problem.vertices + np.where(problem.asked, 0.02, 0)[:, None] * [0, 0, 1]
-    solution = flow(CGCProblem(vertices, problem.faces, problem.roles, problem.targets), FlowSettings(steps=5000, tolerance=1e-4))
+    solution = flow(CGCProblem(vertices, problem.faces, problem.roles, problem.targets), settings=FlowSettings(steps=5000, tolerance=1e-4))
     assert solution.status == "converged", solution.message
 
 
@@ -310,7 +323,7 @@ def test_targets_of_zero_are_reached():
         (dict(tau=1.0), "tau must be between 0 and 1"),
         (dict(mu0=-1), "mu0 must be a positive number"),
         (dict(mu0=float("nan")), "mu0 must be a positive number"),
-        (dict(energy="area"), "'steiner' or 'cotangent'"),
+        (dict(energy="area"), "one of steiner, cotangent"),
         (dict(s=1.5), "s must be between 0 and 1"),
         (dict(zeta=1.0), "zeta must be greater than 1"),
         (dict(q=2.5), "q must be a whole number"),

@@ -8,18 +8,18 @@ import pytest
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.constraints import AtHeight
+from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.constraints import OnLine
+from compas_cgc.model.constraints import OnPlane
+from compas_cgc.model.constraints import Proximity
 from compas_cgc.model.problem import CGCProblem
-from compas_cgc.solvers.projection import AtHeight
-from compas_cgc.solvers.projection import Held
-from compas_cgc.solvers.projection import Mirror
-from compas_cgc.solvers.projection import Near
-from compas_cgc.solvers.projection import OnCurve
-from compas_cgc.solvers.projection import OnLine
-from compas_cgc.solvers.projection import OnPlane
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.projection import project
 
 from ...support import shapes
@@ -44,7 +44,7 @@ def roof(target: float = 0.01, crease: bool = False) -> CGCProblem:
 
 
 def solved(constraints, problem=None) -> np.ndarray:
-    solution = project(problem or roof(), constraints=constraints)
+    solution = project((problem or roof()).with_constraints(constraints))
     assert solution.status == "converged", solution.message
     assert solution.max_error < 1e-12
     return solution.vertices
@@ -78,7 +78,7 @@ def test_an_edge_on_an_arch(curve):
 
 def test_a_crease_free_held_or_drawn_to_a_curve():
     free = solved([], roof(crease=True))
-    held = solved([Held(RIDGE)], roof(crease=True))
+    held = solved([Fixed(RIDGE)], roof(crease=True))
     assert np.array_equal(held[RIDGE], roof().vertices[RIDGE]), "bit for bit"
     high = ARCH + [5, 0, 1.0]
     drawn = solved([OnCurve(RIDGE, high)], roof(crease=True))
@@ -94,7 +94,7 @@ def test_several_constraints_at_once_and_on_one_vertex():
 def test_near_vertices_move_less():
     problem = roof()
     problem.vertices[:, 2] = 0.1 * I * (N - I) / N + 0.05 * np.sin(J) * (problem.roles != FIXED)
-    loose, near = (np.linalg.norm((solved(c, problem) - problem.vertices)[RIDGE]) for c in ([], [Near(RIDGE, 1000.0)]))
+    loose, near = (np.linalg.norm((solved(c, problem) - problem.vertices)[RIDGE]) for c in ([], [Proximity(RIDGE, 1000.0)]))
     assert near < 0.5 * loose
 
 
@@ -143,7 +143,7 @@ def test_mirrors_and_curves_together():
 
 
 def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
-    solution = project(roof(), constraints=[AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)])
+    solution = project(roof().with_constraints([AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)]))
     assert solution.status == "stalled"
     assert f"vertex {CENTRE} cannot fulfil its constraints" in solution.message
     assert np.isfinite(solution.vertices).all()
@@ -154,7 +154,7 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
     [
         (AtHeight([0], 2.0), "vertex 0 is fixed away from where a constraint wants it"),
         (AtHeight([7, 10_000], 2.0), "names vertex 10000; the mesh has the vertices 0 to 440"),
-        (Held([-1]), "names vertex -1"),
+        (Fixed([-1]), "names vertex -1"),
         (Mirror((4, 5, 0), (1, 0, 0)), "has no mirror image of its own"),
         ([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5.01, 5, 0), (1, 0, 0))], "images of a vertex"),
     ],
@@ -162,16 +162,16 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
 )
 def test_constraints_that_cannot_be_are_refused(constraint, words):
     with pytest.raises(ProblemError, match=words):
-        project(roof(), constraints=constraint if isinstance(constraint, list) else [constraint])
+        project(roof().with_constraints(constraint))
 
 
 @pytest.mark.parametrize(
     "make, words",
     [
-        (lambda: project(roof(), constraints=[OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))]), "normal of a plane must be three numbers"),
+        (lambda: project(roof().with_constraints([OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))])), "normal of a plane must be three numbers"),
         (lambda: OnCurve([1], [(0, 0, 0)]), "two or more different points"),
         (lambda: AtHeight([1], float("nan")), "height must be a number"),
-        (lambda: Near([1], -1.0), "weight must be a positive number"),
+        (lambda: Proximity([1], -1.0), "weight must be a positive number"),
     ],
 )
 def test_constraints_without_sense_are_refused(make, words):

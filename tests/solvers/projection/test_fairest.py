@@ -44,7 +44,7 @@ def vault(sag: float) -> CGCProblem:
 
 def solved(problem: CGCProblem, **settings):
     """Solve, and judge by polynomials that the solver knows nothing of."""
-    solution = project(problem, ProjectionSettings(**settings))
+    solution = project(problem, settings=ProjectionSettings(**settings))
     assert solution.status == "converged", solution.message
     assert solution.max_error < 5e-12
     return solution.vertices, verdict(replace(problem, vertices=solution.vertices), problem.vertices)
@@ -115,7 +115,7 @@ def test_what_is_kept_of_the_drawing_is_the_designers():
     roles = np.full(len(vertices), INTERNAL)
     roles[:36], roles[-36:] = FREE, FIXED
     cone = CGCProblem(vertices, faces, roles, 0.0)
-    by_itself, shape, plan = (project(cone, ProjectionSettings(keep=keep)).vertices for keep in ("auto", "shape", "plan"))
+    by_itself, shape, plan = (project(cone, settings=ProjectionSettings(keep=keep)).vertices for keep in ("auto", "shape", "plan"))
     assert np.array_equal(by_itself, shape), "it was drawn so: no support makes it bend"
     assert np.abs(shape - vertices).max() < 0.05 < np.abs(plan - vertices)[:, 2].max()
     assert np.ptp(plan[:, 2]) < 1e-3

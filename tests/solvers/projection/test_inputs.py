@@ -12,14 +12,15 @@ from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.errors import MeshError
 from compas_cgc.errors import ProblemError
-from compas_cgc.model.problem import CREASE
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import OnCurve
+from compas_cgc.model.dummy_ring import with_dummy_ring
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.result import STATUSES
-from compas_cgc.solvers.projection import Held
-from compas_cgc.solvers.projection import OnCurve
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
@@ -78,7 +79,7 @@ SOLVED = {
     "one equation": lambda: with_roles(
         canopy(9, 1.0, 0.9), lambda r: np.where(r == FIXED, FIXED, np.where(np.arange(100) == 44, 0, CREASE))
     ),
-    "dummies": lambda: canopy(9, 1.0, 0.9).with_dummy_ring(),
+    "dummies": lambda: with_dummy_ring(canopy(9, 1.0, 0.9)),
     "coincident vertices": coincident,
     "loose vertices": with_loose_vertices,
     "two parts": two_parts,
@@ -118,7 +119,7 @@ def test_a_face_without_area_is_named():
 def test_where_nothing_may_move_that_is_said():
     vertices, faces = shapes.icosphere(1)
     problem = CGCProblem(vertices, faces, np.full(42, INTERNAL), 2.0)
-    solution = project(problem, constraints=[Held(range(42))])
+    solution = project(problem.with_constraints([Fixed(range(42))]))
     assert_honest(problem, solution)
     assert solution.status == "infeasible" and "no vertex may move; free some" in solution.message
 
@@ -171,7 +172,7 @@ def test_settings_go_into_json():
 
 def test_limits_and_cancelling():
     problem = canopy(9, 1.0, 0.9)
-    few = project(problem, ProjectionSettings(steps=2))
+    few = project(problem, settings=ProjectionSettings(steps=2))
     assert few.status == "step_limit" and few.iterations == 2 and "allow more steps" in few.message
     seen = []
     cancelled = project(problem, callback=lambda state: seen.append(state) or state.step == 2)
@@ -226,8 +227,8 @@ def test_constraints_live_in_the_units_of_the_model():
     edge = np.arange(1, 10)
     t = np.linspace(0, np.pi, 40)
     arch = np.column_stack([0 * t, 5 - 5 * np.cos(t), np.sin(t)])
-    expected = project(problem, constraints=[OnCurve(edge, arch)]).vertices
+    expected = project(problem.with_constraints([OnCurve(edge, arch)])).vertices
     far = replace(problem, vertices=1000 * problem.vertices + 5e5, targets=problem.targets / 1e6)
-    solution = project(far, constraints=[OnCurve(edge, 1000 * arch + 5e5)])
+    solution = project(far.with_constraints([OnCurve(edge, 1000 * arch + 5e5)]))
     assert solution.status == "converged"
     assert np.abs((solution.vertices - 5e5) / 1000 - expected).max() < 1e-6

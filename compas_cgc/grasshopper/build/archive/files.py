@@ -44,8 +44,8 @@ def write_archive(path: Union[str, os.PathLike], root: Chunk) -> None:
     """
     _, write = _form(Path(path))
     data = write(root)
-    with replacing(path) as beside:
-        beside.write_bytes(data)
+    with replacing(Path(path)) as temporary:
+        temporary.write_bytes(data)
 
 
 def _form(path: Path) -> tuple:

@@ -1,4 +1,4 @@
-"""What holds in every definition that Grasshopper writes."""
+"""Rules that hold in every definition that Grasshopper writes."""
 
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ def _container_problems(where: str, container: Chunk, known: set[UUID]) -> Itera
         sources = [entry for entry in part.items if entry.name == "Source"]
         if sources or part.has("SourceCount"):
             yield from _numbered(f"{where}: Source", "SourceCount", part.get("SourceCount"), [entry.index for entry in sources])
-        for entry in sources:
-            if entry.value not in known:
-                yield f"{where}: a wire comes from {entry.value}, which is not in the file"
+        for source in sources:
+            if source.value not in known:
+                yield f"{where}: a wire comes from {source.value}, which is not in the file"
         if part.name == "Script":
             yield from _script_problems(where, part)
 

@@ -1,9 +1,10 @@
-"""Items in chunks: what every Grasshopper file consists of."""
+"""Archive tree: items in chunks, which every Grasshopper file consists of."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from dataclasses import field
 from typing import NamedTuple
 from typing import Optional
 
@@ -18,7 +19,7 @@ class Item(NamedTuple):
     """A named value."""
 
     name: str
-    index: Optional[int]  # position in a numbered list such as ``InputId``
+    index: Optional[int]  # type: ignore[assignment]  # of a numbered list such as ``InputId``; hides that of tuples
     type: str  # a name of :data:`compas_cgc.grasshopper.build.archive.TYPES`
     value: Value
 
@@ -48,6 +49,8 @@ class Chunk:
     items: tuple[Item, ...] = ()
     chunks: tuple[Chunk, ...] = ()
     index: Optional[int] = None
+    _items: dict[tuple, Item] = field(init=False, repr=False, compare=False)
+    _chunks: dict[tuple, Chunk] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         ordered = sorted(self.items, key=lambda entry: (entry.name, -1 if entry.index is None else entry.index))
@@ -60,7 +63,7 @@ class Chunk:
         """Tell whether there is an item of this name."""
         return (name, index) in self._items
 
-    def get(self, name: str, index: Optional[int] = None, default: object = None) -> object:
+    def get(self, name: str, index: Optional[int] = None, default: Value = None) -> Value:
         """Return the value of an item, or the default."""
         found = self._items.get((name, index))
         return default if found is None else found.value
@@ -68,6 +71,19 @@ class Chunk:
     def child(self, name: str, index: Optional[int] = None) -> Optional[Chunk]:
         """Return a child chunk, or None."""
         return self._chunks.get((name, index))
+
+    def part(self, name: str, index: Optional[int] = None) -> Chunk:
+        """Return a child chunk that has to be there.
+
+        Raises
+        ------
+        FileError
+            If it is not.
+        """
+        found = self.child(name, index)
+        if found is None:
+            raise FileError(f"the chunk {self.name!r} has no chunk {name!r}")
+        return found
 
     def children(self, name: str) -> list[Chunk]:
         """Return the numbered child chunks of a name."""

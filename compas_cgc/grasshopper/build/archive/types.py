@@ -12,11 +12,12 @@ import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Union
+from typing import Any
 
 __all__ = ["BY_CODE", "TYPES", "Type", "Value"]
 
-Value = Union[bool, int, float, str, bytes, uuid.UUID, Decimal, tuple]
+# Of bool, int, float, str, bytes, UUID, Decimal or tuple, as the type of the item says.
+Value = Any
 
 
 @dataclass(frozen=True)
@@ -25,19 +26,19 @@ class Type:
 
     code: int
     name: str
-    clean: Callable[[object], Value]  # makes a value what it will be when it is read back
+    clean: Callable[[Any], Value]  # makes a value what it will be when it is read back
     format: str = ""  # for struct, empty where the length varies
     fields: tuple[str, ...] = ()  # XML elements of a structure
 
 
-def _bool(value: object) -> bool:
+def _bool(value: Any) -> bool:
     if not isinstance(value, (bool, int)) or value not in (0, 1):
         raise ValueError("it must be true or false")
     return bool(value)
 
 
-def _whole(format: str) -> Callable[[object], int]:
-    def clean(value: object) -> int:
+def _whole(format: str) -> Callable[[Any], int]:
+    def clean(value: Any) -> int:
         if isinstance(value, bool) or int(value) != value:
             raise ValueError("it must be a whole number")
         return _packed(format, (int(value),))[0]
@@ -45,7 +46,7 @@ def _whole(format: str) -> Callable[[object], int]:
     return clean
 
 
-def _single(value: object) -> float:
+def _single(value: Any) -> float:
     return _packed("<f", (float(value),))[0]
 
 
@@ -62,30 +63,30 @@ def _guid(value: object) -> uuid.UUID:
 
 def _decimal(value: object) -> Decimal:
     number = value if isinstance(value, Decimal) else Decimal(str(value))
-    if not number.is_finite():
-        raise ValueError("it must be a finite number")
     _, digits, exponent = number.as_tuple()
+    if not isinstance(exponent, int):
+        raise ValueError("it must be a finite number")
     scaled = int("".join(map(str, digits))) * 10 ** max(exponent, 0)
     if -exponent > 28 or scaled >= 1 << 96:
         raise ValueError("a decimal has at most 28 places and 96 bits")
     return number if exponent <= 0 else number.quantize(Decimal(1))
 
 
-def _doubles(value: object) -> tuple[float, ...]:
+def _doubles(value: Any) -> tuple[float, ...]:
     return tuple(float(x) for x in value)
 
 
-def _colour(value: object) -> tuple[int, ...]:
+def _colour(value: Any) -> tuple[int, ...]:
     parts = tuple(int(part) for part in value)
     if len(parts) != 4 or not all(0 <= part <= 255 for part in parts):
         raise ValueError("a colour is four numbers from 0 to 255")
     return parts
 
 
-def _structure(format: str, count: int) -> Callable[[object], tuple]:
+def _structure(format: str, count: int) -> Callable[[Any], tuple]:
     kind = int if "i" in format else float
 
-    def clean(value: object) -> tuple:
+    def clean(value: Any) -> tuple:
         parts = tuple(kind(part) for part in value)
         if len(parts) != count:
             raise ValueError(f"it must be {count} numbers")

@@ -1,4 +1,4 @@
-"""The example definitions."""
+"""Example definitions."""
 
 from __future__ import annotations
 

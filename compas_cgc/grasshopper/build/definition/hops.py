@@ -1,10 +1,10 @@
-"""Grasshopper's Hops component as items and chunks."""
+"""Hops component as items and chunks."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ....server.hops.endpoints import ENDPOINTS
+from ....server.hops.endpoints import endpoint
 from ....server.hops.schema import Output
 from ..archive import Chunk
 from ..archive import Item
@@ -31,14 +31,14 @@ def hops_component(
     Hops asks the server for its parameters when a definition is opened; these are what
     it shows until then.
     """
-    endpoint = ENDPOINTS[node.uri]
+    function = endpoint(node.uri)
     items = [
         item("CacheResultsInMemory", "gh_bool", True),
         item("CacheSolveResults", "gh_bool", True),
-        item("Description", "gh_string", endpoint.text),
+        item("Description", "gh_string", function.text),
         item("InstanceGuid", "gh_guid", own_guid(instance(definition, node))),
         item("Name", "gh_string", "Hops"),
-        item("NickName", "gh_string", endpoint.name),
+        item("NickName", "gh_string", function.name),
         item("RemoteDefinitionLocation", "gh_string", f"{SERVER}/{node.uri}"),
         item("RemoteSolveVersion", "gh_version", (0, 1, 0)),
         item("ShowInput_Enabled", "gh_bool", False),
@@ -46,7 +46,7 @@ def hops_component(
         item("SynchronousSolve", "gh_bool", True),
     ]
     counts, chunks = [], []
-    for side, declared, places in (("Input", endpoint.inputs, inputs), ("Output", endpoint.outputs, outputs)):
+    for side, declared, places in (("Input", function.inputs, inputs), ("Output", function.outputs, outputs)):
         counts.append(item(f"{side}Count", "gh_int32", len(declared)))
         counts += [item(f"{side}Id", "gh_guid", PARAMETER_TYPES[own.kind], i) for i, own in enumerate(declared)]
         for i, (own, place) in enumerate(zip(declared, places)):

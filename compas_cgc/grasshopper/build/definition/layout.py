@@ -1,4 +1,4 @@
-"""A place for every object: columns from left to right along the wires."""
+"""Layered layout: every object in a column, from left to right along the wires."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, B
     places = _column_places(columns, sizes, feeding)
     top = y + ROW_GAP
     # First what has inputs, beside what feeds it; then what feeds them, beside the inputs that it feeds.
-    for key in sorted(columns, key=columns.get):
+    for key in sorted(columns, key=columns.__getitem__):
         sources = [wire.partition(".")[0] for wires in sources_of(nodes[key]).values() for wire in wires]
         if sources:
             wanted = min((boxes[other].y for other in sources if other in boxes), default=top)

@@ -1,4 +1,4 @@
-"""What can stand on a canvas, and what is wired to what, as plain data."""
+"""Nodes: the objects of a canvas and their wires, as plain data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A definition's picture, drawn from the archive that is written."""
+"""Picture of a definition as SVG, drawn from the archive that is written."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def definition_svg(root: Chunk) -> str:
     root
         What :func:`compas_cgc.grasshopper.build.archive.read_archive` returns for a definition.
     """
-    objects = [(KINDS.get(part.get("GUID"), "parameter"), part.child("Container")) for part in _objects(root)]
+    objects = [(KINDS.get(part.get("GUID"), "parameter"), part.part("Container")) for part in _objects(root)]
     places: dict[UUID, tuple] = {}
     for _, container in objects:
         for part in _walk(container):
@@ -53,7 +53,7 @@ def definition_svg(root: Chunk) -> str:
 
 
 def _objects(root: Chunk) -> list[Chunk]:
-    return root.child("Definition").child("DefinitionObjects").children("Object")
+    return root.part("Definition").part("DefinitionObjects").children("Object")
 
 
 def _walk(part: Chunk) -> Iterator[Chunk]:
@@ -79,7 +79,7 @@ def _group(container: Chunk, places: dict) -> Iterator[str]:
 
 
 def _drawn(kind: str, container: Chunk) -> Iterator[str]:
-    box = container.child("Attributes").get("Bounds")
+    box = container.part("Attributes").get("Bounds")
     x, y, width, height = box
     middle = (x + width / 2, y + height / 2 + 4)
     name = container.get("NickName") or container.get("Name")
@@ -94,7 +94,7 @@ def _drawn(kind: str, container: Chunk) -> Iterator[str]:
     elif kind in ("script", "hops"):
         yield from _component(container, box)
     elif kind == "slider":
-        slider = container.child("Slider")
+        slider = container.part("Slider")
         value = f"{slider.get('Value'):.{slider.get('Digits')}f}"
         yield _rect("c", box, 3)
         yield _text(x + 5, middle[1], name)
@@ -113,11 +113,11 @@ def _chosen(container: Chunk) -> str:
 def _component(container: Chunk, box: tuple) -> Iterator[str]:
     x, y, width, height = box
     yield _rect("c", box, 5)
-    data = container.child("ParameterData")
+    data = container.part("ParameterData")
     left, right = x + 2, x + width - 2
     for side in ("Input", "Output"):
         for part in data.children(f"{side}Param"):
-            u, v, w, h = part.child("Attributes").get("Bounds")
+            u, v, w, h = part.part("Attributes").get("Bounds")
             left, right = (max(left, u + w), right) if side == "Input" else (left, min(right, u))
             yield _text(u + 4 if side == "Input" else u + w - 4, v + h / 2 + 4, part.get("NickName"), "" if side == "Input" else "r")
     yield _rect("k", (left, y + 3, right - left, height - 6), 3)

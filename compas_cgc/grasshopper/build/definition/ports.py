@@ -1,4 +1,4 @@
-"""Inputs and outputs of the objects on a canvas."""
+"""Ports: inputs and outputs of the objects on a canvas."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from uuid import UUID
 
 from ....errors import FileError
-from ....server.hops.endpoints import ENDPOINTS
+from ....server.hops.endpoints import endpoint
 from ..component_manifest import Bundle
 from ..guids import own_guid
 from .nodes import Definition
@@ -28,14 +28,14 @@ def instance(definition: Definition, node: Node) -> str:
 def input_names(node: Node, bundles: Mapping[str, Bundle]) -> list[str]:
     """Return the names of the inputs on the left side of an object."""
     if isinstance(node, Hops):
-        return [own.name for own in ENDPOINTS[node.uri].inputs]
+        return [own.name for own in endpoint(node.uri).inputs]
     return [parameter.name for parameter in bundles[node.bundle].inputs] if isinstance(node, Script) else []
 
 
 def output_names(node: Node, bundles: Mapping[str, Bundle]) -> list[str]:
     """Return the names of the outputs on the right side of an object."""
     if isinstance(node, Hops):
-        return [own.name for own in ENDPOINTS[node.uri].outputs]
+        return [own.name for own in endpoint(node.uri).outputs]
     return [parameter.name for parameter in bundles[node.bundle].outputs] if isinstance(node, Script) else []
 
 

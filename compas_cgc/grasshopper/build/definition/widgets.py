@@ -1,4 +1,4 @@
-"""Sliders, panels and other objects of Grasshopper's own as items and chunks."""
+"""Widgets: sliders, panels and other objects of Grasshopper's own as items and chunks."""
 
 from __future__ import annotations
 

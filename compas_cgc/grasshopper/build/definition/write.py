@@ -1,4 +1,4 @@
-"""A canvas as the archive of a .gh or .ghx file."""
+"""Definition file: a canvas as the archive of a .gh or .ghx file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..guids import COMPONENT_TYPES
 from ..guids import LIBRARIES
 from ..guids import PARAMETER_TYPES
 from ..guids import own_guid
-from ..script import Placing
+from ..script import Placement
 from ..script import script_component
 from .hops import hops_component
 from .layout import Box
@@ -126,7 +126,7 @@ def _script(index: int, definition: Definition, node: Script, box: Box, bundles:
     bundle = bundles[node.bundle]
     inputs, outputs = (list(map(_attributes, ports)) for ports in port_boxes(node, box, bundles))
     sources = {name: [source_guid(definition, wire) for wire in wires] for name, wires in sources_of(node).items()}
-    items, chunks = script_component(bundle, instance(definition, node), Placing(_attributes(box), inputs, outputs, sources))
+    items, chunks = script_component(bundle, instance(definition, node), Placement(_attributes(box), inputs, outputs, sources))
     if node.hidden:
         items = [*items, item("Hidden", "gh_bool", True)]
     return _wrapped(index, "script", bundle.name, items, chunks)

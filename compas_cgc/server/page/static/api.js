@@ -24,6 +24,11 @@ export class Api {
     this.asking = null;
   }
 
+  /** @returns {Promise<{name: string, text: string, options: object[]}[]>} the methods, each option as a JSON schema */
+  async methods() {
+    return (await this.json('/api/v1/methods')).methods;
+  }
+
   /** @returns {Promise<{name: string, title: string, text: string}[]>} */
   async examples() {
     return (await this.json('/api/v1/examples')).examples;

@@ -32,7 +32,7 @@ class Page {
     this.scene = new Scene($('canvas'));
     this.painter = new Painter(this.scene, new Legend($('legend')));
     this.regions = new Regions($('regions'), { change: () => this.changed(), over: (region) => this.light(region) });
-    this.settings = new Settings($('panel'), { change: () => this.changed(), hold: () => this.hold() });
+    this.settings = new Settings($('panel'), this.api, { change: () => this.changed(), hold: () => this.hold() });
     this.charts = new Charts($('chart-error'), $('chart-energy'));
     this.verdict = new Verdict($('verdict'));
     this.solver = new Solver(this.api, this);

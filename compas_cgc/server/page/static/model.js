@@ -16,8 +16,7 @@ export class Model {
       constraints: data.constraints,
       targets: data.targets,
       vertexTargets: data.vertex_targets,
-      s: data.s ?? 0.8,
-      e: data.e ?? 0,
+      settings: data.settings ?? {},
       vertices: data.vertices,
       triangles: data.faces,
     });

@@ -1,33 +1,41 @@
-/** Supports, method, s and e. */
+/** Supports, method and its options. */
 
-const METHOD_TEXTS = {
-  auto: 'The fastest that suits the model, and others if it does not arrive.',
-  flow: 'The paper’s gradient flow, for K ≥ 0; s and e shape the creases.',
-  newton: 'One unknown per vertex, for K > 0 over a held edge.',
-  projection: 'The nearest fair surface; any K, free edges.',
-};
+import { capitalised } from './words.js';
 
 /** The fields of the panel besides the regions. */
 export class Settings {
   /**
    * @param {HTMLFormElement} panel
+   * @param {import('./api.js').Api} api tells which methods there are
    * @param {{change: () => void, hold: () => void}} listener `hold` is called when the supports are others
    */
-  constructor(panel, listener) {
+  constructor(panel, api, listener) {
     this.panel = panel;
     this.fields = panel.elements;
     this.text = panel.querySelector('#method-text');
-    this.flow = panel.querySelector('#flow');
-    for (const name of ['method', 's', 'e']) {
-      this.fields[name].addEventListener('change', () => {
-        this.describe();
-        listener.change();
-      });
-    }
+    this.options = panel.querySelector('#options');
+    this.methods = [];
+    this.fields.method.addEventListener('change', () => {
+      this.describe();
+      listener.change();
+    });
+    this.options.addEventListener('change', () => listener.change());
     panel.querySelector('#supports').addEventListener('change', () => {
       listener.hold();
       listener.change();
     });
+    this.load(api);
+  }
+
+  async load(api) {
+    try {
+      this.methods = await api.methods();
+    } catch (error) {
+      this.text.textContent = error.message;
+      return;
+    }
+    this.fields.method.replaceChildren(...this.methods.map(({ name }) => new Option(capitalised(name), name)));
+    this.describe();
   }
 
   /**
@@ -38,9 +46,7 @@ export class Settings {
     this.model = model;
     for (const input of this.fields.supports) input.disabled = !model.supports[input.value].length;
     this.fields.supports.value = model.choice;
-    this.fields.method.value = 'auto';
-    this.fields.s.value = model.s;
-    this.fields.e.value = model.e;
+    this.fields.method.selectedIndex = 0;
     this.describe();
   }
 
@@ -56,14 +62,55 @@ export class Settings {
 
   /** @returns {{supports: number[], method: string, settings: object}} the same as fields of a request */
   get asked() {
-    const { method, s, e } = this.fields;
-    const settings = method.value === 'flow' ? { s: s.valueAsNumber, e: e.valueAsNumber } : {};
-    return { supports: this.supports, method: method.value, settings };
+    const given = [...this.options.querySelectorAll('input, select')].filter((field) => field.value !== '');
+    const settings = Object.fromEntries(given.map((field) => [field.name, valueOf(field)]));
+    return { supports: this.supports, method: this.fields.method.value || undefined, settings };
   }
 
+  /** Show what the method does, and a field for each of its options. */
   describe() {
-    const { value } = this.fields.method;
-    this.text.textContent = METHOD_TEXTS[value];
-    this.flow.hidden = value !== 'flow';
+    const method = this.methods[this.fields.method.selectedIndex];
+    if (!method) return;
+    const own = this.model?.settings ?? {};
+    this.text.textContent = method.text;
+    this.options.open = method.options.some(({ name }) => name in own);
+    this.options.querySelector('.fields').replaceChildren(...method.options.map((option) => labelled(option, own[option.name])));
   }
+}
+
+/** Return the field of an option, empty where the method shall take its own value. */
+function labelled(option, value) {
+  const label = document.createElement('label');
+  const name = document.createElement('abbr');
+  Object.assign(name, { textContent: option.name.replaceAll('_', ' '), title: option.description });
+  const choices = option.type.includes('boolean') ? ['true', 'false'] : option.enum?.filter((choice) => choice !== null);
+  const field = choices ? choiceField(choices) : numberField(option);
+  field.name = option.name;
+  field.value = value ?? '';
+  label.append(name, field);
+  return label;
+}
+
+function choiceField(choices) {
+  const field = document.createElement('select');
+  field.append(new Option('default', ''), ...choices.map((choice) => new Option(choice, choice)));
+  return field;
+}
+
+function numberField(option) {
+  const field = document.createElement('input');
+  const whole = option.type.includes('integer');
+  Object.assign(field, { type: 'number', step: whole ? '1' : 'any', placeholder: option.default ?? 'auto' });
+  for (const [limit, bound] of [
+    ['min', option.minimum ?? option.exclusiveMinimum],
+    ['max', option.maximum ?? option.exclusiveMaximum],
+  ]) {
+    if (bound !== undefined) field[limit] = bound;
+  }
+  return field;
+}
+
+function valueOf(field) {
+  if (field.type === 'number') return field.valueAsNumber;
+  return { true: true, false: false }[field.value] ?? field.value;
 }

@@ -13,7 +13,6 @@ const HEADS = {
 };
 const QUADRICS =
   'A second measure: the median K of quadrics fitted to the mesh, in the region where it differs most from its target';
-const METHODS = { flow: 'flow', newton: 'Newton', projection: 'projection' };
 
 /** The words on a result. */
 export class Verdict {
@@ -93,7 +92,7 @@ function figures(result, model) {
     rows.push(['By fitted quadrics', `${sign}${readable(100 * Math.abs(off), 2)} %`, QUADRICS]);
   }
   if (moved !== null && moved !== undefined) rows.push(['Moved by at most', `${readable(moved)}${unit}`]);
-  rows.push(['Steps', String(result.iterations)], ['Time', duration(result.seconds)], ['Method', METHODS[result.method] ?? result.method]);
+  rows.push(['Steps', String(result.iterations)], ['Time', duration(result.seconds)], ['Method', result.method]);
   return rows;
 }
 

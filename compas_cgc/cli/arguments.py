@@ -1,0 +1,100 @@
+"""Arguments that commands share: how a file is read, and the options of the methods."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+from typing import Optional
+
+from ..errors import CGCError
+from ..solvers import METHODS
+from ..solvers import Option
+from ..solvers import Settings
+from ..solvers import options
+from ..solvers import settings_for
+from ..solvers.registry import owners
+
+__all__ = ["add_options", "add_reading", "reading", "settings_of"]
+
+_ROLES = ("mesh", "supports", "creases", "targets", "constraints")
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments for reading ``.3dm`` files."""
+    group = parser.add_argument_group("reading .3dm files")
+    group.add_argument(
+        "--layer",
+        action="append",
+        default=[],
+        metavar="ROLE=NAME",
+        help=f"read a layer of another name, ROLE being {', '.join(_ROLES)} (default: CGC::Mesh and so on)",
+    )
+    group.add_argument(
+        "--crease",
+        choices=("trace", "split"),
+        default="trace",
+        help="lead creases off the mesh edges along the nearest edges (default), or split the mesh along them",
+    )
+    group.add_argument("--edge-length", type=float, metavar="L", help="mesh outlines without a mesh with edges of this length")
+    group.add_argument("--weld", type=float, metavar="D", help="distance within which points are one (default: the file's tolerance)")
+
+
+def reading(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments for :func:`compas_cgc.io.read_problem`.
+
+    Raises
+    ------
+    CGCError
+        If ``--layer`` is not understood.
+    """
+    layers: dict[str, list[str]] = {}
+    for text in arguments.layer:
+        role, equals, name = text.partition("=")
+        if not equals or role not in _ROLES or not name:
+            raise CGCError(f"--layer must be ROLE=NAME with ROLE one of {', '.join(_ROLES)}, not {text!r}")
+        layers.setdefault(role, []).append(name)
+    return {"layers": layers or None, "crease": arguments.crease, "tolerance": arguments.weld, "edge_length": arguments.edge_length}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add ``--method`` and the options of all methods, as the registry has them."""
+    lines = "; ".join(f"{method.name}: {method.text.rstrip('.')}" for method in METHODS.values())
+    group = parser.add_argument_group("how to solve", "An option that belongs to one method chooses it, where none is named.")
+    group.add_argument("--method", default="auto", metavar="METHOD", help=_plain(f"auto (default): one of the others is picked; {lines}"))
+    for name, own in options().items():
+        kind: dict[str, Any] = (
+            {"action": argparse.BooleanOptionalAction} if own.kind is bool else {"type": own.kind, "metavar": _metavar(own)}
+        )
+        group.add_argument(_flag(name), dest=f"option_{name}", default=None, help=_plain(_help(own)), **kind)
+
+
+def settings_of(arguments: argparse.Namespace) -> Optional[Settings]:
+    """Return the settings that the options make, None where they leave all open.
+
+    Raises
+    ------
+    ValueError
+        If the resolver refuses them.
+    """
+    return settings_for(arguments.method, {name: getattr(arguments, f"option_{name}") for name in options()})
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
+
+
+def _metavar(own: Option) -> str:
+    return "|".join(own.choices) if own.choices else "N" if own.kind is int else "X"
+
+
+def _help(own: Option) -> str:
+    able = owners(own.name)
+    by = "" if len(able) == len(METHODS) else f" ({', '.join(able)}"
+    default = "" if own.default is None else f"default {'yes' if own.default is True else own.default}"
+    end = (f"{by}; {default})" if default else f"{by})") if by else f" ({default})" if default else ""
+    return own.summary.rstrip(".") + end
+
+
+def _plain(text: str) -> str:
+    """Return a help text without what argparse would fill in."""
+    return text.replace("%", "%%")

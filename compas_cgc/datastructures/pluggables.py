@@ -1,0 +1,42 @@
+"""Pluggables: what a CGCMesh can do where other parts of the package are there to do it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Optional
+from typing import Union
+
+from compas.plugins import pluggable
+
+if TYPE_CHECKING:
+    from .cgcmesh import CGCMesh
+
+__all__ = ["mesh_from_3dm", "mesh_to_3dm"]
+
+
+@pluggable(category="cgc_files")
+def mesh_from_3dm(path: Union[str, os.PathLike[str]], **options: object) -> CGCMesh:
+    """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
+    mesh: CGCMesh = _plugin("mesh_from_3dm")(path, **options)
+    return mesh
+
+
+@pluggable(category="cgc_files")
+def mesh_to_3dm(mesh: CGCMesh, path: Union[str, os.PathLike[str]], version: int = 7) -> None:
+    """Write a mesh with its supports, creases, targets and constraints as a Rhino file."""
+    _plugin("mesh_to_3dm")(mesh, path, version)
+
+
+def _plugin(name: str) -> Callable[..., Any]:
+    """Return an implementation that COMPAS has not found: it looks on the path only, where an editable install is not."""
+    package = sys.modules[__name__.partition(".")[0]]
+    for module in package.__all_plugins__:
+        found: Optional[Callable[..., Any]] = getattr(import_module(module), name, None)
+        if found is not None:
+            return found
+    raise NotImplementedError

@@ -1,0 +1,123 @@
+"""The result of a solve, as users see it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Optional
+from typing import Protocol
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..meshing import Diagnostic
+from ..model.problem import CGCProblem
+from ..model.result import History
+from ..model.result import Solution
+from ..model.roles import DUMMY
+from .cgcmesh import CGCMesh
+
+__all__ = ["SolveResult"]
+
+
+class _Settings(Protocol):
+    def to_dict(self) -> dict: ...
+
+
+@dataclass(frozen=True, eq=False)
+class SolveResult:
+    """What :func:`compas_cgc.solve` returns.
+
+    Parameters
+    ----------
+    problem
+        The problem with its vertices on the surface that was found, without dummies.
+    status
+        ``converged``, ``step_limit``, ``stalled``, ``diverged``, ``infeasible`` or ``cancelled``.
+    message
+        One sentence that says how it ended, and what to do if it did not end well.
+    iterations
+        Steps taken.
+    seconds
+        Wall time of the solve.
+    max_error
+        Largest |K - K̄| over the vertices where K is asked for [1/L^2].
+    history
+        Energy, error norm, max error, step length and trials of every step.
+    method
+        The method that was used.
+    settings
+        What was set of it by the user; None where nothing was.
+    drawn
+        The mesh that was solved, as it was, where one was given.
+    remarks
+        What the check found that does not keep the problem from being solved.
+    """
+
+    problem: CGCProblem
+    status: str
+    message: str
+    iterations: int
+    seconds: float
+    max_error: float
+    history: History
+    method: str
+    settings: Optional[_Settings] = None
+    drawn: Optional[CGCMesh] = None
+    remarks: tuple[Diagnostic, ...] = ()
+
+    @classmethod
+    def from_solution(
+        cls,
+        problem: CGCProblem,
+        solution: Solution,
+        settings: Optional[_Settings] = None,
+        drawn: Optional[CGCMesh] = None,
+        remarks: Iterable[Diagnostic] = (),
+    ) -> SolveResult:
+        """Return the result of a solution of a problem."""
+        real = problem.without_dummies().with_vertices(solution.vertices[problem.roles != DUMMY])
+        return cls(real, *solution[1:], settings=settings, drawn=drawn, remarks=tuple(remarks))
+
+    @property
+    def converged(self) -> bool:
+        """Whether every curvature asked for was reached to the tolerance."""
+        return self.status == "converged"
+
+    @property
+    def vertices(self) -> FloatArray:
+        """The surface (n, 3) [L]."""
+        return self.problem.vertices
+
+    @property
+    def faces(self) -> IntArray:
+        """Its faces (m, 3)."""
+        return self.problem.faces
+
+    @cached_property
+    def mesh(self) -> CGCMesh:
+        """A copy of the mesh that was solved, with the new coordinates and all constraints, without dummies."""
+        if self.drawn is None:
+            return CGCMesh.from_problem(self.problem)
+        mesh = self.drawn.with_coordinates(self.vertices)
+        mesh.set_constraints(self.problem.constraints)
+        return mesh
+
+    def to_problem(self) -> CGCProblem:
+        """Return the problem on the surface that was found."""
+        return self.problem
+
+    def to_dict(self, history: bool = True) -> dict:
+        """Return how the solve went, ready for JSON; numbers that are none are None."""
+        words = {
+            "method": self.method,
+            "settings": None if self.settings is None else self.settings.to_dict(),
+            "status": self.status,
+            "message": self.message,
+            "steps": self.iterations,
+            "seconds": self.seconds,
+            "max_error": self.max_error if np.isfinite(self.max_error) else None,
+        }
+        return {**words, "history": self.history.to_dict()} if history else words

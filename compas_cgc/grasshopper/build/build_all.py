@@ -1,0 +1,91 @@
+"""Build of all Grasshopper files from the sources."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Optional
+
+from ..._atomic_write import replacing
+from ...errors import FileError
+from .archive import definition_problems
+from .archive import from_bytes
+from .archive import from_xml
+from .archive import to_bytes
+from .archive import to_xml
+from .component_manifest import read_bundles
+from .component_manifest import sources_folder
+from .definition import EXAMPLES
+from .definition import definition_archive
+from .definition import definition_svg
+from .userobject import user_object
+from .yak import yak_bytes
+from .yak import yak_name
+
+__all__ = ["build_all", "built_files", "user_object_files"]
+
+
+def user_object_files(source: Optional[Path] = None) -> dict[str, bytes]:
+    """Return the user objects by the names of their files.
+
+    Raises
+    ------
+    FileError
+        If a component is not as it must be.
+    """
+    return {f"{bundle.key}.ghuser": to_bytes(user_object(bundle)) for bundle in read_bundles(source)}
+
+
+def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
+    """Return user objects, example definitions, their pictures and the package by path; the same sources give the same bytes.
+
+    Raises
+    ------
+    FileError
+        If a component is not as it must be, or what was made is not read back the same.
+    """
+    users = user_object_files(source)
+    files = {f"components/{name}": data for name, data in users.items()}
+    files.update(_definitions(source))
+    icon = _icon((source or sources_folder()).parent / "icon.png")
+    examples = {f"examples/{Path(name).name}": data for name, data in files.items() if name.endswith(".gh")}
+    files[yak_name()] = yak_bytes({**users, **examples, "icon.png": icon})
+    return files
+
+
+def build_all(folder: Path, source: Optional[Path] = None) -> list[Path]:
+    """Write all files below a folder, and return their paths.
+
+    Raises
+    ------
+    FileError
+        As :func:`built_files`.
+    """
+    paths = []
+    for name, data in built_files(source).items():
+        path = Path(folder) / name
+        with replacing(path) as temporary:
+            temporary.write_bytes(data)
+        paths.append(path)
+    return paths
+
+
+def _definitions(source: Optional[Path]) -> dict[str, bytes]:
+    bundles = {bundle.key: bundle for bundle in read_bundles(source)}
+    files = {}
+    for definition in EXAMPLES:
+        root = definition_archive(definition, bundles)
+        binary, text = to_bytes(root), to_xml(root)
+        problems = definition_problems(root)
+        if problems or from_bytes(binary) != root or from_xml(text) != root:
+            raise FileError(f"{definition.name}: {'; '.join(problems) or 'it is not read back as it was written'}")
+        files[f"definitions/{definition.name}.gh"] = binary
+        files[f"definitions/{definition.name}.ghx"] = text
+        files[f"definitions/{definition.name}.svg"] = definition_svg(root).encode("utf-8")
+    return files
+
+
+def _icon(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise FileError(f"{path}, the icon of the package, cannot be read ({error.strerror}); put a PNG there") from None

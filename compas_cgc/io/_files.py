@@ -1,0 +1,79 @@
+"""Files on the disk: whole or not there, with errors in words."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Union
+
+from .._atomic_write import replacing
+from ..errors import FileError
+
+__all__ = ["read_bytes", "read_lines", "written"]
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    FileError
+        If there is no such file or it cannot be read.
+    """
+    if path.is_dir():
+        raise FileError(f"{path} is a folder; give a file in it")
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise FileError(f"there is no file {path}; check the name") from None
+    except OSError as error:
+        raise FileError(f"{path} cannot be read ({error.strerror})") from None
+
+
+def read_lines(path: Path, comment: str = "#") -> Iterator[tuple[int, str]]:
+    """Yield the number and text of every line that is neither empty nor a comment; a backslash at the end joins lines.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read, or is no text.
+    """
+    try:
+        text = read_bytes(path).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = read_bytes(path).decode("latin-1")
+    if "\0" in text:
+        raise FileError(f"{path} is no text, whatever its name says; export it again")
+    before = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        line = before + line.split(comment, 1)[0].strip()
+        before = ""
+        if line.endswith("\\"):
+            before = line[:-1] + " "
+        elif line:
+            yield number, line
+
+
+@contextmanager
+def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
+    """Give the name of a temporary file beside `path`, and put it in its place when the block ends well.
+
+    Raises
+    ------
+    FileError
+        If the disk, the folder or the permissions do not allow it; the older file is as it was.
+    """
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise FileError(f"{path} is a folder; give the name of a file in it")
+    try:
+        with replacing(target) as temporary:
+            yield temporary
+            # The new content is on the disk before the old name points to it.
+            with open(temporary, "r+b") as file:
+                os.fsync(file.fileno())
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise FileError(f"{path} cannot be written ({reason}); close it elsewhere, or choose another name or folder") from None

@@ -1,0 +1,42 @@
+"""Problem as read from a file or a document: with what was done to it, and what of it could not be used."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+from typing import NamedTuple
+
+from ..meshing import Diagnostic
+from ..model.checks import refuse
+from ..model.problem import CGCProblem
+
+if TYPE_CHECKING:
+    from ..datastructures import CGCMesh
+
+__all__ = ["ReadProblem"]
+
+
+class ReadProblem(NamedTuple):
+    """What reading gives."""
+
+    problem: CGCProblem
+    notes: tuple[str, ...] = ()  # sentences on what was found and done
+    diagnostics: tuple[Diagnostic, ...] = ()  # sentences on what could not be used, each with object and mend
+
+    def checked(self) -> CGCProblem:
+        """Return the problem if all of it could be used.
+
+        Raises
+        ------
+        ProblemError
+            With the diagnostics that are fatal, if there are any.
+        """
+        refuse(list(self.diagnostics))
+        return self.problem
+
+    def to_cgcmesh(self) -> CGCMesh:
+        """Return the mesh if all of it could be used; ``CGCMesh.from_problem(read.checked())`` does it."""
+        from ..datastructures import CGCMesh
+
+        warnings.warn("to_cgcmesh() is now CGCMesh.from_problem(read.checked()); the old name will go", DeprecationWarning, stacklevel=2)
+        return CGCMesh.from_problem(self.checked())

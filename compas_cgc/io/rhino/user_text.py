@@ -1,0 +1,125 @@
+"""User text: numbers in dots and texts of objects, and what of a problem the layers cannot show."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...model.constraint_data import constraint_data
+from ...model.constraint_data import constraint_of
+from ...model.constraints import Constraint
+from ...model.constraints import check_indices
+from ...model.problem import CGCProblem
+
+__all__ = [
+    "CONSTRAINTS_KEY",
+    "VERTEX_KEY",
+    "constraint_text",
+    "dot_target",
+    "text_constraints",
+    "user_number",
+    "user_target",
+    "vertex_text",
+    "vertex_values",
+]
+
+# User text on a mesh: values of single vertices, where they are not the same all over a region,
+# and constraints that cannot be drawn.
+VERTEX_KEY = "cgc vertices"
+CONSTRAINTS_KEY = "cgc constraints"
+
+_NUMBER = r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
+_NAMED = re.compile(rf"^\s*(?:k|target)\s*[=:]\s*({_NUMBER})\s*$", re.IGNORECASE | re.MULTILINE)
+_BARE = re.compile(rf"^\s*({_NUMBER})\s*$")
+
+
+def dot_target(text: str, named: bool = False) -> Optional[float]:
+    """Return the target in a dot such as ``K=0.03`` [1/L^2], or None; with `named`, a bare number is none."""
+    found = _NAMED.search(text or "")
+    if found:
+        return _number(found.group(1))
+    return None if named else _number(text)
+
+
+def user_number(text: Mapping[str, str], *keys: str) -> Optional[float]:
+    """Return the number under the first of some keys that user text has, or None."""
+    for key in keys:
+        if key in text:
+            return _number(text[key])
+    return None
+
+
+def user_target(text: Mapping[str, str]) -> Optional[float]:
+    """Return the target in user text [1/L^2]: under ``K`` or ``target``, in capitals or not."""
+    return user_number(text, "k", "target")
+
+
+def _number(text: str) -> Optional[float]:
+    """Return the finite number in a text, with a decimal point or comma, or None."""
+    found = _BARE.match(text or "")
+    if not found:
+        return None
+    value = float(found.group(1).replace(",", "."))
+    return value if math.isfinite(value) else None
+
+
+def vertex_text(problem: CGCProblem) -> dict[str, str]:
+    """Return user text with the values of single vertices, empty where the regions say it all."""
+    values = {}
+    if None in problem.region_targets() and np.isfinite(problem.targets[problem.asked]).any():
+        values["target"] = problem.targets
+    for name in ("s", "e"):
+        if np.isfinite(getattr(problem, name)).any():
+            values[name] = getattr(problem, name)
+    plain = {name: [None if x != x else x for x in column.tolist()] for name, column in values.items()}
+    return {VERTEX_KEY: json.dumps(plain)} if plain else {}
+
+
+def vertex_values(text: Mapping[str, str], n: int) -> dict[str, FloatArray]:
+    """Return the values of single vertices in the user text of a mesh with n vertices.
+
+    Returns
+    -------
+    dict
+        ``target``, ``s``, ``e``, each (n,), NaN where none; empty where the text does not
+        belong to this mesh any more.
+    """
+    try:
+        found = json.loads(text.get(VERTEX_KEY, "{}"))
+        columns = {name: np.array([np.nan if x is None else x for x in values], dtype=np.float64) for name, values in found.items()}
+    except (AttributeError, TypeError, ValueError):
+        return {}
+    return {name: values for name, values in columns.items() if name in ("target", "s", "e") and values.shape == (n,)}
+
+
+def constraint_text(constraints: Sequence[Constraint], n: int) -> dict[str, str]:
+    """Return user text with constraints on a mesh with n vertices, empty where there are none."""
+    data = {"vertices": n, "constraints": [constraint_data(constraint) for constraint in constraints]}
+    return {CONSTRAINTS_KEY: json.dumps(data)} if constraints else {}
+
+
+def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
+    """Return the constraints in the user text of a mesh with n vertices.
+
+    Raises
+    ------
+    ValueError
+        If the text holds something else, or constraints on another mesh.
+    """
+    if CONSTRAINTS_KEY not in text:
+        return ()
+    found = json.loads(text[CONSTRAINTS_KEY])
+    if not isinstance(found, dict) or not isinstance(found.get("constraints"), list):
+        raise ValueError("it is no list of constraints")
+    if found.get("vertices") != n:
+        raise ValueError(f"it is about a mesh of {found.get('vertices')} vertices, this one has {n}")
+    constraints = tuple(constraint_of(item) for item in found["constraints"])
+    check_indices(constraints, n)
+    return constraints

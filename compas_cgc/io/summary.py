@@ -1,0 +1,43 @@
+"""What ``compas-cgc check`` says about a file."""
+
+from __future__ import annotations
+
+from ..meshing import Diagnostic
+from ..model.checks import check
+from ..model.problem import CGCProblem
+from .reading import ReadProblem
+from .rhino.units import unit_suffix
+
+__all__ = ["describe"]
+
+
+def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
+    """Return what was found in a file and what would be done, and what keeps it from being solved.
+
+    Parameters
+    ----------
+    read
+        What :func:`compas_cgc.io.read_problem` gave.
+
+    Returns
+    -------
+    text, diagnostics
+        Those of the file, then those of :func:`compas_cgc.check`, of which some do not keep
+        it from being solved.
+    """
+    problem = read.problem
+    targets = problem.region_targets()
+    lines = [_head(problem), *(f"- {note}" for note in read.notes), f"{len(targets)} region{'s' if len(targets) > 1 else ''}:"]
+    label = problem.regions()
+    for number, K in enumerate(targets):
+        faces = problem.faces[label == number]
+        place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
+        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
+    return "\n".join(lines), [*read.diagnostics, *check(problem)]
+
+
+def _head(problem: CGCProblem) -> str:
+    name, units, tolerance = problem.drawing
+    if units is not None and tolerance is not None:
+        return f"{name}: {units}, tolerance {tolerance:g}{unit_suffix(units)}"
+    return f"{name}: {len(problem.vertices)} vertices, {len(problem.faces)} faces, {len(problem.supports)} supports"

@@ -1,0 +1,42 @@
+"""Local frame: coordinates about the centroid at unit size, so that a solve knows neither units nor places."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+
+__all__ = ["Frame", "local_frame"]
+
+
+class Frame(NamedTuple):
+    """A local frame: ``local = (model - origin) / scale``."""
+
+    origin: FloatArray  # (3,) model coordinates of the local origin [L]
+    scale: float  # model length of one local unit [L], a power of two
+
+    def to_local(self, vertices: FloatArray) -> FloatArray:
+        """Return model coordinates ``(n, 3)`` in this frame."""
+        return (vertices - self.origin) / self.scale
+
+    def to_model(self, vertices: FloatArray) -> FloatArray:
+        """Return coordinates of this frame ``(n, 3)`` in the model."""
+        return vertices * self.scale + self.origin
+
+
+def local_frame(vertices: FloatArray, faces: IntArray) -> Frame:
+    """Return the frame about the centroid of the vertices of faces (m, 3), with their diagonal between 1 and 2.
+
+    The scale is a power of two, so that no digit is lost by it.
+    """
+    of_faces = np.zeros(len(vertices), bool)
+    of_faces[faces] = True
+    used = vertices[of_faces] if len(faces) else vertices
+    low, high = used.min(axis=0), used.max(axis=0)
+    size = float(np.linalg.norm(high - low))
+    scale = 2.0 ** math.floor(math.log2(size)) if size > 0 else 1.0
+    return Frame(used.mean(axis=0), scale)

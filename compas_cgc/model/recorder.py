@@ -1,0 +1,76 @@
+"""Recorder: the history of a solve and what its callback is told, in model units, for every solver."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Optional
+
+from ..discrete.arrays import FloatArray
+from .frame import Frame
+from .result import History
+from .result import SolveState
+
+__all__ = ["Callback", "Recorder"]
+
+Callback = Optional[Callable[[SolveState], object]]
+
+
+class Recorder:
+    """Takes down every step of a solve in a local frame.
+
+    Parameters
+    ----------
+    steps
+        Most steps that will be taken.
+    callback
+        Told of every step; it cancels by returning True or raising ``StopIteration``.
+    frame
+        The local frame of the solve.
+    to_model
+        Turns local vertices (n, 3) into those of the model [L].
+    length_power
+        Dimension of the step length, n of L^n.
+    """
+
+    def __init__(
+        self, steps: int, callback: Callback, frame: Frame, to_model: Callable[[FloatArray], FloatArray], length_power: int = 0
+    ) -> None:
+        self.started = time.perf_counter()
+        self._steps, self._callback, self._to_model = steps, callback, to_model
+        scale = frame.scale
+        self._units = (scale, scale**-2, scale**-2, scale**length_power)
+        self._rows: list[tuple] = []
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @property
+    def seconds(self) -> float:
+        """Wall time since the start."""
+        return time.perf_counter() - self.started
+
+    @property
+    def history(self) -> History:
+        """One entry per step taken."""
+        return History.from_rows(self._rows)
+
+    def record(self, energy: float, error_norm: float, max_error: float, step_length: float, trials: int, accepted: bool = True) -> None:
+        """Take down a step, its figures in the local frame."""
+        figures = (value * unit for value, unit in zip((energy, error_norm, max_error, step_length), self._units))
+        self._rows.append((*figures, trials, accepted))
+
+    def cancelled(self, vertices: FloatArray) -> bool:
+        """Show the last step with its local vertices (n, 3) to the callback, and return whether it cancels."""
+        if self._callback is None:
+            return False
+        state = SolveState(len(self._rows), self._steps, *_figures(self._rows[-1]), self.seconds, self._to_model(vertices))
+        try:
+            return self._callback(state) is True
+        except StopIteration:
+            return True
+
+
+def _figures(row: tuple) -> tuple[float, float, float, float, int]:
+    energy, error_norm, max_error, step_length, trials, _ = row
+    return energy, error_norm, max_error, step_length, trials

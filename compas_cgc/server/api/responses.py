@@ -1,0 +1,39 @@
+"""Responses in JSON, and what a client is told about a job."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Optional
+
+from flask import Response
+
+from ..jobs.store import Job
+
+__all__ = ["respond", "status"]
+
+
+def respond(body: object, status: int = 200, headers: Optional[dict] = None) -> Response:
+    """Return a JSON response; what is not a number in JSON is a fault of the server."""
+    return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
+
+
+def status(job: Job) -> dict:
+    """Return the state of a job as plain data."""
+    step, steps = job.progress.get("step", 0), job.progress.get("steps")
+    return {
+        "id": job.id,
+        "name": job.name,
+        "state": job.state,
+        "progress": 1.0 if job.state == "succeeded" else step / steps if steps else 0.0,
+        "stage": "solve" if step else "read" if job.state == "running" else job.state,
+        "iteration": step,
+        "iterations": steps,
+        "error": job.progress.get("max_error"),
+        "residual": job.progress.get("error_norm"),
+        "energy": job.progress.get("energy"),
+        "elapsed": None if job.started is None else (job.finished or time.time()) - job.started,
+        "created": job.created,
+        "message": job.message,
+        "has_result": job.size is not None,
+    }

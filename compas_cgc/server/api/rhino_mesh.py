@@ -1,0 +1,32 @@
+"""Rhino meshes in JSON, as Hops and McNeel's compute clients read them."""
+
+from __future__ import annotations
+
+import json
+from typing import Optional
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...io.rhino.colours import signed_colours
+from ...io.rhino.meshes import coloured
+from ...io.rhino.meshes import mesh_from_arrays
+
+__all__ = ["mesh_text"]
+
+
+def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray] = None, limit: float = 1.0) -> str:
+    """Return a mesh as text.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` [L] and ``(m, 3)``.
+    values
+        ``(n,)`` numbers to colour the vertices by, from -limit (blue) to limit (red), grey for NaN.
+    limit
+        Largest value.
+    """
+    mesh = mesh_from_arrays(vertices, faces)
+    if values is not None:
+        mesh = coloured(mesh, signed_colours(values, limit))
+    return json.dumps(mesh.Encode())

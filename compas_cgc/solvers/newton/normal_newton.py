@@ -1,0 +1,103 @@
+"""Newton's method on the curvature equations, along the normals, from any start."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...errors import ProblemError
+from ...model.frame import Frame
+from ...model.problem import CGCProblem
+from ...model.recorder import Callback
+from ...model.recorder import Recorder
+from ...model.result import Solution
+from .globalization import Outcome
+from .globalization import steps_of
+from .messages import message
+from .polishing import model_errors
+from .polishing import polished
+from .settings import NewtonSettings
+from .system import System
+
+__all__ = ["newton"]
+
+
+def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, callback: Callback = None) -> Solution:
+    """Move the internal vertices along their normals until K is the target, to rounding.
+
+    All other vertices stay where they are: fixed ones, dummies, creases, free edges. So
+    it serves on its own where the boundaries of the regions are given, and as the finish
+    after a method that shapes the creases. It needs K̄ >= 0, or a start near the target.
+
+    A start that is not near is first made convex by :mod:`~compas_cgc.solvers.newton.elliptic`
+    steps, whose number hardly depends on the size of the mesh.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets. Vertices on free edges must be carried by
+        dummy faces.
+    settings
+        Parameters without units.
+    callback
+        Called with a :class:`SolveState` after every step. To cancel, return True or
+        raise ``StopIteration``.
+
+    Returns
+    -------
+    Solution
+        With the last shape where it converged, was cancelled or ran out of steps; else
+        with the best one. In the history the step length is the damping factor.
+
+    Raises
+    ------
+    MeshError
+        If K is asked for where no closed ring of faces measures it.
+    ProblemError
+        If K is asked for, but no target given.
+    """
+    settings = settings or NewtonSettings()
+    without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
+    if len(without):
+        raise ProblemError([f"vertex {int(without[0])} is internal but has no target; give its region a K̄ or another role"])
+    local, frame = problem.local()
+    system = System(local, settings.backend)
+    start = here = best = system.measure(local.vertices)
+    outcome: Outcome
+
+    def to_model(vertices: FloatArray) -> FloatArray:
+        return _to_model(problem, frame, vertices)
+
+    recorder = Recorder(settings.steps, callback, frame, to_model)
+    run = steps_of(system, start, settings)
+    while True:
+        try:
+            step = next(run)
+        except StopIteration as end:
+            outcome = end.value
+            break
+        here = step.shape
+        best = here if system.errors(here)[0] < system.errors(best)[0] else best
+        error, norm = system.errors(here)
+        recorder.record(here.energy, norm, error, step.length, step.trials)
+        if recorder.cancelled(here.vertices):
+            outcome = "cancelled", ""
+            break
+        if len(recorder) == settings.steps and not system.meets(here, settings.tolerance):
+            outcome = "step_limit", ""
+            break
+    status, cause = outcome
+    shape = best if status in ("stalled", "diverged", "infeasible") else here
+    vertices = problem.vertices if shape is start else to_model(shape.vertices)
+    if status == "converged" and len(recorder):
+        vertices = polished(system, problem, frame, vertices)
+    max_error = float(np.abs(model_errors(problem, vertices)[1]).max(initial=0.0))
+    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape))
+    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history)
+
+
+def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
+    # Vertices that are held keep their exact coordinates, without the rounding of the frame.
+    return np.where(problem.asked[:, None], frame.to_model(vertices), problem.vertices)

@@ -1,0 +1,135 @@
+"""One call from a mesh to a surface of piecewise constant Gaussian curvature."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from collections.abc import Mapping
+from typing import Any
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..datastructures import CGCMesh
+from ..datastructures import SolveResult
+from ..model.checks import check
+from ..model.checks import refuse
+from ..model.constraints import Constraint
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from ..model.recorder import Callback
+from ..model.result import Solution
+from ..model.roles import DUMMY
+from .registry import METHODS
+from .registry import method_of
+from .registry import settings_for
+from .selection import run_auto
+from .selection import run_method
+from .settings import Settings
+
+__all__ = ["solve"]
+
+
+def solve(
+    problem: Union[CGCProblem, PosesProblem],
+    *,
+    method: str = "auto",
+    settings: Union[Settings, Mapping[str, Any], None] = None,
+    constraints: Iterable[Constraint] = (),
+    callback: Callback = None,
+) -> SolveResult:
+    """Return the surface whose Gaussian curvature is the target in every region.
+
+    Parameters
+    ----------
+    problem
+        A mesh or problem with supports, creases, targets and constraints; it is not changed.
+    method
+        ``"auto"`` (default)
+            Picks one of the others by the problem and the settings, says which and why,
+            and tries the next when one stalls.
+        ``"flow"``
+            The paper's filtered Gaussian curvature flow with its strategies for creases,
+            for K̄ >= 0, finished by Newton's method.
+        ``"newton"``
+            One unknown per vertex along its normal; for K̄ > 0 over fixed edges, or from
+            a start near the target; creases are held. The fastest on large meshes.
+        ``"projection"``
+            The fair surface nearest to the mesh, for K̄ of any sign, with free edges and
+            creases and with constraints.
+    settings
+        :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
+        by name; with ``"auto"`` settings of one method choose it.
+    constraints
+        What is asked of vertices besides K, beyond what the problem holds itself. Vertices are
+        counted in the order of the mesh.
+    callback
+        Called with a :class:`~compas_cgc.model.result.SolveState` after every step; return
+        True or raise ``StopIteration`` to cancel.
+
+    Returns
+    -------
+    SolveResult
+        With a copy of the mesh; not converging is a result, not an error.
+
+    Raises
+    ------
+    ProblemError
+        With the fatal sentences of :func:`compas_cgc.check`.
+    ValueError
+        If the method is unknown, or the settings or constraints belong to another.
+
+    Examples
+    --------
+    >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+    >>> mesh.set_supports("boundary")
+    >>> mesh.set_target(0.01)
+    >>> result = solve(mesh)
+    >>> result.status, result.method
+    ('converged', 'newton')
+    """
+    chosen = _chosen(method, settings)
+    posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
+    posed = posed.with_constraints(constraints)
+    _check_constraints(method if chosen is None else method_of(chosen), posed)
+    diagnostics = check(posed)
+    refuse(diagnostics)
+    solution = _run(method, posed, chosen, _real_only(callback, posed.roles != DUMMY))
+    drawn = problem.copy() if isinstance(problem, CGCMesh) else None
+    return SolveResult.from_solution(posed, solution, chosen, drawn, diagnostics)
+
+
+def _chosen(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> Optional[Settings]:
+    """Return settings, of the method that was asked for."""
+    if settings is None or isinstance(settings, Mapping):
+        made = settings_for(method, settings)
+        return made if settings else None
+    own = method_of(settings)
+    if own != "auto" and method not in ("auto", own):
+        raise ValueError(f"the method {method!r} takes {METHODS[method].settings.__name__}, not {type(settings).__name__}")
+    if own == "auto" and method != "auto":
+        return settings_for(method, settings.to_dict())
+    return settings
+
+
+def _check_constraints(method: str, problem: CGCProblem) -> None:
+    if problem.constraints and method != "auto" and not METHODS[method].holds_constraints:
+        able = " or ".join(repr(own.name) for own in METHODS.values() if own.holds_constraints)
+        raise ValueError(f"only the method {able} holds constraints; use it, or 'auto' without settings of another method")
+
+
+def _run(method: str, problem: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:
+    if method == "auto":
+        return run_auto(problem, settings=settings, callback=callback)
+    return run_method(METHODS[method], problem, settings=settings, callback=callback)
+
+
+def _real_only(callback: Callback, real: np.ndarray) -> Callback:
+    """Return the callback with the dummies taken out of what it sees."""
+    if callback is None:
+        return None
+
+    def told(state: Any) -> object:
+        return callback(state._replace(vertices=state.vertices[real]))
+
+    return told

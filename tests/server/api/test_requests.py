@@ -1,0 +1,141 @@
+"""A request: checked, stored, and turned into one problem; results as bytes and back."""
+
+from __future__ import annotations
+
+import json
+
+import compas
+import numpy as np
+import pytest
+
+from compas_cgc import AtHeight
+from compas_cgc import AutoSettings
+from compas_cgc import CGCMesh
+from compas_cgc import CGCProblem
+from compas_cgc import FlowSettings
+from compas_cgc import solve
+from compas_cgc.io import write
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
+from compas_cgc.model.problem import Drawing
+from compas_cgc.server import Limits
+from compas_cgc.server.api.requests import READERS
+from compas_cgc.server.api.requests import accept
+from compas_cgc.server.api.serialization import pack_problem
+from compas_cgc.server.api.serialization import pack_result
+from compas_cgc.server.api.serialization import unpack_problem
+from compas_cgc.server.api.serialization import unpack_result
+from compas_cgc.server.api.tasks import solve_job
+from compas_cgc.server.errors import Unprocessable
+from compas_cgc.server.hops.inputs import read_hops_request
+
+from ...support.shapes import grid
+
+LIMITS = Limits()
+
+
+def asked(n=6, **more):
+    vertices, faces = grid(n, 6.0)
+    return {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.01, **more}
+
+
+def read(value):
+    return READERS["json"]({}, accept(value, LIMITS), LIMITS)
+
+
+def hops_request(**inputs):
+    data = {"Mesh": [mesh_from_arrays(*grid(6, 6.0)).Encode()], "K": [0.01], **inputs}
+    values = [{"ParamName": name, "InnerTree": {"{0}": [{"data": item} for item in items]}} for name, items in data.items()]
+    context = {"modelunits": "Meters", "absolutetolerance": 0.001}
+    return read_hops_request({}, json.dumps({"values": values, "context": context}).encode(), LIMITS)
+
+
+def roof():
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    mesh.set_supports("corners")
+    mesh.set_creases([[7 * i + 3 for i in range(7)]])
+    mesh.set_target(0.01)
+    mesh.set_target(0.02, region=1)
+    mesh.set_constraints([AtHeight([3], 0.5)])
+    return mesh
+
+
+def same(one, other):
+    for name in ("vertices", "faces", "roles", "targets", "s", "e", "creases"):
+        assert np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True), name
+    assert one.constraints == other.constraints and one.drawing == other.drawing
+    assert all(np.array_equal(a, b) for a, b in zip(one.names, other.names))
+
+
+@pytest.mark.parametrize("given", [{"delay": 5}, {"e": 5}, {"e": 5.0}])
+def test_a_delay_alone_lets_creases_follow_all_the_way(given):
+    settings = read(asked(settings=given)).settings
+    assert settings == FlowSettings(s=1.0, e=5)
+
+
+def test_a_delay_in_hops_lets_creases_follow_all_the_way_too():
+    assert hops_request(S=[0.8], Delay=[5], Tolerance=[0.0]).settings == FlowSettings(s=1.0, e=5)
+    assert hops_request(S=[0.5], Delay=[5]).settings == FlowSettings(s=0.5, e=5)
+    # What Hops sends for inputs that nobody touched.
+    assert hops_request(S=[0.8], Delay=[0], Tolerance=[0.0]).settings is None
+    assert hops_request(Tolerance=[0.01]).settings == AutoSettings(tolerance=0.01)
+
+
+def test_steps_and_tolerance_need_no_method():
+    assert read(asked(settings={"steps": 7.0, "tolerance": 0.1})).settings == AutoSettings(steps=7, tolerance=0.1)
+    with pytest.raises(Unprocessable, match="at most 100000 steps"):
+        accept(asked(settings={"steps": 100_001}), LIMITS)
+
+
+@pytest.mark.parametrize(
+    "settings, part", [({"steps": 1.5}, "steps must be a whole number"), ({"s": [1]}, "the setting s must be"), (5, "object")]
+)
+def test_settings_that_are_none_are_refused_before_the_job_is_queued(settings, part):
+    with pytest.raises(Unprocessable, match=part):
+        accept(asked(settings=settings), LIMITS)
+
+
+def test_a_request_is_the_problem_that_the_mesh_methods_make():
+    vertices, faces = grid(6, 6.0)
+    crease = [7 * i + 3 for i in range(7)]
+    got = read(asked(supports=[0, 6, 42, 48], creases=[crease], targets={"0": 0.01, "1": 0.02}, name="roof", flip=True)).problem
+    expected = CGCProblem(vertices, faces, drawing=Drawing("roof")).flipped().with_creases([crease]).with_supports([0, 6, 42, 48])
+    same(got, expected.with_targets({0: 0.01, 1: 0.02}))
+    roles = ["fixed" if role == 1 else "internal" for role in got.roles.tolist()]
+    same(read(asked(supports=None, roles=roles, creases=[crease], targets={"0": 0.01, "1": 0.02}, name="roof", flip=True)).problem, got)
+
+
+def test_constraints_of_a_mesh_of_a_file_and_of_the_request_all_hold(tmp_path):
+    mesh = roof()
+    more = [{"kind": "height", "vertices": [24], "height": 0.7}]
+    request = {"mesh": json.loads(compas.json_dumps(mesh)), "constraints": more}
+    assert read(request).problem.constraints == (AtHeight([3], 0.5), AtHeight([24], 0.7))
+    write(tmp_path / "roof.3dm", mesh)
+    from_file = READERS["3dm"]({"constraints": more}, (tmp_path / "roof.3dm").read_bytes(), LIMITS)
+    assert [(len(own.vertices), own.height) for own in from_file.problem.constraints] == [(1, 0.5), (1, 0.7)]
+    output = solve_job("json", {}, accept(request, LIMITS), LIMITS)
+    heights = unpack_result(output.content)[0].vertices[[3, 24], 2]
+    assert np.allclose(heights, [0.5, 0.7], atol=1e-9), output.message
+    with pytest.raises(Unprocessable, match="only the method projection holds constraints"):
+        accept({**request, "settings": {"s": 0.5}}, LIMITS)
+
+
+def test_a_job_gives_the_bits_of_a_solve_here():
+    for more in ({}, {"method": "flow", "settings": {"delay": 2}}):
+        output = solve_job("json", {}, accept(asked(**more), LIMITS), LIMITS)
+        mesh = CGCMesh.from_vertices_and_faces(*grid(6, 6.0))
+        mesh.set_supports("boundary")
+        mesh.set_target(0.01)
+        assert np.array_equal(unpack_result(output.content)[0].vertices, solve(mesh, **more).vertices)
+
+
+def test_a_request_of_another_version_is_told_of():
+    assert "submit the job again" in solve_job("arrays", {}, b"", LIMITS).message
+
+
+def test_problems_and_results_come_back_from_bytes():
+    problem = roof().to_problem()
+    same(unpack_problem(pack_problem(problem)), problem)
+    result = solve(problem, settings={"steps": 50, "tolerance": 1e-3})
+    again, report = unpack_result(pack_result(result, {"notes": ["a"]}))
+    same(again.problem, result.problem)
+    assert report == {"notes": ["a"]} and again.to_dict() == result.to_dict() and again.settings == result.settings

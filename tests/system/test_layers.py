@@ -1,0 +1,99 @@
+"""The layers of the package: imports point down, no two parts import each other, no lazy import hides one."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[2] / "compas_cgc"
+
+# From the bottom: a part imports from layers below its own.
+LAYERS = [
+    {"_version", "_lazy", "errors", "client"},
+    {"_atomic_write"},
+    {"discrete"},
+    {"linalg", "meshing"},
+    {"model"},
+    {"datastructures"},
+    {"solvers", "analysis"},
+    {"io", "plot"},
+    {"scene"},
+    {"paper"},
+    {"server", "_deprecated"},
+    {"grasshopper", "rpc"},
+    {"cli"},
+]
+PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which names everything
+INSIDE = {
+    "solvers": [{"settings"}, {"method", "carried"}, {"newton", "projection"}, {"flow"}, {"registry"}, {"selection"}, {"run"}],
+    "server": [{"errors", "limits"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
+    "grasshopper": [{"runtime", "build"}, {"components"}],
+    "paper": [{"examples"}, {"reproduction", "benchmarks"}],
+}
+LONGEST = 10
+
+
+def imports_of(path: Path) -> set:
+    """Return the modules of the package that a file imports anywhere, as paths of names below the package."""
+    found = set()
+    parent = path.relative_to(PACKAGE).parent.parts
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            if node.level:
+                base = parent[: len(parent) - node.level + 1]
+                names = (*base, *(node.module.split(".") if node.module else ()))
+            elif node.module and node.module.split(".")[0] == "compas_cgc":
+                names = tuple(node.module.split(".")[1:])
+            else:
+                continue
+            found.update((*names, alias.name) for alias in node.names)
+        elif isinstance(node, ast.Import):
+            found.update(tuple(alias.name.split(".")[1:]) for alias in node.names if alias.name.startswith("compas_cgc."))
+    return found
+
+
+def graph_of(folder: tuple) -> dict:
+    """Return which parts of a folder of the package import which others."""
+    depth = len(folder)
+    edges: dict = {}
+    for path in sorted(PACKAGE.joinpath(*folder).rglob("*.py")):
+        own = path.relative_to(PACKAGE).with_suffix("").parts[depth]
+        if own in PUBLIC:
+            continue
+        others = {names[depth] for names in imports_of(path) if len(names) > depth and names[:depth] == folder}
+        edges.setdefault(own, set()).update(others - {own} - PUBLIC)
+    parts = set(edges)
+    return {part: others & parts for part, others in edges.items()}
+
+
+FOLDERS = [(), *((name,) for name in INSIDE)]
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: "/".join(folder) or "package")
+def test_imports_point_downwards(folder):
+    layers = LAYERS if not folder else INSIDE[folder[0]]
+    rank = {name: i for i, layer in enumerate(layers) for name in layer}
+    graph = graph_of(folder)
+    assert set(graph) <= set(rank), f"{sorted(set(graph) - set(rank))} have no layer yet"
+    wrong = [f"{part} -> {other}" for part, others in graph.items() for other in others if rank[other] >= rank[part]]
+    assert not wrong, f"these imports point up or sideways: {', '.join(sorted(wrong))}"
+
+
+def test_chains_between_the_parts_are_short():
+    graph = graph_of(())
+
+    def longest(part):
+        return 1 + max(map(longest, graph[part]), default=0)
+
+    chains = {part: longest(part) for part in graph}
+    assert max(chains.values()) <= LONGEST, chains
+
+
+def test_the_public_names_that_are_looked_up_are_those_that_are_declared():
+    import compas_cgc
+
+    for name in compas_cgc.__all__:
+        assert getattr(compas_cgc, name) is not None
+    assert set(compas_cgc.__all__) - {"__version__"} <= set(dir(compas_cgc))
