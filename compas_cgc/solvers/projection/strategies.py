@@ -30,7 +30,7 @@ __all__ = ["ways"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
-LONG = 12  # steps after which smaller targets are tried first
+LONG = 20  # steps after which smaller targets are tried first
 SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
 GROWING = 15  # most steps for each
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
@@ -56,11 +56,15 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # Over-determined: to insist on it would crumple the surface.
         yield from descend(system, equations, tried[0], IMPATIENT)
         return
-    found = yield from _fairest(system, equations, tried[:TRIED])
+    if system.keep == "shape" and not warm:
+        # The nearest surface is nearly the fairest, and the shortest way to it.
+        found = yield from _closing(system, equations, tried[0])
+    else:
+        found = yield from _fairest(system, equations, tried[:TRIED])
     if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
         found = yield from _better(found, _grown(system, equations, start, settings), system)
     if found is None and settings.retry:
-        others = starts(system, equations, start, settings) if warm else tried[TRIED:]
+        others = starts(system, equations, start, settings) if warm else tried if system.keep == "shape" else tried[TRIED:]
         found = yield from _fairest(system, equations, others)
     if found is None and settings.retry:
         found = yield from _nearest(system, equations, tried[0])
@@ -134,15 +138,20 @@ def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> 
     return Reached(here, reached.multipliers)
 
 
+def _closing(system: System, equations: CurvatureEquations, start: Point) -> _Search:
+    """Take least-norm steps from a start; return what they come to where that is near."""
+    reached = yield from _closed(system, equations, Reached(start, np.zeros(len(system.leading))))
+    return _Found(reached, 0) if system.missing(reached.point, equations) <= NEAR else None
+
+
 def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
     """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
-    nothing = np.zeros(len(system.leading))
     for smoother in SMOOTHER:
         other = system.keeping("shape", smoother)
-        reached = yield from _closed(other, equations, Reached(start, nothing))
-        if system.missing(reached.point, equations) <= NEAR:
-            return _Found(reached, 0)
-    here = start
+        found = yield from _closing(other, equations, start)
+        if found is not None:
+            return found
+    here, nothing = start, np.zeros(len(system.leading))
     for taken in in_stages(other, equations.targets, start.vertices):
         here = system.at(taken.vertices, equations)
         yield taken._replace(settled=False)
