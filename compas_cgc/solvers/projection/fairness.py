@@ -39,7 +39,7 @@ class Fairness:
 
     ``E(x) = ½ (smoothness sqrt(A))^4 xᵀ Q x + ½ nearness |x - x₀|²``, with Q the bending energy, A the
     area of the mesh and x₀ the drawing; the distance is weighed by areas, and apart in plan and height.
-    What is bent is the shape, not the move, so E does not depend on the way that led to a shape.
+    What is bent is the shape, so E does not depend on the way that led to it; of a drawing whose shape is kept, the move.
 
     Parameters
     ----------
@@ -80,18 +80,21 @@ class Fairness:
         pull = (weights * mass)[columns]
         self._pull = np.column_stack([plan * pull, plan * pull, (height if has_plan else plan) * pull])
         self._columns, self._drawing = columns, V
+        # Of a shape that is kept only the move is bent: one that has the curvature already stays as it is.
+        self._unbent = V if settings.keep == "shape" else np.zeros_like(V)
         self._bending = (settings.smoothness**4 * bending).tocsr()
         own = self._bending[columns][:, columns]
-        self._plan = (own + sparse.diags(self._pull[:, 0])).tocsr()
-        self._height = (own + sparse.diags(self._pull[:, 2])).tocsr() if has_plan else self._plan
+        self.plan = (own + sparse.diags(self._pull[:, 0])).tocsr()
+        self.height = (own + sparse.diags(self._pull[:, 2])).tocsr() if has_plan else self.plan
         self._last: Optional[Metric] = None
 
     def energy(self, vertices: FloatArray) -> tuple[float, FloatArray]:
         """Return E of a shape (n, 3), and its gradient by the vertices that may move (3c,)."""
-        bent = self._bending @ vertices
+        shape = vertices - self._unbent
+        bent = self._bending @ shape
         away = (vertices - self._drawing)[self._columns] @ self.axes.T
         pulled = self._pull * away
-        value = 0.5 * (dot(vertices.ravel(), bent.ravel()) + dot(away.ravel(), pulled.ravel()))
+        value = 0.5 * (dot(shape.ravel(), bent.ravel()) + dot(away.ravel(), pulled.ravel()))
         return value, (bent[self._columns] + pulled @ self.axes).ravel()
 
     def drawn(self) -> bool:
@@ -113,17 +116,17 @@ class Fairness:
     def metric(self, freedoms: Freedoms) -> Metric:
         """Return the metric in the free directions, which is also E's second derivative; the last one while they are the same."""
         if self._last is None or not _same(self._last.basis, freedoms.basis):
-            self._last = Metric(self._plan, self._height, self.axes, freedoms.basis)
+            self._last = Metric(self.plan, self.height, self.axes, freedoms.basis)
         return self._last
 
     def along_normals(self) -> tuple[sparse.csr_matrix, Callable[[FloatArray], FloatArray]]:
         """Return what moves (c,) across the surface cost, and the inverse of that."""
-        return self._height, factorise(self._height, symmetric=True, refine=False).solve
+        return self.height, factorise(self.height, symmetric=True, refine=False).solve
 
     def fairest_through(self, vertices: FloatArray) -> FloatArray:
         """Return the shape (n, 3) of least energy through the vertices that may not move."""
         shape = vertices.copy()
-        step = Metric(self._plan, self._height, self.axes).solve(-self.energy(vertices)[1])
+        step = Metric(self.plan, self.height, self.axes).solve(-self.energy(vertices)[1])
         shape[self._columns] += step.reshape(-1, 3)
         return shape
 

@@ -20,7 +20,7 @@ from .system import System
 from .vectors import dot
 from .vectors import norm
 
-__all__ = ["starts"]
+__all__ = ["is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
@@ -43,7 +43,7 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     The cost is the metric length of the least move that fulfils the linear equations. Where the
     drawing is nearly there, or its shape is to be kept and has curvature, it is the only start.
     """
-    flat = _is_flat(system, equations, drawing)
+    flat = is_flat(system, equations, drawing)
     seed = _seeded(system, equations, drawing, settings.seed_height) if flat and settings.seed_height > 0.0 else None
     drawing = system.at(system.settled(drawing.vertices), equations)
     if settings.seed_height == 0.0 or system.missing(drawing, equations) <= NEARLY or (system.keep == "shape" and not flat):
@@ -53,7 +53,7 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
         candidates.append(_Candidate(seed, 1.0))
     plate = system.at(system.settled(system.fairness.relaxed()), equations)
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
-    candidates = [one for one in candidates if not _is_flat(system, equations, one.point)] or candidates
+    candidates = [one for one in candidates if not is_flat(system, equations, one.point)] or candidates
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
     order = np.argsort(costs, kind="stable")
@@ -80,7 +80,8 @@ def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: 
     return found
 
 
-def _is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:
+def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:
+    """Return whether a shape is flat where much of the curvature is asked for."""
     return flat_share(point.vertices, system.faces, system.wanted(point, equations)) > FLAT_SHARE
 
 

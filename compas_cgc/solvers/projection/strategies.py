@@ -22,6 +22,7 @@ from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
 from .settings import ProjectionSettings
+from .starts import is_flat
 from .starts import starts
 from .system import System
 from .trust_region import refine
@@ -54,7 +55,9 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     tried = [system.at(system.settled(start.vertices), equations)] if warm else starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
         # Over-determined: to insist on it would crumple the surface.
-        yield from descend(system, equations, tried[0], IMPATIENT)
+        drawn = system.at(system.settled(start.vertices), equations)
+        first = tried[0] if is_flat(system, equations, drawn) else drawn
+        yield from descend(system.keeping("shape"), equations, first, IMPATIENT)
         return
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
