@@ -31,7 +31,7 @@ LEAST_MASS = 1e-6  # of a vertex, against the mean
 SEED_MASS = 1e-4  # what holds a plate that nothing else holds
 DRAWN = 3.0  # bending of a drawing, against that of the fairest shape through its supports, from which it is meant
 FLAT = 1e-15  # squared height, in the local frame, that is rounding
-FACING = 0.25  # part of the area that faces one way from which a mesh has a plan
+FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
 
 class Fairness:
@@ -76,6 +76,7 @@ class Fairness:
                 weights[indices(constraint.vertices, len(V))] *= constraint.weight
         self.plate = (SEED_MASS * sparse.diags(mass) + bending).tocsr()
         self.axes, has_plan = _axes(V, faces)
+        self._has_plan = has_plan
         plan, height = KEEP[settings.keep]
         pull = (weights * mass)[columns]
         self._pull = np.column_stack([plan * pull, plan * pull, (height if has_plan else plan) * pull])
@@ -98,7 +99,9 @@ class Fairness:
         return value, (bent[self._columns] + pulled @ self.axes).ravel()
 
     def drawn(self) -> bool:
-        """Return whether the drawing bends far more than the fairest shape through its supports: someone meant it."""
+        """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""
+        if not self._has_plan:
+            return True
         return self.bends() and self._bent(self._drawing) > DRAWN * self._bent(self.fairest_through(self._drawing))
 
     def bends(self) -> bool:

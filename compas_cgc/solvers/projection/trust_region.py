@@ -27,7 +27,7 @@ LITTLE, WELL = 0.1, 0.7  # parts of the promised decrease: too little, and enoug
 SHRINK, GROW = 0.25, 2.5
 BACK = 3  # moves back onto the equations after a step
 ON = 1e-4  # residual, against the curvature asked for, that is on them
-SETTLED = 3e-7  # longest move, against the size of the mesh, that is none
+SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
 POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
 ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
