@@ -7,5 +7,7 @@ from .report import MeshQuality
 from .report import RegionReport
 from .report import SurfaceReport
 from .report import analyse
+from .verdict import Verdict
+from .verdict import verdict
 
-__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse", "quadric_curvatures"]
+__all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "Verdict", "analyse", "quadric_curvatures", "verdict"]

@@ -11,6 +11,7 @@ from scipy import sparse
 
 from . import _derivatives
 from . import _kernels
+from . import _second_derivatives
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import MeshError
@@ -100,3 +101,27 @@ class CurvatureEquations:
         moves = np.zeros((len(vertices), 3))
         moves[self.columns] = directions
         return self.pattern.matrix(_derivatives.along(vertices, self.faces, targets, slots, size, moves))
+
+    def curvature_along(self, vertices: FloatArray, multipliers: FloatArray, moves: FloatArray) -> FloatArray:
+        """Return how the gradient of the weighted sum of the defects changes along a move.
+
+        With a Lagrangian's multipliers for weights these are the constraints' second derivatives. The
+        mixed areas are left out: against the angles theirs are of the order of K times the squared edge.
+
+        Parameters
+        ----------
+        vertices
+            ``(n, 3)`` coordinates [L].
+        multipliers
+            ``(k,)`` weights of the rows.
+        moves
+            ``(n, 3)`` move [L].
+
+        Returns
+        -------
+        (n, 3) float64
+            [1/L]
+        """
+        weight = np.zeros(len(vertices))
+        weight[self.rows] = multipliers
+        return _second_derivatives.defects_along(vertices, self.faces, weight, np.ascontiguousarray(moves))

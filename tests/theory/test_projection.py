@@ -15,6 +15,7 @@ from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
+from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.projection.metric import bending_matrix
@@ -96,9 +97,9 @@ def canopy() -> CGCProblem:
 
 def test_the_surface_is_nearly_the_nearest_of_all():
     """The exact optimum, by sequential quadratic programming, costs hardly less."""
-    projector = Projector(canopy())
+    projector = Projector(canopy(), settings=ProjectionSettings(keep="shape"))
     system, local, frame = projector._system, projector._local, projector._frame
-    metric = sparse.kron(system.fairness.scalar, sparse.eye(3)).tocsr()
+    metric = sparse.kron(system.fairness.plan, sparse.eye(3)).tocsr()
     equations = system.equations(local.targets)
     start = local.vertices[system.columns].ravel()
 
@@ -133,11 +134,11 @@ def test_a_step_is_the_solution_of_the_kkt_system(target):
     vertices, faces = shapes.revolution(1 + 0.5 * t, -0.6 * t**2, 40)
     roles = np.full(len(vertices), INTERNAL)
     roles[:40], roles[-40:] = FIXED, FREE
-    projector = Projector(CGCProblem(vertices, faces, roles, target))
+    projector = Projector(CGCProblem(vertices, faces, roles, target), settings=ProjectionSettings(keep="shape"))
     system, local = projector._system, projector._local
     equations = system.equations(local.targets)
     point = system.at(local.vertices, equations)
-    J, metric = equations.jacobian(local.vertices), sparse.kron(system.fairness.scalar, sparse.eye(3))
+    J, metric = equations.jacobian(local.vertices), sparse.kron(system.fairness.plan, sparse.eye(3))
     kkt = (
         sparse.block_array([[metric, J.T], [J, None]]).tocsc()
         if hasattr(sparse, "block_array")

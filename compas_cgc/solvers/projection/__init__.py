@@ -1,4 +1,4 @@
-"""Projection: the nearest fair surface with the curvature asked for, of any sign.
+"""Projection: the fairest surface with the curvature asked for, of any sign.
 
 :func:`project` solves once, :class:`Projector` keeps what can be kept for the next time.
 """

@@ -1,9 +1,9 @@
-"""What is fair: near to the input, and smooth."""
+"""What is fair: a shape that bends little, and keeps to the drawing as far as the designer wants."""
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
+from typing import Callable
 from typing import Optional
 
 import numpy as np
@@ -12,6 +12,7 @@ from scipy import sparse
 from ...discrete import vertex_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...linalg import factorise
 from ...model.constraints import Constraint
 from ...model.constraints import Proximity
 from ...model.constraints import indices
@@ -20,19 +21,25 @@ from ...model.roles import CREASE
 from .metric import Metric
 from .metric import bending_matrix
 from .placement import Freedoms
+from .settings import KEEP
 from .settings import ProjectionSettings
+from .vectors import dot
 
 __all__ = ["Fairness"]
 
 LEAST_MASS = 1e-6  # of a vertex, against the mean
 SEED_MASS = 1e-4  # what holds a plate that nothing else holds
+DRAWN = 3.0  # bending of a drawing, against that of the fairest shape through its supports, from which it is meant
+FLAT = 1e-15  # squared height, in the local frame, that is rounding
+FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
 
 class Fairness:
-    """The metric of a problem, for every set of free directions.
+    """The energy of a problem's shapes, and its metric for every set of free directions.
 
-    ``W = nearness M + (smoothness sqrt(A))^4 Q``, with M the areas of the vertices, Q the
-    bending energy and A the area of the mesh.
+    ``E(x) = ½ (smoothness sqrt(A))^4 xᵀ Q x + ½ nearness |x - x₀|²``, with Q the bending energy, A the
+    area of the mesh and x₀ the drawing; the distance is weighed by areas, and apart in plan and height.
+    What is bent is the shape, so E does not depend on the way that led to it; of a drawing whose shape is kept, the move.
 
     Parameters
     ----------
@@ -68,30 +75,84 @@ class Fairness:
             if isinstance(constraint, Proximity):
                 weights[indices(constraint.vertices, len(V))] *= constraint.weight
         self.plate = (SEED_MASS * sparse.diags(mass) + bending).tocsr()
-        self._nearness = sparse.diags((weights * mass)[columns])
-        self._bending = bending[columns][:, columns]
-        self._set(settings.smoothness)
+        self.axes, has_plan = _axes(V, faces)
+        self._has_plan = has_plan
+        plan, height = KEEP[settings.keep]
+        pull = (weights * mass)[columns]
+        self._pull = np.column_stack([plan * pull, plan * pull, (height if has_plan else plan) * pull])
+        self._columns, self._drawing = columns, V
+        # Of a shape that is kept only the move is bent: one that has the curvature already stays as it is.
+        self._unbent = V if settings.keep == "shape" else np.zeros_like(V)
+        self._bending = (settings.smoothness**4 * bending).tocsr()
+        own = self._bending[columns][:, columns]
+        self.plan = (own + sparse.diags(self._pull[:, 0])).tocsr()
+        self.height = (own + sparse.diags(self._pull[:, 2])).tocsr() if has_plan else self.plan
+        self._last: Optional[Metric] = None
 
-    def smoother(self, factor: float) -> Fairness:
-        """Return the same with another smoothness."""
-        other = copy.copy(self)
-        other._set(factor * self._smoothness)
-        return other
+    def energy(self, vertices: FloatArray) -> tuple[float, FloatArray]:
+        """Return E of a shape (n, 3), and its gradient by the vertices that may move (3c,)."""
+        shape = vertices - self._unbent
+        bent = self._bending @ shape
+        away = (vertices - self._drawing)[self._columns] @ self.axes.T
+        pulled = self._pull * away
+        value = 0.5 * (dot(shape.ravel(), bent.ravel()) + dot(away.ravel(), pulled.ravel()))
+        return value, (bent[self._columns] + pulled @ self.axes).ravel()
+
+    def drawn(self) -> bool:
+        """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""
+        if not self._has_plan:
+            return True
+        return self.bends() and self._bent(self._drawing) > DRAWN * self._bent(self.fairest_through(self._drawing))
+
+    def bends(self) -> bool:
+        """Return whether the drawing is not flat."""
+        return self._bent(self._drawing) > FLAT * self._bending.diagonal().sum()
+
+    def relaxed(self) -> FloatArray:
+        """Return the drawing (n, 3) with the heights of the fairest shape through its supports."""
+        up = self.axes[2]
+        return self._drawing + ((self.fairest_through(self._drawing) - self._drawing) @ up)[:, None] * up
+
+    def _bent(self, vertices: FloatArray) -> float:
+        return dot(vertices.ravel(), (self._bending @ vertices).ravel())
 
     def metric(self, freedoms: Freedoms) -> Metric:
-        """Return the metric in the free directions; the last one while they are the same."""
+        """Return the metric in the free directions, which is also E's second derivative; the last one while they are the same."""
         if self._last is None or not _same(self._last.basis, freedoms.basis):
-            self._last = Metric(self.scalar, freedoms.basis)
+            self._last = Metric(self.plan, self.height, self.axes, freedoms.basis)
         return self._last
+
+    def along_normals(self) -> tuple[sparse.csr_matrix, Callable[[FloatArray], FloatArray]]:
+        """Return what moves (c,) across the surface cost, and the inverse of that."""
+        return self.height, factorise(self.height, symmetric=True, refine=False).solve
+
+    def fairest_through(self, vertices: FloatArray) -> FloatArray:
+        """Return the shape (n, 3) of least energy through the vertices that may not move."""
+        shape = vertices.copy()
+        step = Metric(self.plan, self.height, self.axes).solve(-self.energy(vertices)[1])
+        shape[self._columns] += step.reshape(-1, 3)
+        return shape
 
     def fairest(self, freedoms: Freedoms) -> FloatArray:
         """Return the cheapest move onto the constraints (3c,)."""
         return self.metric(freedoms).fairest(freedoms.gap.ravel())
 
-    def _set(self, smoothness: float) -> None:
-        self._smoothness = smoothness
-        self.scalar = (self._nearness + smoothness**4 * self._bending).tocsr()
-        self._last: Optional[Metric] = None
+
+def _axes(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, bool]:
+    """Return two directions in plan and the one that the mesh faces (3, 3), and whether it faces one at all.
+
+    Taken from the mesh and not from the world, so that a turned model has a turned result.
+    """
+    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
+    crosses = np.cross(b - a, c - a)
+    facing = crosses.sum(axis=0)
+    length = float(np.linalg.norm(facing))
+    if not length > FACING * float(np.linalg.norm(crosses, axis=1).sum()):
+        return np.eye(3), False
+    up = facing / length
+    side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    side /= np.linalg.norm(side)
+    return np.array([side, np.cross(up, side), up]), True
 
 
 def _same(one: Optional[sparse.csr_matrix], other: Optional[sparse.csr_matrix]) -> bool:

@@ -8,11 +8,11 @@ from typing import Optional
 
 import numpy as np
 
-from ...discrete import face_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from .iterate import Point
 from .system import System
+from .turning import Turning
 
 __all__ = ["Taken", "descend", "in_stages"]
 
@@ -20,8 +20,6 @@ SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring
 PATIENCE = 12  # steps within which the merit must fall
 SLOW = 0.9  # to this part of what it was
-TURN = 0.5  # cosine of the angle that a face may turn by in a step
-SHARPEST = 0.0  # cosine of the sharpest fold that a step may make
 LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
 STAGE = 0.25  # first part of the way to the targets
 SHORTEST_STAGE = 1 / 128
@@ -35,10 +33,12 @@ class Taken(NamedTuple):
     vertices: FloatArray  # (n, 3)
     length: float  # part of the full step
     trials: int
+    settled: bool = True  # whether nothing but the equations is left to be met
+    equations: Optional[CurvatureEquations] = None  # those that it was for, where they are not the ones asked
 
 
-def descend(system: System, equations: CurvatureEquations, start: Point, slow: float = SLOW) -> Iterator[Taken]:
-    """Take steps from a start for as long as a few of them bring the merit down to the part `slow`.
+def descend(system: System, equations: CurvatureEquations, start: Point, slow: float = SLOW, patience: int = PATIENCE) -> Iterator[Taken]:
+    """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -56,7 +56,7 @@ def descend(system: System, equations: CurvatureEquations, start: Point, slow: f
         here = there
         merits.append(here.merit)
         yield Taken(here.vertices, length, trials)
-        if len(merits) > PATIENCE and merits[-1] > slow * merits[-1 - PATIENCE]:
+        if len(merits) > patience and merits[-1] > slow * merits[-1 - patience]:
             return
 
 
@@ -89,14 +89,11 @@ def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterato
 def _line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
     """Return the first of the halved steps that makes the merit smaller without a sharp fold."""
     length, trials = 1.0, 0
-    normals = face_normals(here.vertices, system.faces)
-    folds = np.minimum(system.folds(normals), SHARPEST)
+    turning = Turning(system, here.vertices)
     while length >= SHORTEST:
         trials += 1
         vertices = here.vertices + length * step
-        turned = face_normals(vertices, system.faces)
-        upright = np.einsum("ij,ij->i", normals, turned) >= TURN
-        if upright[system.sound].all() and (system.folds(turned) >= folds).all():
+        if turning.allows(vertices):
             there = system.at(vertices, equations)
             if there.merit <= (1.0 - DECREASE * length) * here.merit:
                 return there, length, trials

@@ -16,7 +16,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...linalg import factorise
 
-__all__ = ["flat_vertices", "seeded"]
+__all__ = ["flat_share", "flat_vertices", "seeded"]
 
 FLAT = 0.01  # fold against the one that the target would have
 SAME = 1e-9  # distances closer than this count as one
@@ -30,6 +30,12 @@ def flat_vertices(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> 
     fold = np.zeros(len(vertices))
     np.maximum.at(fold, corner, np.linalg.norm(np.repeat(normals, 3, axis=0) - mean[corner], axis=1))
     return fold < FLAT * np.sqrt(np.abs(wanted))
+
+
+def flat_share(vertices: FloatArray, faces: IntArray, wanted: FloatArray) -> float:
+    """Return the part of the curvature ``K̄_i A_i`` (n,) wanted that is wanted of flat vertices."""
+    total = float(np.abs(wanted).sum())
+    return float(np.abs(wanted[flat_vertices(vertices, faces, wanted)]).sum()) / total if total > 0.0 else 0.0
 
 
 def seeded(

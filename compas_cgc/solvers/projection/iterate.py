@@ -9,7 +9,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from .vectors import norm
 
-__all__ = ["ON", "Point"]
+__all__ = ["ON", "TINY", "Point"]
 
 ON = 1e-12  # distance from a constraint, in the local frame, that is rounding
 TINY = 1e-100  # area that keeps the error of a vertex without any a number

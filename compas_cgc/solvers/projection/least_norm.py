@@ -1,4 +1,4 @@
-"""The least-norm step: the cheapest move that fulfils the linear equations."""
+"""Moves that fulfil the linear equations: the cheapest one, and the projection onto those that change nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .metric import Metric
 from .vectors import dot
 from .vectors import norm
 
-__all__ = ["Preconditioner", "Step", "least_norm"]
+__all__ = ["Cheapest", "LeastNorm", "Preconditioner"]
 
 FEW = 15  # rounds after which a preconditioner is made, or made anew
 EARLY = 5  # rounds after which their pace tells that far more than a few will be needed
@@ -29,33 +29,19 @@ LEAST = 1e-8  # of an equation's own scale, against the largest
 Preconditioner = Callable[[FloatArray], FloatArray]
 
 
-class Step(NamedTuple):
-    """A move in the free directions."""
+class Cheapest(NamedTuple):
+    """The cheapest move that fulfils linear equations, as far as it does."""
 
-    move: FloatArray  # (q,) [L]
-    preconditioner: Optional[Preconditioner]  # for the next step, should this one have needed it
-
-
-class _Partial(NamedTuple):
-    """A move that does not yet fulfil the equations."""
-
-    move: FloatArray  # (q,) [L]
+    move: FloatArray  # (q,) W⁻¹ Jᵀ y [L]
+    multipliers: FloatArray  # (k,) y
     residual: FloatArray  # (k,) what is left of the right side [rad]
 
 
-def least_norm(
-    J: sparse.csr_matrix,
-    right: FloatArray,
-    metric: Metric,
-    across: Callable[[], sparse.csr_matrix],
-    tolerance: float,
-    floor: float,
-    preconditioner: Optional[Preconditioner] = None,
-) -> Step:
-    r"""Return the solution of ``J dz = right`` that is cheapest in the metric.
+class LeastNorm:
+    r"""Solves ``J dz = b`` by the moves that are cheapest in a metric, for several right sides.
 
-    It is :math:`W^{-1} J^T y` with :math:`(J W^{-1} J^T) y = b`. The metric is of fourth order
-    and K of second, so that matrix is of order zero, and conjugate gradients take about as many
+    The cheapest move is :math:`W^{-1} J^T y` with :math:`(J W^{-1} J^T) y = b`. The metric is of
+    fourth order and K of second, so that matrix is of order zero, and conjugate gradients take about as many
     rounds on a fine mesh as on a coarse one. Where K <= 0 it has small eigenvalues along
     the asymptotic directions; there it is preconditioned by the same system for moves along
     the normals only, one unknown per vertex, solved as regularised normal equations.
@@ -64,92 +50,104 @@ def least_norm(
     ----------
     J
         ``(k, q)`` derivatives of the equations along the free directions [rad/L].
-    right
-        ``(k,)`` right side [rad].
     metric
         The metric.
     across
         Returns ``(q, p)`` unit moves across the surface, one per vertex; asked for them only
         where a preconditioner is made.
-    tolerance
-        Residual of the linear system, as a part of the right side.
-    floor
-        Residual per equation that is small enough in any case [rad].
     preconditioner
         That of the step before.
     """
-    if not J.data.any():
-        return Step(np.zeros(J.shape[1]), preconditioner)
-    transposed = J.T.tocsr()
 
-    def cheapest(y: FloatArray) -> FloatArray:
-        return metric.solve(transposed @ y)
+    def __init__(
+        self,
+        J: sparse.csr_matrix,
+        metric: Metric,
+        across: Callable[[], sparse.csr_matrix],
+        preconditioner: Optional[Preconditioner] = None,
+    ):
+        self.J, self.transposed, self.metric = J, J.T.tocsr(), metric
+        self._across = across
+        self.preconditioner = preconditioner
+        self._own = False
+        self._rows = _row_scaling(J)
 
-    def close(start: _Partial, precondition: Preconditioner, most: int, hope: float = math.inf) -> _Partial:
-        return _conjugate_gradients(J, cheapest, start, precondition, goal, most, hope)
+    def cheapest(self, right: FloatArray, tolerance: float, floor: float = 0.0) -> Cheapest:
+        """Return the cheapest move that fulfils ``J dz = right``.
 
-    goal = max(tolerance * norm(right), floor * math.sqrt(len(right)))
-    start = _Partial(np.zeros(J.shape[1]), right)
-    rough, hope = preconditioner, math.inf
-    if rough is None:
+        Parameters
+        ----------
+        right
+            ``(k,)`` right side [rad].
+        tolerance
+            Residual of the linear system, as a part of the right side.
+        floor
+            Residual per equation that is small enough in any case [rad].
+        """
+        start = Cheapest(np.zeros(self.J.shape[1]), np.zeros(len(right)), right)
+        if not self.J.data.any():
+            return start
+        goal = max(tolerance * norm(right), floor * math.sqrt(len(right)))
         part = EARLY / (FAR * FEW)
-        rough, hope = _row_scaling(J), norm(right) ** (1.0 - part) * goal**part
-    found = close(start, rough, FEW, hope)
-    if not norm(found.residual) <= goal:
+        hope = math.inf if self.preconditioner is not None else norm(right) ** (1.0 - part) * goal**part
+        found = self._close(start, goal, MOST if self._own else FEW, hope)
+        if norm(found.residual) <= goal or self._own:
+            return found
         try:
-            preconditioner = _normal_moves(J, metric, across(), cheapest)
+            self.preconditioner = self._normal_moves()
         except SingularMatrixError:
             # Faces without area: what is found without it has to do.
-            return Step(close(found, rough, FEW - EARLY).move, None)
-        found = close(found, preconditioner, MOST)
-    return Step(found.move, preconditioner)
+            return self._close(found, goal, FEW - EARLY)
+        self._own = True
+        return self._close(found, goal, MOST)
+
+    def without_effect(self, gradient: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:
+        """Return the part of the move ``W⁻¹ gradient`` that ``J`` does not see (q,), and the multipliers that do so (k,)."""
+        move = self.metric.solve(gradient)
+        found = self.cheapest(self.J @ move, tolerance)
+        return move - found.move, found.multipliers
+
+    def _solve(self, y: FloatArray) -> FloatArray:
+        return self.metric.solve(self.transposed @ y)
+
+    def _normal_moves(self) -> Preconditioner:
+        """Return the inverse of the system for moves along the normals, by Woodbury's formula."""
+        across = self._across()
+        normal = (self.J @ across).tocsr()
+        transposed = normal.T.tocsr()
+        probe = np.cos(np.arange(self.J.shape[0], dtype=np.float64))
+        weight = dot(probe, probe) / (SOFT * dot(probe, self.J @ self._solve(probe)))
+        factor = factorise(self.metric.reduced(across) + weight * (transposed @ normal), symmetric=True, refine=False)
+        return lambda v: weight * (v - normal @ factor.solve(weight * (transposed @ v)))
+
+    def _close(self, start: Cheapest, goal: float, most: int, hope: float = math.inf) -> Cheapest:
+        """Return the best that conjugate gradients find; the move is added up alongside, as to form it from y at the end costs a solve."""
+        precondition = self.preconditioner or self._rows
+        move, y, residual = start
+        least, best = norm(residual), start
+        direction: Optional[FloatArray] = None
+        before = 0.0
+        for done in range(most):
+            if least <= goal or (done == EARLY and least > hope):
+                break
+            z = precondition(residual)
+            product = dot(residual, z)
+            direction = z if direction is None else z + product / before * direction
+            turn = self._solve(direction)
+            image = self.J @ turn
+            curvature = dot(direction, image)
+            if not (curvature > 0.0 and product > 0.0):
+                break
+            length = product / curvature
+            move, y, residual = move + length * turn, y + length * direction, residual - length * image
+            before = product
+            if norm(residual) < least:
+                least, best = norm(residual), Cheapest(move, y, residual)
+        return best
 
 
 def _row_scaling(J: sparse.csr_matrix) -> Preconditioner:
     """Return the division by the squared lengths of the rows, none taken for much smaller than the largest."""
     squares = np.bincount(np.repeat(np.arange(J.shape[0]), np.diff(J.indptr)), J.data**2, J.shape[0])
-    scale = np.maximum(squares, LEAST * squares.max())
+    scale = np.maximum(squares, LEAST * squares.max(initial=0.0))
     return lambda v: v / scale
-
-
-def _normal_moves(J: sparse.csr_matrix, metric: Metric, across: sparse.csr_matrix, cheapest: Preconditioner) -> Preconditioner:
-    """Return the inverse of the system for moves along the normals, by Woodbury's formula."""
-    normal = (J @ across).tocsr()
-    transposed = normal.T.tocsr()
-    probe = np.cos(np.arange(J.shape[0], dtype=np.float64))
-    weight = dot(probe, probe) / (SOFT * dot(probe, J @ cheapest(probe)))
-    factor = factorise(metric.reduced(across) + weight * (transposed @ normal), symmetric=True, refine=False)
-    return lambda v: weight * (v - normal @ factor.solve(weight * (transposed @ v)))
-
-
-def _conjugate_gradients(
-    J: sparse.csr_matrix,
-    cheapest: Callable[[FloatArray], FloatArray],
-    start: _Partial,
-    precondition: Preconditioner,
-    goal: float,
-    most: int,
-    hope: float,
-) -> _Partial:
-    """Return the best that is found. The move is added up alongside: to form it from y at the end would cost a solve."""
-    move, residual = start
-    least, best = norm(residual), start
-    direction: Optional[FloatArray] = None
-    before = 0.0
-    for done in range(most):
-        if least <= goal or (done == EARLY and least > hope):
-            break
-        z = precondition(residual)
-        product = dot(residual, z)
-        direction = z if direction is None else z + product / before * direction
-        turn = cheapest(direction)
-        image = J @ turn
-        curvature = dot(direction, image)
-        if not (curvature > 0.0 and product > 0.0):
-            break
-        move = move + product / curvature * turn
-        residual = residual - product / curvature * image
-        before = product
-        if norm(residual) < least:
-            least, best = norm(residual), _Partial(move, residual)
-    return best

@@ -15,9 +15,9 @@ __all__ = ["cause", "enclosed_negative", "message"]
 ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
 
 
-def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str) -> str:
+def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str, measure: str = "defect") -> str:
     """Return the sentence for a status; errors and goal are largest |K - K̄|."""
-    reached = f"largest |K - K̄| {error:.3g}"
+    reached = f"largest |K - K̄| {error:.3g}" + (" in the smooth measure" if measure == "smooth" else "")
     if status == "converged":
         return f"converged in {steps} steps: {reached}" + (", the rounding of this mesh" if error > goal else "")
     if status == "cancelled":

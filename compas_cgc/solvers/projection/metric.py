@@ -1,4 +1,4 @@
-"""The fairness metric: how much a move of the vertices costs."""
+"""The fairness metric: how much a move of the vertices costs, in plan and in height."""
 
 from __future__ import annotations
 
@@ -80,34 +80,58 @@ class Metric:
 
     Parameters
     ----------
-    scalar
-        ``(c, c)`` W of one coordinate, symmetric and positive definite.
+    plan, height
+        ``(c, c)`` W of one coordinate in plan, and of the height; symmetric and positive definite.
+        The same matrix twice where no direction is up.
+    axes
+        ``(3, 3)`` orthonormal rows: two directions in plan, and up.
     basis
         ``(3c, q)`` free directions in the columns, or ``None`` where all are free.
     """
 
-    def __init__(self, scalar: sparse.csr_matrix, basis: Optional[sparse.csr_matrix] = None):
-        self.scalar = scalar
-        self.basis = basis
+    def __init__(self, plan: sparse.csr_matrix, height: sparse.csr_matrix, axes: FloatArray, basis: Optional[sparse.csr_matrix] = None):
+        self.plan, self.height, self.axes, self.basis = plan, height, axes, basis
         # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
-        self._factor = factorise(scalar if basis is None else _on_span(scalar, basis), symmetric=True, refine=False)
+        if basis is not None:
+            self._factor = factorise(self._on_span(basis), symmetric=True, refine=False)
+            return
+        self._factor = factorise(plan, symmetric=True, refine=False)
+        self._of_height = self._factor if height is plan else factorise(height, symmetric=True, refine=False)
 
     def solve(self, gradient: FloatArray) -> FloatArray:
         """Return the move (q,) whose metric product with any other is that of the gradient (q,)."""
-        if self.basis is None:
+        if self.basis is not None:
+            return self._factor.solve(gradient)
+        if self.height is self.plan:
             return self._factor.solve(gradient.reshape(-1, 3)).ravel()
-        return self._factor.solve(gradient)
+        turned = gradient.reshape(-1, 3) @ self.axes.T
+        flat, up = self._factor.solve(np.ascontiguousarray(turned[:, :2])), self._of_height.solve(np.ascontiguousarray(turned[:, 2]))
+        return (flat @ self.axes[:2] + up[:, None] * self.axes[2]).ravel()
+
+    def times(self, move: FloatArray) -> FloatArray:
+        """Return W times a move (q,)."""
+        if self.basis is None:
+            return self._times(move)
+        return self.basis.T @ self._times(self.basis @ move)
 
     def fairest(self, move: FloatArray) -> FloatArray:
         """Return the cheapest of all moves that differ from one (3c,) by free directions only."""
-        cost = (self.scalar @ move.reshape(-1, 3)).ravel()
-        return move - self.basis @ self.solve(self.basis.T @ cost)
+        return move - self.basis @ self.solve(self.basis.T @ self._times(move))
 
     def reduced(self, directions: sparse.csr_matrix) -> sparse.csr_matrix:
         """Return W on the span of the columns of `directions` (q, p)."""
-        return _on_span(self.scalar, directions if self.basis is None else self.basis @ directions)
+        return self._on_span(directions if self.basis is None else self.basis @ directions)
 
+    def _times(self, move: FloatArray) -> FloatArray:
+        turned = move.reshape(-1, 3) @ self.axes.T
+        flat, up = self.plan @ turned[:, :2], self.height @ turned[:, 2]
+        return (flat @ self.axes[:2] + up[:, None] * self.axes[2]).ravel()
 
-def _on_span(scalar: sparse.csr_matrix, directions: sparse.csr_matrix) -> sparse.csr_matrix:
-    coordinates = (directions.tocsr()[x::3] for x in range(3))
-    return sum(part.T @ scalar @ part for part in coordinates).tocsr()
+    def _on_span(self, directions: sparse.csr_matrix) -> sparse.csr_matrix:
+        directions = directions.tocsr()
+        coordinates = [directions[x::3] for x in range(3)]
+        if self.height is self.plan:
+            return sum(part.T @ self.plan @ part for part in coordinates).tocsr()
+        along = [sum(axis[x] * coordinates[x] for x in range(3)) for axis in self.axes]
+        weights = (self.plan, self.plan, self.height)
+        return sum(part.T @ weight @ part for part, weight in zip(along, weights)).tocsr()

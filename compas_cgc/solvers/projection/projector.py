@@ -32,7 +32,7 @@ class Projector:
     Parameters
     ----------
     problem
-        Vertices, faces, roles, targets and constraints. The vertices are the shape to stay near to.
+        Vertices, faces, roles, targets and constraints. The vertices are the drawing.
     settings
         Parameters.
 
@@ -65,15 +65,15 @@ class Projector:
         self._edges = edge_faces(problem.faces)
 
     def solve(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None, *, callback: Callback = None) -> Solution:
-        """Move the vertices by the least that gives them the curvature asked for.
+        """Return the fairest surface with the curvature asked for.
 
         Parameters
         ----------
         targets
             K̄ [1/L^2], one number or ``(n,)``. Default: those of the problem.
         vertices
-            ``(n, 3)`` shape to set out from, such as the last result [L]; what is fixed has
-            to be where it is in the problem. Default: the vertices of the problem.
+            ``(n, 3)`` shape to go on from, such as the last result [L]; what is fixed has
+            to be where it is in the problem. Default: the vertices of the problem, and starts of our own.
         callback
             Called with a :class:`~compas_cgc.model.result.SolveState` after every step. To cancel,
             return True or raise ``StopIteration``.
@@ -100,11 +100,11 @@ class Projector:
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        for taken in ways(system, equations, start, settings) if status == "stalled" else ():
-            here = system.at(taken.vertices, equations)
+        for taken in ways(system, equations, start, settings, vertices is not None) if status == "stalled" else ():
+            here = system.at(taken.vertices, taken.equations or equations)
             best = min(best, here, key=lambda point: point.badness)
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
-            if here.fulfils(goal, system.floor):
+            if taken.settled and here.fulfils(goal, system.floor):
                 status, best = "converged", here
             elif len(recorder) == settings.steps:
                 status = "step_limit"
@@ -119,7 +119,7 @@ class Projector:
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why),
+            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, settings.measure),
             len(recorder),
             recorder.seconds,
             max_error,
@@ -152,22 +152,24 @@ class Projector:
 
 
 def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
-    r"""Move the vertices by the least that gives them the curvature asked for.
+    r"""Return the fairest surface with the curvature asked for.
 
     Unknown are the three coordinates of every vertex that may move; there is an equation
     :math:`r_i = \text{defect}_i - \bar K_i A_i = 0` at every internal vertex, and none on
-    creases and free edges. Of the many solutions, every step of Gauss-Newton takes the one
-    that is smallest in a fairness metric,
+    creases and free edges. Of the many solutions it is one that bends least, and keeps to the
+    drawing as far as the settings say,
 
-    .. math:: \min \tfrac12\, dx^T W\, dx \quad \text{subject to} \quad J\, dx = -r,
+    .. math:: \min \tfrac12\, x^T B x + \tfrac12\, |x - x_0|^2 \quad \text{subject to} \quad r(x) = 0,
 
-    with W the area-weighted distance plus the bending energy of the move, and is shortened
-    until it brings what it promises. K may have any sign; no dummy mesh is needed.
+    with B the bending energy of the shape and the distance weighed apart in plan and height. The
+    way there is sequential quadratic programming from starts of its own or the one given, then Newton's
+    method with the second derivatives of the equations, then least-norm steps to rounding. K may
+    have any sign; no dummy mesh is needed.
 
     Parameters
     ----------
     problem
-        Vertices, faces, roles, targets and constraints. The vertices are the shape to stay near to.
+        Vertices, faces, roles, targets and constraints. The vertices are the drawing, of which the settings say what is kept.
     settings
         Parameters.
     callback
@@ -187,6 +189,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     References
     ----------
     Tang, Sun, Gomes, Wallner, Pottmann, *Form-finding with polyhedral meshes made simple*,
-    doi:10.1145/2601097.2601213.
+    doi:10.1145/2601097.2601213. Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for
+    inextensible surfaces*, doi:10.2312/SGP/SGP06/227-230.
     """
     return Projector(problem, settings=settings).solve(callback=callback)

@@ -9,7 +9,12 @@ from ..settings import Settings
 from ..settings import documented
 from ..settings import option
 
-__all__ = ["ProjectionSettings"]
+__all__ = ["AUTO", "KEEP", "ProjectionSettings"]
+
+# What nearness weighs in plan and in height, by what the designer wants to keep.
+KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
+AUTO = "auto"
+MEASURES = ("defect", "smooth")
 
 
 @documented
@@ -17,13 +22,28 @@ __all__ = ["ProjectionSettings"]
 class ProjectionSettings(Settings):
     """Parameters of the projection; none of them has a unit, so they fit any model."""
 
-    steps: int = option(100, "Most steps to take.", int, low=1)
+    steps: int = option(300, "Most steps to take.", int, low=1)
     tolerance: float = option(1e-12, TOLERANCE_TEXT, float, low=0)
-    nearness: float = option(1.0, "Weight of staying near the input. Only its ratio to the smoothness counts.", float, above=0)
+    keep: str = option(
+        AUTO,
+        "What of the drawing the surface keeps. Its plan, seen along the direction that the mesh faces, while heights go where the "
+        "surface bends least; its shape, plan and heights; or nothing but the supports. With auto its shape where it bends far more "
+        "than its supports make it, and its plan elsewhere.",
+        str,
+        choices=(AUTO, *KEEP),
+    )
+    measure: str = option(
+        "defect",
+        "How K is read off the mesh. By angle defect over area, the paper's; or smooth, by that less what the layout of the mesh "
+        "puts into it, so that an irregular mesh leaves no wrinkles.",
+        str,
+        choices=MEASURES,
+    )
+    nearness: float = option(1.0, "Weight of what is kept of the drawing. Only its ratio to the smoothness counts.", float, above=0)
     smoothness: float = option(
         0.1,
-        "Length over which the move is kept smooth, as a part of the square root of the area, where nearness is one. Small: the "
-        "surface keeps to the input and K is mended on the spot. Large: it bends as a whole, like a plate.",
+        "Length over which bending outweighs nearness, as a part of the square root of the area, where nearness is one. Small: the "
+        "surface keeps to the drawing and K is mended on the spot. Large: it bends as a whole, like a plate.",
         float,
         above=0,
     )
@@ -44,7 +64,7 @@ class ProjectionSettings(Settings):
     )
     retry: bool = option(
         True,
-        "When the straight way to the targets stalls, try less smoothness, then more of it, and at last targets that come from the "
-        "curvature of the start in stages.",
+        "When the straight way to the targets is long, let smaller targets grow to them. When it stalls, try other starts, less "
+        "smoothness, then more of it, and at last targets that come from the curvature of the start in stages.",
         bool,
     )

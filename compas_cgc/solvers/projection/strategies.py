@@ -2,60 +2,160 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from collections.abc import Iterator
+from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .gauss_newton import in_stages
-from .initial_guess import flat_vertices
-from .initial_guess import seeded
 from .iterate import Point
+from .measure import FINISH
+from .measure import smoothed
 from .messages import enclosed_negative
+from .sequential import MOST
+from .sequential import NEAR
+from .sequential import Reached
+from .sequential import approach
 from .settings import ProjectionSettings
+from .starts import is_flat
+from .starts import starts
 from .system import System
+from .trust_region import refine
 
 __all__ = ["ways"]
 
-FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
-LESS, MORE = 0.5, 2.5  # other smoothness to try, against the one asked for
+CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
+LONG = 20  # steps after which smaller targets are tried first
+SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
+GROWING = 15  # most steps for each
+SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
+TRIED = 2  # starts whose results are compared
 
 
-def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> Iterator[Taken]:
-    """Take steps straight to the targets and, should that stall, in other ways from the start again."""
-    if settings.seed_height > 0:
-        start = _seeded(system, equations, start, settings.seed_height)
-    start = system.at(system.settled(start.vertices), equations)
+class _Found(NamedTuple):
+    reached: Reached
+    steps: int  # that it took
+
+
+_Search = Generator[Taken, None, Optional[_Found]]
+
+
+def ways(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings, warm: bool) -> Iterator[Taken]:
+    """Take steps to the fairest shape and, should that stall, in other ways from the start again.
+
+    A warm start is gone on from; others are compared with starts of our own. The smooth measure is turned to once
+    the surface is fair by angle defects: only then do fits tell the layout of the mesh from wrinkles.
+    """
+    tried = [system.at(system.settled(start.vertices), equations)] if warm else starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
         # Over-determined: to insist on it would crumple the surface.
-        yield from descend(system, equations, start, IMPATIENT)
+        drawn = system.at(system.settled(start.vertices), equations)
+        first = tried[0] if is_flat(system, equations, drawn) else drawn
+        yield from descend(system.keeping("shape"), equations, first, IMPATIENT)
         return
-    yield from descend(system, equations, start)
-    if settings.retry:
-        yield from descend(system.smoother(LESS), equations, start)
-        smooth = system.smoother(MORE)
-        yield from descend(smooth, equations, start)
-        yield from in_stages(smooth, equations.targets, start.vertices)
+    if system.keep == "shape" and not warm:
+        # The nearest surface is nearly the fairest, and the shortest way to it.
+        found = yield from _closing(system, equations, tried[0])
+    else:
+        found = yield from _fairest(system, equations, tried[:TRIED])
+    if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
+        found = yield from _better(found, _grown(system, equations, start, settings), system)
+    if found is None and settings.retry:
+        others = starts(system, equations, start, settings) if warm else tried if system.keep == "shape" else tried[TRIED:]
+        found = yield from _fairest(system, equations, others)
+    if found is None and settings.retry:
+        found = yield from _nearest(system, equations, tried[0])
+        system = system.keeping("shape")
+    if found is None:
+        return
+    reached = yield from refine(system, equations, found.reached)
+    if settings.measure == "smooth":
+        yield from smoothed(system, equations, reached)
+    else:
+        yield from descend(system, equations, reached.point, patience=FINISH)
 
 
-def _seeded(system: System, equations: CurvatureEquations, start: Point, highest: float) -> Point:
-    rows, targets = system.rows, equations.targets[system.rows]
-    wanted = np.zeros(len(start.vertices))
-    wanted[rows] = targets * start.areas
-    flat = flat_vertices(start.vertices, system.faces, wanted)
-    if not np.abs(wanted[flat]).sum() > FLAT_SHARE * np.abs(wanted).sum():
-        return start
+def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> _Search:
+    """Approach the equations from several starts; return the one that ends with the least energy, if any."""
+    best: Optional[_Found] = None
+    for point in tried:
+        best = yield from _better(best, _approached(system, equations, point), system)
+    return best
 
-    def defects(vertices: FloatArray) -> FloatArray:
-        residual, areas = equations.measure(vertices)
-        result = np.zeros(len(vertices))
-        result[rows] = residual + targets * areas
-        return result
 
-    wanted = np.where(flat, wanted, 0.0)
-    shape = seeded(start.vertices, system.faces, system.columns, system.fairness.plate, wanted, defects, highest)
-    return system.at(shape, equations)
+def _better(found: Optional[_Found], search: _Search, system: System) -> _Search:
+    """Search on; return what that comes to where it has less energy than what was found, or nothing was."""
+    other = yield from search
+    if found is None or other is None:
+        return found or other
+    energies = [system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other)]
+    return found if energies[0] <= energies[1] else other
+
+
+def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
+    """Approach the equations from a start, and close in on them should that not get near."""
+    steps, search = 0, approach(system, equations, point, most)
+    while True:
+        try:
+            taken = next(search)
+        except StopIteration as end:
+            reached = end.value
+            break
+        steps += 1
+        yield taken
+    if NEAR < system.missing(reached.point, equations) <= CLOSE:
+        reached = yield from _closed(system, equations, reached)
+    return _Found(reached, steps) if system.missing(reached.point, equations) <= NEAR else None
+
+
+def _grown(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> _Search:
+    """Approach smaller targets first, and let them grow to those asked for, each from the shape for the last."""
+    if not equations.targets[system.rows].any():
+        return None
+    point: Optional[Point] = None
+    found: Optional[_Found] = None
+    for share in SHARES:
+        part = system.equations(share * equations.targets)
+        point = starts(system, part, start, settings)[0] if point is None else system.at(point.vertices, part)
+        found = yield from _approached(system, part, point, GROWING)
+        if found is None:
+            return None
+        point = found.reached.point
+    return found
+
+
+def _closed(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
+    """Take least-norm steps until the equations are near enough."""
+    here = reached.point
+    for taken in descend(system, equations, here):
+        here = system.at(taken.vertices, equations)
+        yield taken._replace(settled=False)
+        if system.missing(here, equations) <= NEAR:
+            break
+    return Reached(here, reached.multipliers)
+
+
+def _closing(system: System, equations: CurvatureEquations, start: Point) -> _Search:
+    """Take least-norm steps from a start; return what they come to where that is near."""
+    reached = yield from _closed(system, equations, Reached(start, np.zeros(len(system.leading))))
+    return _Found(reached, 0) if system.missing(reached.point, equations) <= NEAR else None
+
+
+def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
+    """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
+    for smoother in SMOOTHER:
+        other = system.keeping("shape", smoother)
+        found = yield from _closing(other, equations, start)
+        if found is not None:
+            return found
+    here, nothing = start, np.zeros(len(system.leading))
+    for taken in in_stages(other, equations.targets, start.vertices):
+        here = system.at(taken.vertices, equations)
+        yield taken._replace(settled=False)
+    return _Found(Reached(here, nothing), 0) if system.missing(here, equations) <= NEAR else None

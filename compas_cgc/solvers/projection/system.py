@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
 from typing import Optional
 
 import numpy as np
@@ -13,6 +13,7 @@ from scipy import sparse
 
 from ...discrete import edge_faces
 from ...discrete import face_areas
+from ...discrete import vertex_areas
 from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
@@ -24,29 +25,27 @@ from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from ...model.problem import CGCProblem
 from .fairness import Fairness
+from .initial_guess import flat_share
+from .iterate import TINY
 from .iterate import Point
-from .least_norm import Preconditioner
-from .least_norm import least_norm
-from .metric import Metric
+from .least_norm import LeastNorm
+from .linearised import Kept
+from .linearised import Linearised
 from .placement import Places
+from .settings import AUTO
 from .settings import ProjectionSettings
 from .symmetry import images
 from .symmetry import keep_faces
 from .vectors import norm
 
-__all__ = ["Kept", "System"]
+__all__ = ["System"]
 
 EPS = float(np.finfo(float).eps)
 SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
 STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
+FLAT_SHARE = 0.5  # of a drawing, from which its heights mean nothing
+RELAXING = 2  # times that drawn heights are let go
 SETTLING = 5  # moves that bring a shape onto curved constraints
-
-
-class Kept(NamedTuple):
-    """A preconditioner, for the next steps in the same metric."""
-
-    metric: Metric
-    preconditioner: Optional[Preconditioner]
 
 
 class System:
@@ -83,10 +82,25 @@ class System:
             V, movable, [constraint for constraint in constraints if isinstance(constraint, PositionConstraint)], symmetries
         )
         # Mirrored equations say the same twice, which makes the systems singular.
-        self._leading = np.arange(len(self.rows))
+        self.leading = np.arange(len(self.rows))
         if len(symmetries) > 1 and keep_faces(F, symmetries):
-            self._leading = np.unique(self.places.head[self.rows], return_index=True)[1]
-        self.fairness = Fairness(problem, self.faces, self.columns, self.size, settings, constraints)
+            self.leading = np.unique(self.places.head[self.rows], return_index=True)[1]
+
+        def fairness(keep: str, rest: FloatArray, smoother: float = 1.0) -> Fairness:
+            own = replace(settings, keep=keep, smoothness=smoother * settings.smoothness)
+            return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, own, constraints)
+
+        self._fairness = fairness
+        self.keep = "plan" if settings.keep == AUTO else settings.keep
+        self.fairness = fairness(self.keep, V)
+        # Supports pulled out of a flat sheet bend it, but nobody meant it so.
+        flat = flat_share(V, self.faces, vertex_areas(V, self.faces) / self.size**2)
+        if settings.keep == AUTO and flat < FLAT_SHARE and self.fairness.drawn():
+            self.keep, self.fairness = "shape", fairness("shape", V)
+        if self.keep != "shape":
+            # The drawn heights are not kept, so they must not count in what bending means either.
+            for _ in range(RELAXING if self.fairness.bends() else 0):
+                self.fairness = fairness(self.keep, self.fairness.relaxed())
         self._equations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         self.floor = EPS * (8.0 + 2.0 * valence)  # rounding of a sum of angles (k,) [rad]
@@ -97,10 +111,10 @@ class System:
         equations.targets = np.ascontiguousarray(targets)
         return equations
 
-    def smoother(self, factor: float) -> System:
-        """Return the same system with another smoothness."""
+    def keeping(self, keep: str, smoother: float = 1.0) -> System:
+        """Return the same system for another setting of what is kept of the drawing, with so many times the smoothness."""
         system = copy.copy(self)
-        system.fairness = self.fairness.smoother(factor)
+        system.keep, system.fairness = keep, self._fairness(keep, self.places.start, smoother)
         return system
 
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
@@ -109,24 +123,44 @@ class System:
         gap = self.places.gap(vertices)
         return Point(vertices, residual, areas, gap, math.hypot(norm(residual), norm(gap) / self.size))
 
-    def step(self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]) -> tuple[FloatArray, Kept]:
-        """Return the least-norm step (n, 3), and what to keep for the next one."""
+    def wanted(self, point: Point, equations: CurvatureEquations) -> FloatArray:
+        """Return the angle defects asked for of a shape, zero where none is (n,) [rad]."""
+        wanted = np.zeros(len(point.vertices))
+        wanted[self.rows] = equations.targets[self.rows] * point.areas
+        return wanted
+
+    def missing(self, point: Point, equations: CurvatureEquations) -> float:
+        """Return the residuals of a shape as a part of the curvature asked for, or of one over the area where none is."""
+        asked = norm(equations.targets[self.rows] * point.areas)
+        return norm(point.residual) / max(asked or norm(point.areas) / self.size**2, TINY)
+
+    def linearised(self, point: Point, equations: CurvatureEquations, kept: Optional[Kept] = None) -> Linearised:
+        """Return the equations about a shape; what was kept from another shape is used where it fits."""
         freedoms = self.places.freedoms(point.vertices)
         metric, basis = self.fairness.metric(freedoms), freedoms.basis
-        J, right = self._jacobian(point, equations), -point.residual
+        J, onto, right = self._jacobian(point, equations), None, -point.residual
         if basis is not None:
             onto = self.fairness.fairest(freedoms)
-            right = (right - J @ onto)[self._leading]
-            J = (J[self._leading] @ basis).tocsr()
+            right = (right - J @ onto)[self.leading]
+            J = (J[self.leading] @ basis).tocsr()
 
         def across() -> sparse.csr_matrix:
             return freedoms.across(vertex_normals(point.vertices, self.faces)[self.columns].ravel())
 
         preconditioner = kept.preconditioner if kept is not None and kept.metric is metric else None
-        move, preconditioner = least_norm(J, right, metric, across, tolerance, EPS, preconditioner)
-        if basis is not None:
-            move = onto + basis @ move
-        return self._full(move), Kept(metric, preconditioner)
+        return Linearised(LeastNorm(J, metric, across, preconditioner), onto, right)
+
+    def step(self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]) -> tuple[FloatArray, Kept]:
+        """Return the least-norm step (n, 3), and what to keep for the next one."""
+        linear = self.linearised(point, equations, kept)
+        found = linear.solver.cheapest(linear.right, tolerance, EPS)
+        return self.full(linear.landing(found.move)), linear.kept
+
+    def spread(self, leading: FloatArray) -> FloatArray:
+        """Return the values (k,) of all equations for those (l,) of the leading ones, zero for the others."""
+        values = np.zeros(len(self.rows))
+        values[self.leading] = leading
+        return values
 
     def settled(self, vertices: FloatArray) -> FloatArray:
         """Return a shape (n, 3) moved onto the constraints, by fair moves."""
@@ -134,7 +168,7 @@ class System:
             freedoms = self.places.freedoms(vertices)
             if freedoms.gap is None or np.abs(freedoms.gap).max(initial=0.0) <= EPS:
                 break
-            vertices = vertices + self._full(self.fairness.fairest(freedoms))
+            vertices = vertices + self.full(self.fairness.fairest(freedoms))
         return vertices
 
     def folds(self, normals: FloatArray) -> FloatArray:
@@ -153,7 +187,8 @@ class System:
         J.data[~(np.abs(J.data) < STEEPEST / self.size)] = 0.0
         return J
 
-    def _full(self, move: FloatArray) -> FloatArray:
+    def full(self, move: FloatArray) -> FloatArray:
+        """Return the move of all vertices (n, 3) for one of those that may move (3c,)."""
         full = np.zeros((len(self.places.start), 3))
         full[self.columns] = move.reshape(-1, 3)
         return full

@@ -187,7 +187,7 @@ def test_limits_and_cancelling():
 
 
 def test_the_history_tells_every_step():
-    solution = project(ring(10, 24, -1.0, 1, 1.4, 0.4, 0.05))
+    solution = project(ring(10, 24, 0.0, 5, 7, 2, 0.25))
     history = solution.history
     assert len(history.energy) == solution.iterations and history.max_error[-1] == solution.max_error
     assert (history.error_norm[1:] < history.error_norm[:-1]).mean() > 0.7
@@ -196,7 +196,7 @@ def test_the_history_tells_every_step():
     assert late[-1] / late[-2] < 1e-2 * late[-2] / late[-3] or late[-1] < 1e-8, "faster and faster"
 
 
-@pytest.mark.parametrize("make", [lambda: ring(10, 24, -1.0, 1, 1.4, 0.4, 0.05), lambda: irregular_disk(469)], ids=["drawn", "flat"])
+@pytest.mark.parametrize("make", [lambda: ring(10, 24, 0.0, 5, 7, 2, 0.25), lambda: irregular_disk(469)], ids=["drawn", "flat"])
 def test_scaling_moving_and_turning_the_model_does_the_same_to_the_result(make):
     problem = make()
     expected = project(problem)

@@ -128,27 +128,27 @@ def test_no_step_folds_the_surface_onto_itself(name):
 
 
 TABLE = {
-    "square, K = 1, fixed boundary, 144": (lambda: square(11), 8),
-    "square, K = 1, fixed boundary, 1,849": (lambda: square(42), 14),
-    "irregular disk": (lambda: irregular_disk(469), 6),
-    "irregular disk, 3,000": (lambda: irregular_disk(3000), 6),
-    "Example 3": (lambda: canopy(9, 1.0, 0.9), 6),
-    "Example 4, K = 1": (lambda: nine_regions(1, 1), 7),
-    "Example 4, K = 4": (lambda: nine_regions(4, 4), 7),
-    "Example 4, 4 in the centre and 1 around": (lambda: nine_regions(4, 1), 8),
-    "Example 4, 4 / 0": (lambda: nine_regions(4, 0), 14),
-    "Example 4, +1 / -1": (lambda: nine_regions(1, -1), 16),
-    "Example 4, -1 / +1": (lambda: nine_regions(-1, 1), 14),
-    "ring, K = 0, 240": (lambda: ring(10, 24, 0.0, 5, 7, 2, 0.25), 6),
-    "ring, K = 0, 2,400": (lambda: ring(30, 80, 0.0, 5, 7, 2, 0.25), 6),
-    "ring, K = 0, 19,200": (lambda: ring(80, 240, 0.0, 5, 7, 2, 0.25), 6),
-    "ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 1.4, 0.4, 0.05), 9),
-    "ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 1.4, 0.4, 0.05), 9),
-    "ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 1.4, 0.4, 0.05), 9),
-    "wide ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 2, 0.6, 0.15), 12),
-    "wide ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 2, 0.6, 0.15), 12),
-    "wide ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 2, 0.6, 0.15), 12),
-    "saddle on eight points": (lambda: saddle(-0.2, 8), 60),
+    "square, K = 1, fixed boundary, 144": (lambda: square(11), 12),
+    "square, K = 1, fixed boundary, 1,849": (lambda: square(42), 18),
+    "irregular disk": (lambda: irregular_disk(469), 12),
+    "irregular disk, 3,000": (lambda: irregular_disk(3000), 12),
+    "Example 3": (lambda: canopy(9, 1.0, 0.9), 12),
+    "Example 4, K = 1": (lambda: nine_regions(1, 1), 45),
+    "Example 4, K = 4": (lambda: nine_regions(4, 4), 115),
+    "Example 4, 4 in the centre and 1 around": (lambda: nine_regions(4, 1), 60),
+    "Example 4, 4 / 0": (lambda: nine_regions(4, 0), 20),
+    "Example 4, +1 / -1": (lambda: nine_regions(1, -1), 145),
+    "Example 4, -1 / +1": (lambda: nine_regions(-1, 1), 100),
+    "ring, K = 0, 240": (lambda: ring(10, 24, 0.0, 5, 7, 2, 0.25), 12),
+    "ring, K = 0, 2,400": (lambda: ring(30, 80, 0.0, 5, 7, 2, 0.25), 12),
+    "ring, K = 0, 19,200": (lambda: ring(80, 240, 0.0, 5, 7, 2, 0.25), 12),
+    "ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 1.4, 0.4, 0.05), 15),
+    "ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 1.4, 0.4, 0.05), 25),
+    "ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 1.4, 0.4, 0.05), 25),
+    "wide ring, K = -1, 240": (lambda: ring(10, 24, -1.0, 1, 2, 0.6, 0.15), 25),
+    "wide ring, K = -1, 2,400": (lambda: ring(30, 80, -1.0, 1, 2, 0.6, 0.15), 20),
+    "wide ring, K = -1, 19,200": (lambda: ring(80, 240, -1.0, 1, 2, 0.6, 0.15), 25),
+    "saddle on eight points": (lambda: saddle(-0.2, 8), 150),
 }
 
 
@@ -172,7 +172,7 @@ def test_negative_curvature_inside_a_fixed_rim_stalls_and_says_so(target):
 def test_without_any_support_only_the_shape_changes(target):
     problem = canopy(12, target, 1.0)
     problem.roles[problem.roles == FIXED] = FREE
-    assert_solved(problem, project(problem), 12)
+    assert_solved(problem, project(problem), 45)
 
 
 def test_closed_surfaces_need_no_support_either():
@@ -184,14 +184,12 @@ def test_closed_surfaces_need_no_support_either():
 def test_a_folded_plate_of_flat_faces_is_seeded_too():
     problem = canopy(10, 1.0, 1.0, (5,))
     problem.vertices[:, 2] = 0.3 - 0.6 * np.abs(problem.vertices[:, 0] - 0.5)
-    assert_solved(problem, project(problem), 10)
+    assert_solved(problem, project(problem), 30)
 
 
-def test_a_lower_seed_gives_a_lower_roof():
-    low, high = (
-        project(canopy(15, 4.0, 1.5, (5, 10)), settings=ProjectionSettings(seed_height=h)).vertices[:, 2].max() for h in (0.1, 0.2)
-    )
-    assert 0 < low < 0.7 * high
+def test_the_height_of_the_start_does_not_show_in_the_roof():
+    low, high = (project(canopy(15, 1.0, 1.5), settings=ProjectionSettings(seed_height=h)).vertices for h in (0.1, 0.2))
+    assert np.abs(high - low).max() < 2e-6 and low[:, 2].max() > 0.3
 
 
 def test_smoothness_keeps_the_move_smooth_and_nearness_keeps_it_small():
@@ -214,11 +212,9 @@ def test_less_smoothness_is_tried_where_the_straight_way_stalls():
     assert_solved(problem, project(problem, settings=ProjectionSettings(smoothness=0.15)), 100)
 
 
-def test_stages_turn_a_saddle_into_a_dome():
-    """From K near -0.36 to +0.3, where every straight way folds the surface."""
-    problem = saddle(0.3, 8)
-    assert project(problem, settings=ProjectionSettings(retry=False)).status == "stalled"
-    assert_solved(problem, project(problem), 100)
+def test_a_saddle_becomes_a_dome():
+    """From K near -0.36 to +0.3, where every least-norm way from the drawing folds the surface."""
+    assert_solved(saddle(0.3, 8), project(saddle(0.3, 8), settings=ProjectionSettings(retry=False)), 100)
 
 
 def test_a_warm_start_takes_few_steps_and_arrives_at_the_same_curvature():

@@ -1,0 +1,178 @@
+"""Compiled polynomial fits around vertices, and what they say about angle defects."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+MOST = 400  # vertices in the rings of one fit
+TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without the constant
+SPARE = 1.25  # points against terms below which the degree is lowered
+CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
+SOFT = 1e-14  # regularisation that picks the flattest of the polynomials that fit as well
+
+
+@njit(cache=True)
+def around(F, n):
+    """Return the faces at every vertex, in compressed rows."""
+    start = np.zeros(n + 1, np.int64)
+    for f in range(F.shape[0]):
+        for c in range(3):
+            start[F[f, c] + 1] += 1
+    for i in range(n):
+        start[i + 1] += start[i]
+    fill = start[:-1].copy()
+    faces = np.empty(start[n], np.int64)
+    for f in range(F.shape[0]):
+        for c in range(3):
+            faces[fill[F[f, c]]] = f
+            fill[F[f, c]] += 1
+    return start, faces
+
+
+@njit(cache=True)
+def gather(i, F, start, faces, through, rings, ring, stamp):
+    """Write the vertices of the rings around i into `ring`, reached through vertices of `through` only; return how many."""
+    stamp[i] = i
+    count, done, end = 0, 0, 0
+    for level in range(rings):
+        for k in range(done - 1 if level == 0 else done, end):
+            j = i if level == 0 else ring[k]
+            if level > 0 and not through[j]:
+                continue
+            for a in range(start[j], start[j + 1]):
+                for c in range(3):
+                    m = F[faces[a], c]
+                    if stamp[m] != i and count < MOST:
+                        stamp[m] = i
+                        ring[count] = m
+                        count += 1
+        done, end = end, count
+    return count
+
+
+@njit(cache=True)
+def powers(u, v, degree, row):
+    """Write the monomials of degree 1 to `degree` into a row, u before v."""
+    at = 0
+    for total in range(1, degree + 1):
+        for q in range(total + 1):
+            row[at] = u ** (total - q) * v**q
+            at += 1
+
+
+@njit(cache=True)
+def solve(M, r, n):
+    """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up."""
+    trace = 0.0
+    for k in range(n):
+        trace += M[k, k]
+    for k in range(n):
+        pivot = M[k, k]
+        for m in range(k):
+            pivot -= M[k, m] * M[k, m]
+        M[k, k] = math.sqrt(max(pivot, SOFT * trace))
+        for j in range(k + 1, n):
+            for m in range(k):
+                M[j, k] -= M[j, m] * M[k, m]
+            M[j, k] /= M[k, k]
+    for k in range(n):
+        for m in range(k):
+            r[k] -= M[k, m] * r[m]
+        r[k] /= M[k, k]
+    for k in range(n - 1, -1, -1):
+        for m in range(k + 1, n):
+            r[k] -= M[m, k] * r[m]
+        r[k] /= M[k, k]
+
+
+@njit(cache=True)
+def corner_of(a, b):
+    """Return the angle between two sides at a vertex, and its share of the mixed area."""
+    x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    double = math.sqrt(x * x + y * y + z * z)
+    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    aa, bb = a[0] * a[0] + a[1] * a[1] + a[2] * a[2], b[0] * b[0] + b[1] * b[1] + b[2] * b[2]
+    if dot < 0.0:
+        area = 0.25 * double
+    elif aa < dot or bb < dot:
+        area = 0.125 * double
+    else:
+        area = 0.125 * (aa * (bb - dot) + bb * (aa - dot)) / double if double > 0.0 else 0.0
+    return math.atan2(double, dot), area
+
+
+@njit(cache=True)
+def fitted(V, N, F, start, faces, through, wanted, degree, rings):
+    """Return K, H and the truncation error of the defect's K (n, 3) of the polynomials around the wanted vertices, else NaN."""
+    out = np.full((V.shape[0], 3), np.nan)
+    ring, stamp = np.empty(MOST, np.int64), np.full(V.shape[0], -1)
+    place = np.full(V.shape[0], -1)
+    most = TERMS[degree]
+    points = np.empty((MOST, 3))
+    M, r, row = np.empty((most, most)), np.empty(most), np.empty(most)
+    p, q = np.empty(3), np.empty(3)
+    for i in range(V.shape[0]):
+        if not wanted[i]:
+            continue
+        count = gather(i, F, start, faces, through, rings, ring, stamp)
+        used = degree
+        while used > 2 and count < SPARE * TERMS[used]:
+            used -= 1
+        terms = TERMS[used]
+        n0, n1, n2 = N[i]
+        if count < terms or n0 * n0 + n1 * n1 + n2 * n2 == 0.0:
+            continue
+        # A frame with the normal as its third axis.
+        x0, x1, x2 = 0.0, n2, -n1
+        if abs(n0) > abs(n1) or abs(n0) > abs(n2):
+            x0, x1, x2 = (-n2, 0.0, n0) if abs(n1) <= abs(n2) else (n1, -n0, 0.0)
+        length = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+        x0, x1, x2 = x0 / length, x1 / length, x2 / length
+        y0, y1, y2 = n1 * x2 - n2 * x1, n2 * x0 - n0 * x2, n0 * x1 - n1 * x0
+        scale = 0.0
+        for c in range(count):
+            d0, d1, d2 = V[ring[c], 0] - V[i, 0], V[ring[c], 1] - V[i, 1], V[ring[c], 2] - V[i, 2]
+            points[c, 0], points[c, 1], points[c, 2] = d0 * x0 + d1 * x1 + d2 * x2, d0 * y0 + d1 * y1 + d2 * y2, d0 * n0 + d1 * n1 + d2 * n2
+            scale = max(scale, d0 * d0 + d1 * d1 + d2 * d2)
+            place[ring[c]] = c
+        scale = math.sqrt(scale)
+        if scale == 0.0:
+            continue
+        M[:] = 0.0
+        r[:] = 0.0
+        for c in range(count):
+            u, v, w = points[c, 0] / scale, points[c, 1] / scale, points[c, 2] / scale
+            powers(u, v, used, row)
+            weight = 1.0 / (u * u + v * v + CENTRED)
+            for k in range(terms):
+                r[k] += weight * row[k] * w
+                for m in range(k + 1):
+                    M[k, m] += weight * row[k] * row[m]
+        solve(M, r, terms)
+        a, b = r[0], r[1]
+        uu, uv, vv = 2.0 * r[2], r[3], 2.0 * r[4]
+        g = 1.0 + a * a + b * b
+        out[i, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
+        out[i, 1] = -((1 + b * b) * uu - 2 * a * b * uv + (1 + a * a) * vv) / (2 * g * math.sqrt(g)) / scale
+        defect, area = 2.0 * math.pi, 0.0
+        for k in range(start[i], start[i + 1]):
+            f = faces[k]
+            c = 0 if F[f, 0] == i else (1 if F[f, 1] == i else 2)
+            j, m = place[F[f, (c + 1) % 3]], place[F[f, (c + 2) % 3]]
+            p[0], p[1], q[0], q[1] = points[j, 0] / scale, points[j, 1] / scale, points[m, 0] / scale, points[m, 1] / scale
+            p[2], q[2] = 0.0, 0.0
+            powers(p[0], p[1], used, row)
+            for t in range(terms):
+                p[2] += r[t] * row[t]
+            powers(q[0], q[1], used, row)
+            for t in range(terms):
+                q[2] += r[t] * row[t]
+            angle, share = corner_of(p, q)
+            defect -= angle
+            area += share
+        if area > 0.0:
+            out[i, 2] = defect / area / (scale * scale) - out[i, 0]
+    return out

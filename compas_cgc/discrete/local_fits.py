@@ -1,0 +1,71 @@
+"""Curvatures of polynomials fitted around vertices: consistent on any mesh, which angle defects are not."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _local_fits
+from .arrays import FloatArray
+from .arrays import mesh_arrays
+from .normals import vertex_normals
+from .topology import closed_vertices
+
+__all__ = ["LocalFits", "local_fits"]
+
+
+class LocalFits(NamedTuple):
+    """Curvatures of fitted polynomials, NaN where no fit was made."""
+
+    gaussian: FloatArray  # (n,) [1/L^2]
+    mean: FloatArray  # (n,) positive where convex towards the normal [1/L]
+    truncation: FloatArray  # (n,) K by angle defects of the ring put onto the polynomial, less that of the polynomial [1/L^2]
+
+
+def local_fits(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    wanted: Optional[ArrayLike] = None,
+    through: Optional[ArrayLike] = None,
+    degree: int = 3,
+    rings: int = 2,
+) -> LocalFits:
+    """Fit polynomials to the rings around vertices, as heights over their tangent planes.
+
+    Angle defect over area differs from K by a term that depends on the layout of the ring and does not vanish under
+    refinement (Borrelli, Cazals, Morvan 2003); the fits' curvatures converge, and tell that term.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+    wanted
+        ``(n,)`` bool: where to fit, vertices with a closed ring of faces only. Default: all of these.
+    through
+        ``(n,)`` bool: vertices that the farther rings may be reached through, so that no fit looks across a
+        crease. Default: all.
+    degree
+        Of the polynomials, 2 to 4; lowered where the rings have too few vertices.
+    rings
+        How many.
+
+    Returns
+    -------
+    LocalFits
+
+    References
+    ----------
+    Cazals and Pouget, doi:10.1016/j.cagd.2004.09.004. Borrelli, Cazals, Morvan, doi:10.1016/S0167-8396(03)00077-3.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    n = len(V)
+    closed = closed_vertices(V, F)
+    where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
+    open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
+    start, around = _local_fits.around(F, n)
+    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, start, around, open_to, where, degree, rings).T)

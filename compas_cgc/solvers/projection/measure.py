@@ -1,0 +1,106 @@
+"""The smooth measure of K: angle defects, less what the layout of the mesh puts into them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from collections.abc import Iterator
+from itertools import islice
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.local_fits import LocalFits
+from ...discrete.local_fits import local_fits
+from .gauss_newton import Taken
+from .gauss_newton import descend
+from .sequential import Reached
+from .system import System
+from .trust_region import refine
+
+__all__ = ["FINISH", "smooth_equations", "smoothed"]
+
+DEGREE, RINGS = 4, 3  # of the polynomials
+ROUNDS = 2  # of the search for the fairest shape
+RENEWALS = 12  # of the equations after it
+STEPS = 2  # to the equations between renewals
+LESS = 0.8  # part of the change before, above which they do not converge
+STILL = 1e-6  # change of their targets, against the largest, that is none
+FINISH = 4  # steps to rounding without much gain after which it is reached
+
+
+def smooth_equations(system: System, equations: CurvatureEquations, vertices: FloatArray) -> CurvatureEquations:
+    """Return the equations by which a surface like a shape (n, 3) has its targets in the smooth measure.
+
+    Their targets are ``K̄ + τ``, with τ the truncation error of angle defect over area on the shape, told by
+    polynomials fitted around its vertices: a deferred correction (Stetter 1978). The equations themselves stay as
+    compact as they are, so that short waves are held by them.
+
+    References
+    ----------
+    Stetter, doi:10.1007/BF01432879.
+    """
+    fits = _fits(system, equations, vertices)
+    # No layout puts more into a defect than the curvatures that are there; beside edges a fit may claim so.
+    most = fits.mean**2 + np.abs(fits.gaussian)
+    error = np.where(np.isfinite(fits.truncation), np.clip(fits.truncation, -most, most), 0.0)
+    return system.equations(equations.targets + error)
+
+
+def smoothed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
+    """Take steps from a fair shape to the fairest one in the smooth measure, and on until its equations no longer change."""
+    for _ in range(ROUNDS):
+        earlier = reached
+        asked = smooth_equations(system, equations, earlier.point.vertices)
+        steps = refine(system, asked, Reached(system.at(earlier.point.vertices, asked), earlier.multipliers))
+        reached = yield from _for(asked, steps)
+        if _off(system, equations, reached.point.vertices) > _off(system, equations, earlier.point.vertices):
+            # The fits took for layout what was a wrinkle: only the nearest surface is safe.
+            reached = earlier
+            break
+    vertices, asked = reached.point.vertices, smooth_equations(system, equations, reached.point.vertices)
+    change = math.inf
+    for _ in range(RENEWALS):
+        moved = vertices
+        for taken in islice(descend(system, asked, system.at(vertices, asked)), STEPS):
+            moved = taken.vertices
+            yield taken._replace(settled=False, equations=asked)
+        after = smooth_equations(system, equations, moved)
+        before, change = change, _change(system, asked, after)
+        if change > LESS * before:
+            break
+        vertices, asked = moved, after
+        if change <= STILL:
+            break
+    for taken in descend(system, asked, system.at(vertices, asked), patience=FINISH):
+        yield taken._replace(equations=asked)
+
+
+def _change(system: System, before: CurvatureEquations, after: CurvatureEquations) -> float:
+    """Return the largest change of a target, against the largest target."""
+    targets = np.abs(before.targets[system.rows]).max(initial=1e-3 / system.size**2)
+    return float(np.abs(after.targets - before.targets)[system.rows].max(initial=0.0) / targets)
+
+
+def _off(system: System, equations: CurvatureEquations, vertices: FloatArray) -> float:
+    """Return how far the fitted polynomials of a shape (n, 3) are from their targets, in the middle."""
+    fitted = _fits(system, equations, vertices).gaussian
+    away = np.abs(fitted - equations.targets)[system.rows]
+    return float(np.median(away[np.isfinite(away)])) if np.isfinite(away).any() else 0.0
+
+
+def _fits(system: System, equations: CurvatureEquations, vertices: FloatArray) -> LocalFits:
+    asked = np.zeros(len(vertices), bool)
+    asked[system.rows] = True
+    return local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS)
+
+
+def _for(equations: CurvatureEquations, steps: Generator[Taken, None, Reached]) -> Generator[Taken, None, Reached]:
+    """Pass on steps that are for other equations than those asked, and what they come to."""
+    while True:
+        try:
+            taken = next(steps)
+        except StopIteration as end:
+            return end.value
+        yield taken._replace(settled=False, equations=equations)

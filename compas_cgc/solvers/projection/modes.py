@@ -1,0 +1,77 @@
+"""The gentlest ways to bend a surface towards the curvature that it lacks."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator
+from scipy.sparse.linalg import eigsh
+
+from ...discrete import vertex_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from .system import System
+
+__all__ = ["bending_modes"]
+
+FEWEST = 8  # vertices that may move, for which there is a choice of modes
+ROUGH = 1e-3  # relative error of an eigenvalue
+ROUNDS = 60  # of the Lanczos method
+SPREAD = 1.7  # step of the first vector's phase: some of every mode
+
+
+def bending_modes(
+    system: System, equations: CurvatureEquations, vertices: FloatArray, lacking: FloatArray, count: int = 2
+) -> list[FloatArray]:
+    """Return moves along the normals that bring the most curvature, where it is lacking, for their bending energy.
+
+    Where a surface is flat, or its curvature does not change with a small move, the defects change with the square of
+    a move. That square, signed by what is lacking, against the bending energy makes an eigenvalue problem. Over corner
+    supports its first vectors are the dome or the saddles through them, as symmetric as the supports are.
+
+    Parameters
+    ----------
+    system, equations
+        The problem.
+    vertices
+        ``(n, 3)`` the shape to be bent.
+    lacking
+        ``(k,)`` angle defects wanted less those of the shape; their signs count.
+    count
+        How many.
+
+    Returns
+    -------
+    list of (n, 3) float64
+        Moves whose longest is one, the most effective first; none that bring nothing.
+    """
+    columns, size = system.columns, len(system.columns)
+    if size < FEWEST:
+        return []
+    normals = vertex_normals(vertices, system.faces)[columns]
+    stiffness, solve = system.fairness.along_normals()
+    signs = np.where(lacking >= 0.0, 1.0, -1.0)
+
+    def brought(heights: FloatArray) -> FloatArray:
+        move = system.full((heights.reshape(-1, 1) * normals).ravel())
+        return np.einsum("ij,ij->i", equations.curvature_along(vertices, signs, move)[columns], normals)
+
+    values, vectors = eigsh(
+        LinearOperator((size, size), matvec=brought, dtype=np.float64),
+        count,
+        stiffness,
+        Minv=LinearOperator((size, size), matvec=solve, dtype=np.float64),
+        which="LA",
+        v0=1.0 + np.cos(SPREAD * np.arange(size)),
+        tol=ROUGH,
+        maxiter=ROUNDS,
+    )
+    found = [vectors[:, k] for k in np.argsort(-values) if values[k] > 0.0]
+    return [system.full(((_upward(heights) / np.abs(heights).max())[:, None] * normals).ravel()) for heights in found]
+
+
+def _upward(heights: FloatArray) -> FloatArray:
+    """Return the heights or their opposite, whichever is on the side of the normals on the whole."""
+    side = float(np.sum(heights * np.abs(heights)))
+    if abs(side) <= 1e-6 * float(np.sum(heights**2)):
+        side = float(heights[np.argmax(np.abs(heights) >= (1 - 1e-6) * np.abs(heights).max())])
+    return heights if side > 0.0 else -heights

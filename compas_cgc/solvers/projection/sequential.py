@@ -1,0 +1,133 @@
+"""Sequential quadratic programming: towards the fairest shape that fulfils the equations."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from .gauss_newton import Taken
+from .iterate import Point
+from .linearised import Linearised
+from .system import System
+from .turning import Turning
+from .vectors import dot
+
+__all__ = ["MOST", "NEAR", "Reached", "approach", "corrected"]
+
+MOST = 30  # steps
+LONGEST = 0.25  # of a step's longest move, against the size of the mesh
+SHORTEST = 2.0**-9  # part of a step below which the search gives up
+DECREASE = 1e-2  # part of the expected decrease of the merit that a step must bring
+SMALL, TIRED = 0.13, 3  # part of a step, and how many in a row of less than that are enough
+ABOVE = 1.5  # weight of the equations in the merit, against the largest multiplier
+FORGET = 0.7  # what stays of that weight when the multipliers become smaller
+PRECISE = 1e-3  # residual of the linear systems
+NEAR = 1e-2  # residual, against the curvature asked for, that is near enough
+CALM = 0.02  # squared step, against the energy, at which the second derivatives take over
+
+
+class Reached(NamedTuple):
+    """Where a search has come to."""
+
+    point: Point
+    multipliers: FloatArray  # (l,) of the leading equations
+
+
+class _Step(NamedTuple):
+    move: FloatArray  # (n, 3)
+    multipliers: FloatArray  # (l,)
+    slope: float  # of the energy along the move
+    square: float  # of the move's length in the metric
+
+
+def approach(system: System, equations: CurvatureEquations, start: Point, most: int = MOST) -> Generator[Taken, None, Reached]:
+    r"""Take steps towards the least energy, at most so many, for as long as its second derivative is all that is needed.
+
+    Each step solves
+
+    .. math:: \begin{pmatrix} W & J^T \\ J & 0 \end{pmatrix} \begin{pmatrix} dx \\ \lambda \end{pmatrix}
+              = \begin{pmatrix} -\nabla E \\ -r \end{pmatrix}
+
+    and is shortened until ``E + σ |r|₁`` decreases, with σ above the largest multiplier. A step that
+    fails for the curvature of the equations is mended by a second-order correction first.
+
+    Returns
+    -------
+    Reached
+        Near the least energy, or where no step led any further.
+
+    References
+    ----------
+    Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5.
+    """
+    here, multipliers, weight, kept, tired = start, np.zeros(len(system.leading)), 0.0, None, 0
+    for _ in range(most):
+        linear = system.linearised(here, equations, kept)
+        kept = linear.kept
+        energy, gradient = system.fairness.energy(here.vertices)
+        step = _step(system, linear, gradient, multipliers)
+        if not np.isfinite(step.move).all():
+            break
+        multipliers = step.multipliers
+        weight = max(FORGET * weight, ABOVE * float(np.abs(multipliers).max(initial=0.0)))
+        found = _search(system, equations, linear, here, step, weight)
+        if found is None:
+            break
+        there, length, trials = found
+        here = there
+        yield Taken(here.vertices, length, trials, False)
+        tired = tired + 1 if length < SMALL else 0
+        if tired == TIRED:
+            break
+        if length == 1.0 and step.square <= CALM * energy and system.missing(here, equations) <= NEAR:
+            break
+    return Reached(here, multipliers)
+
+
+def _step(system: System, linear: Linearised, gradient: FloatArray, multipliers: FloatArray) -> _Step:
+    solver = linear.solver
+    # Towards the present multipliers, so that the linear systems need to be no more precise than the step.
+    downhill = solver.metric.solve(-(linear.reduced(gradient) + solver.transposed @ multipliers))
+    closing = solver.cheapest(linear.right - solver.J @ downhill, PRECISE)
+    free = downhill + closing.move
+    move = linear.landing(free)
+    return _Step(system.full(move), multipliers - closing.multipliers, dot(gradient, move), dot(free, solver.metric.times(free)))
+
+
+def _search(
+    system: System, equations: CurvatureEquations, linear: Linearised, here: Point, step: _Step, weight: float
+) -> Optional[tuple[Point, float, int]]:
+    """Return the first of the halved steps that makes the merit smaller."""
+    turning = Turning(system, here.vertices)
+
+    def merit(point: Point) -> float:
+        astray = float(np.abs(point.residual).sum() + point.gap.sum() / system.size)
+        return system.fairness.energy(point.vertices)[0] + weight * astray
+
+    before = merit(here)
+    slope = min(0.0, step.slope - weight * float(np.abs(here.residual).sum()))
+    farthest = float(np.sqrt(np.einsum("ij,ij->i", step.move, step.move)).max(initial=0.0))
+    length = min(1.0, LONGEST * system.size / farthest) if farthest > 0.0 else 1.0
+    trials = 0
+    while length > SHORTEST:
+        trials += 1
+        there = system.at(system.settled(here.vertices + length * step.move), equations)
+        for correct in (False, True) if trials <= 2 else (False,):
+            if correct:
+                there = corrected(system, equations, linear, there, (1.0 - length) * here.residual)
+            if turning.allows(there.vertices) and merit(there) <= before + DECREASE * length * slope:
+                return there, length, trials
+        length /= 2
+    return None
+
+
+def corrected(system: System, equations: CurvatureEquations, linear: Linearised, point: Point, wanted: FloatArray) -> Point:
+    """Return a shape near to another with the residuals wanted (k,), by the derivatives of a third."""
+    right = (wanted - point.residual)[system.leading]
+    move = linear.expanded(linear.solver.cheapest(right, PRECISE).move)
+    return system.at(system.settled(point.vertices + system.full(move)), equations)

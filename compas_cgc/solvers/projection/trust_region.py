@@ -1,0 +1,95 @@
+"""Newton's method on the shapes that fulfil the equations, with the second derivatives of the equations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.jacobian import CurvatureEquations
+from .gauss_newton import Taken
+from .iterate import Point
+from .linearised import Linearised
+from .quadratic_model import QuadraticModel
+from .sequential import NEAR
+from .sequential import Reached
+from .sequential import corrected
+from .system import System
+from .turning import Turning
+
+__all__ = ["refine"]
+
+MOST = 15  # steps
+FIRST = 1e-2  # radius to begin with, against the root of the energy
+LITTLE, WELL = 0.1, 0.7  # parts of the promised decrease: too little, and enough for longer steps
+SHRINK, GROW = 0.25, 2.5
+BACK = 3  # moves back onto the equations after a step
+ON = 1e-4  # residual, against the curvature asked for, that is on them
+SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
+POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
+ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
+
+
+def refine(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
+    """Take steps to the least energy, quadratically convergent and past saddles, until nothing moves any more.
+
+    Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
+    fulfil them in truth.
+
+    Returns
+    -------
+    Reached
+        Where nothing moves any more, or no step led any further.
+
+    References
+    ----------
+    Conn, Gould and Toint, *Trust-Region Methods*, doi:10.1137/1.9780898719857.
+    """
+    here, multipliers = reached
+    radius, kept = 0.0, None
+    for _ in range(MOST):
+        linear = system.linearised(here, equations, kept)
+        model = QuadraticModel(system, equations, linear, here, multipliers)
+        kept = linear.kept
+        scale = math.sqrt(max(model.energy, 0.0))
+        radius = radius or max(model.slope, FIRST * scale)
+        there, trials = None, 0
+        while there is None:
+            trials += 1
+            step = model.within(radius)
+            there = _returned(system, equations, linear, here, model.normal + step.move)
+            ratio = 0.0
+            if there is not None and step.promised > 0.0:
+                ratio = (model.lagrangian(here) - model.lagrangian(there)) / step.promised
+                if ratio < LITTLE and not (step.inside and step.length <= ROUNDING * scale):
+                    there = None
+            if there is None:
+                radius = SHRINK * min(radius, step.length)
+                if not radius > SETTLED * scale:
+                    return Reached(here, multipliers)
+        if ratio > WELL and not step.inside:
+            radius *= GROW
+        moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size
+        here, multipliers = there, step.multipliers
+        settled = step.inside and moved * max(step.left, moved) <= SETTLED
+        yield Taken(here.vertices, 1.0, trials, settled)
+        if settled or (trials > 1 and step.promised <= POINTLESS * model.energy):
+            break
+    return Reached(here, multipliers)
+
+
+def _returned(system: System, equations: CurvatureEquations, linear: Linearised, here: Point, move: np.ndarray) -> Optional[Point]:
+    """Return the shape after a move in the free directions (q,) and back onto the equations, None if that is too far."""
+    turning = Turning(system, here.vertices)
+    there = system.at(system.settled(here.vertices + system.full(linear.landing(move))), equations)
+    for _ in range(BACK):
+        if system.missing(there, equations) <= ON or not turning.allows(there.vertices):
+            break
+        nearer = corrected(system, equations, linear, there, np.zeros(len(there.residual)))
+        if not system.missing(nearer, equations) < 0.5 * system.missing(there, equations):
+            break
+        there = nearer
+    near = system.missing(there, equations) <= max(NEAR, 0.5 * system.missing(here, equations))
+    return there if near and turning.allows(there.vertices) else None

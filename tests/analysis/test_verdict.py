@@ -1,0 +1,83 @@
+"""What is fair and what is not, on surfaces that everybody would agree on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.analysis import verdict
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.problem import CREASE
+from compas_cgc.model.problem import FIXED
+from compas_cgc.model.problem import FREE
+from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.problem import CGCProblem
+
+from ..support import shapes
+
+
+def cap(n: int = 20, target: float = 1.0) -> CGCProblem:
+    """A square piece of the unit sphere."""
+    vertices, faces = shapes.grid(n)
+    x, y = vertices[:, :2].T - 0.5
+    vertices[:, 2] = np.sqrt(1 - x**2 - y**2)
+    return CGCProblem(vertices, faces, np.where(boundary_vertices(vertices, faces), FIXED, INTERNAL), target)
+
+
+def shaken(problem: CGCProblem, by: float) -> CGCProblem:
+    noise = by * np.random.default_rng(0).normal(size=problem.vertices.shape)
+    return replace(problem, vertices=problem.vertices + np.where(problem.asked[:, None], noise, 0.0))
+
+
+def test_a_sphere_is_fair_and_its_numbers_are_those_of_a_sphere():
+    problem = cap()
+    found = verdict(problem, problem.vertices)
+    assert found.fair and not found.reasons and str(found) == "fair"
+    assert found.fit_median < 6e-3 and found.fit_most < 1e-2
+    assert found.folds_too_sharp == 0.0 and found.area_kept == 1.0
+    assert found.to_dict()["verdict"] == "fair"
+
+
+def test_a_crumpled_sphere_is_rough():
+    found = verdict(shaken(cap(), 0.005))
+    assert not found.fair and found.fit_median > 0.3
+    assert str(found).startswith("rough: polynomials fitted to it are")
+
+
+def test_a_smooth_surface_of_the_wrong_curvature_is_rough():
+    found = verdict(cap(target=1.2))
+    assert not found.fair and found.fit_median == pytest.approx(1 / 6, abs=0.01) and found.folds_too_sharp == 0.0
+
+
+def test_a_crease_may_fold_and_an_edge_may_not():
+    vertices, faces = shapes.grid(12)
+    vertices[:, 2] = 0.4 * np.abs(vertices[:, 0] - 0.5) - 0.1 * (vertices[:, 0] - 0.5) ** 2
+    ridge = np.abs(vertices[:, 0] - 0.5) < 1e-9
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    folded = CGCProblem(vertices, faces, roles, 0.0)
+    creased = replace(folded, roles=np.where(ridge, CREASE, roles))
+    assert verdict(creased).fair
+    assert not verdict(folded).fair and verdict(folded).sharpest_fold > 40
+
+
+def test_what_is_drawn_out_or_lost_is_named():
+    problem = cap()
+    lost = verdict(problem, 1.5 * problem.vertices)
+    assert not lost.fair and "44 % of the area" in str(lost)
+    pulled = problem.vertices.copy()
+    pulled[:21] += 0.98 * (pulled[21:42] - pulled[:21])
+    needles = verdict(replace(problem, vertices=pulled), problem.vertices)
+    assert any("needles" in reason for reason in needles.reasons)
+
+
+def test_the_verdict_turns_and_scales_with_the_model():
+    problem = shaken(cap(12), 0.002)
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    other = replace(problem, vertices=100 * problem.vertices @ turn.T + [1e3, 0, 5], targets=problem.targets / 1e4)
+    here, there = verdict(problem), verdict(other)
+    assert (here.fair, len(here.reasons)) == (there.fair, len(there.reasons))
+    assert there.fit_median == pytest.approx(here.fit_median, rel=1e-6)
+    assert there.sharpest_fold == pytest.approx(here.sharpest_fold, rel=1e-6)

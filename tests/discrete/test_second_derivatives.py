@@ -1,0 +1,35 @@
+"""The exact second derivatives of angle defects."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete.jacobian import CurvatureEquations
+
+from ..support import shapes
+
+
+def problem():
+    vertices, faces = shapes.grid(6)
+    rng = np.random.default_rng(2)
+    vertices = vertices + 0.03 * rng.normal(size=vertices.shape)
+    rows = np.flatnonzero(~boundary_vertices(vertices, faces))
+    equations = CurvatureEquations(faces, np.zeros(len(vertices)), rows, np.arange(len(vertices)))
+    return vertices, equations, rng.normal(size=len(rows)), rng.normal(size=vertices.shape), rng.normal(size=vertices.shape)
+
+
+def test_they_are_the_derivative_of_the_first():
+    vertices, equations, weights, move, _ = problem()
+    h = 1e-5
+    ahead, back = (equations.jacobian(vertices + s * h * move).T @ weights for s in (1, -1))
+    difference = ((ahead - back) / (2 * h)).reshape(-1, 3)
+    exact = equations.curvature_along(vertices, weights, move)
+    assert np.abs(exact - difference).max() < 1e-7 * np.abs(exact).max()
+
+
+def test_they_are_symmetric_and_blind_to_translations():
+    vertices, equations, weights, one, other = problem()
+    there, back = (np.sum(a * equations.curvature_along(vertices, weights, b)) for a, b in ((one, other), (other, one)))
+    assert abs(there - back) < 1e-10 * abs(there)
+    assert np.abs(equations.curvature_along(vertices, weights, np.ones_like(vertices))).max() < 1e-9

@@ -1,0 +1,147 @@
+"""The fairest surface: K exact and a surface that somebody would build, whatever the start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.analysis import verdict
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.problem import FIXED
+from compas_cgc.model.problem import FREE
+from compas_cgc.model.problem import INTERNAL
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection import ProjectionSettings
+from compas_cgc.solvers.projection import Projector
+from compas_cgc.solvers.projection import project
+
+from ...support import shapes
+
+
+def on_corners(target: float, n: int = 20, width: float = 1.0, heights=(0, 0, 0, 0)) -> CGCProblem:
+    """A square on its four corners at heights, drawn as the bilinear surface through them."""
+    vertices, faces = shapes.grid(n, width)
+    x, y, _ = vertices.T / width
+    a, b, c, d = heights
+    vertices[:, 2] = a * (1 - x) * (1 - y) + b * (1 - x) * y + c * x * y + d * x * (1 - y)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[[0, n, (n + 1) ** 2 - 1, n * (n + 1)]] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def vault(sag: float) -> CGCProblem:
+    """Between two arches three metres high, ten metres apart, drawn with a sag."""
+    vertices, faces = shapes.grid(20, 10.0)
+    x, y, _ = vertices.T / 10
+    vertices[:, 2] = 12 * y * (1 - y) * (1 - 4 * sag * x * (1 - x))
+    row = np.arange(len(vertices)) // 21
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[(row == 0) | (row == 20)] = FIXED
+    return CGCProblem(vertices, faces, roles, 0.0)
+
+
+def solved(problem: CGCProblem, **settings):
+    """Solve, and judge by polynomials that the solver knows nothing of."""
+    solution = project(problem, settings=ProjectionSettings(**settings))
+    assert solution.status == "converged", solution.message
+    assert solution.max_error < 5e-12
+    return solution.vertices, verdict(replace(problem, vertices=solution.vertices), problem.vertices)
+
+
+@pytest.mark.parametrize("target, median, most, fold", [(-0.5, 0.005, 0.005, 3), (-3.0, 0.02, 0.025, 7), (1.0, 0.01, 0.01, 4)])
+def test_a_square_on_four_flat_corners(target, median, most, fold):
+    _, judged = solved(on_corners(target))
+    assert judged.fair, judged
+    assert judged.fit_median <= median and judged.fit_most <= most and judged.sharpest_fold <= fold
+
+
+def test_a_saddle_is_as_symmetric_as_its_supports():
+    vertices, _ = solved(on_corners(-1.0))
+    z = vertices[:, 2].reshape(21, 21)
+    assert np.abs(z + z.T).max() < 2e-3 and np.abs(z[::-1, ::-1] - z).max() < 2e-3, "one way up, the other way down"
+    assert abs(vertices[:, 2].max() + vertices[:, 2].min()) < 2e-3
+
+
+@pytest.mark.parametrize("target", [-0.004, -0.02, 0.005])
+def test_a_canopy_on_four_masts(target):
+    """Between its masts the bilinear surface is where several branches meet; none of them is crumpled."""
+    problem = on_corners(target, width=10.0, heights=(0, 3, 0, 3))
+    vertices, judged = solved(problem)
+    assert judged.fair, judged
+    assert judged.fit_median <= 0.02 and judged.sharpest_fold <= 10 and judged.area_kept > 0.9
+    assert vertices[:, 2].max() < 3.0 + 1e-6, "not over the masts"
+
+
+def test_a_vault_does_not_know_how_it_was_drawn():
+    sagging, judged = solved(vault(0.6))
+    assert judged.fair, judged
+    assert judged.sharpest_fold <= 9 and judged.fit_median <= 0.01
+    slightly, _ = solved(vault(0.2))
+    assert np.abs(sagging - slightly).max() < 0.1, "a hundredth of the span"
+
+
+def test_round_a_loop_of_targets_the_roof_comes_back():
+    problem = on_corners(1.0, 16)
+    projector = Projector(problem)
+    first = last = projector.solve()
+    for factor in (1.3, 0.7, 1.1, 1.0):
+        last = projector.solve(factor * problem.targets, vertices=last.vertices)
+        assert last.status == "converged"
+    assert np.abs(last.vertices - first.vertices).max() < 2e-6
+
+
+@pytest.mark.parametrize("target", [0.3, 1.0, 2.5, -1.0])
+def test_cold_and_warm_starts_agree(target):
+    problem = on_corners(target, 14)
+    cold = project(problem).vertices
+    neighbour = project(replace(problem, targets=0.9 * problem.targets)).vertices
+    warm = Projector(problem).solve(vertices=neighbour)
+    assert warm.status == "converged"
+    assert np.abs(warm.vertices - cold).max() < 1e-3
+
+
+@pytest.mark.parametrize("target", [1.0, -1.0])
+def test_the_number_of_steps_hardly_grows_with_the_mesh(target):
+    steps = [project(on_corners(target, n)).iterations for n in (12, 24, 48)]
+    assert max(steps) <= min(steps) + 6, steps
+
+
+def test_what_is_kept_of_the_drawing_is_the_designers():
+    """A low cone with a free edge: its shape, or the flat ring that bends less."""
+    t = np.linspace(1, 0, 9)
+    vertices, faces = shapes.revolution(1 + t, 0.5 * (1 - t) + 0.03 * np.sin(np.pi * t), 36)
+    roles = np.full(len(vertices), INTERNAL)
+    roles[:36], roles[-36:] = FREE, FIXED
+    cone = CGCProblem(vertices, faces, roles, 0.0)
+    by_itself, shape, plan = (project(cone, settings=ProjectionSettings(keep=keep)).vertices for keep in ("auto", "shape", "plan"))
+    assert np.array_equal(by_itself, shape), "it was drawn so: no support makes it bend"
+    assert np.abs(shape - vertices).max() < 0.05 < np.abs(plan - vertices)[:, 2].max()
+    assert np.ptp(plan[:, 2]) < 1e-3
+
+
+def irregular(target: float, count: int = 500) -> CGCProblem:
+    """A Delaunay disk on five points of its rim."""
+    vertices, faces = shapes.delaunay_disk(count)
+    rim = np.flatnonzero(boundary_vertices(vertices, faces))
+    rim = rim[np.argsort(np.arctan2(*vertices[rim, :2].T))]
+    roles = np.full(len(vertices), INTERNAL)
+    roles[rim] = FREE
+    roles[rim[np.arange(5) * len(rim) // 5]] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def test_the_smooth_measure_leaves_no_wrinkles_on_an_irregular_mesh():
+    problem = irregular(0.4)
+    _, rough = solved(problem)
+    _, smooth = solved(problem, measure="smooth")
+    assert smooth.fair
+    assert smooth.fit_median < 0.7 * rough.fit_median and smooth.fit_median < 0.01
+
+
+def test_settings_that_there_are_not():
+    with pytest.raises(ValueError, match="keep must be one of auto, plan, shape, nothing"):
+        ProjectionSettings(keep="everything")
+    with pytest.raises(ValueError, match="measure must be one of defect, smooth"):
+        ProjectionSettings(measure="exact")
