@@ -55,7 +55,7 @@ def solve(
             One unknown per vertex along its normal; for K̄ > 0 over fixed edges, or from
             a start near the target; creases are held. The fastest on large meshes.
         ``"projection"``
-            The fair surface nearest to the mesh, for K̄ of any sign, with free edges and
+            The surface that bends least, for K̄ of any sign, with free edges and
             creases and with constraints.
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options

@@ -60,7 +60,7 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
             Choice("projection", "it moves vertices sideways too"),
             flow,
         ]
-    return [Choice("projection", "it finds the fair surface nearest to the mesh, with free edges and creases, for any K̄"), flow]
+    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), flow]
 
 
 def run_method(method: Method, problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
