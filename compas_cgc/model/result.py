@@ -22,7 +22,7 @@ class History(NamedTuple):
     max_error: FloatArray  # (k,) largest |K - K̄| [1/L^2]
     step_length: FloatArray  # (k,) μ taken [L^3]
     trials: IntArray  # (k,) step lengths tried
-    accepted: np.ndarray  # (k,) bool: the step passed Eqs. 28 and 29
+    accepted: np.ndarray  # (k,) bool: the step passed Eq. 28 and Eq. 29
 
     @classmethod
     def from_rows(cls, rows: list[tuple]) -> History:

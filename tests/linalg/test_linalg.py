@@ -94,6 +94,20 @@ def test_one_solver_takes_matrix_after_matrix_of_one_sparsity_or_another(meshed,
 
 
 @pytest.mark.parametrize("backend", DIRECT)
+def test_as_many_entries_in_other_places_are_another_sparsity(meshed, backend):
+    A, _ = jacobian(meshed)
+    n = A.shape[0]
+    order = np.random.default_rng(2).permutation(n)
+    other = A[order][:, order].tocsr()
+    other.sort_indices()
+    assert other.nnz == A.nnz and not np.array_equal(other.indices, A.indices)
+    # Without refinement, which would find wrong factors out and make others.
+    solver, b = linear_solver(n, backend=backend, refine=False), right_side(n)
+    x = solver.factorise(A).solve(b)
+    assert np.allclose(solver.factorise(other).solve(b[order]), x[order], rtol=1e-6, atol=1e-8)
+
+
+@pytest.mark.parametrize("backend", DIRECT)
 def test_the_matrix_is_left_as_it_was(meshed, backend):
     A, points = jacobian(meshed)
     before = A.copy()
@@ -153,6 +167,15 @@ def test_refinement_is_what_a_poor_pivot_needs():
     b = np.array([1.1, 2.3])
     refined, plain = (np.abs(A @ factorise(A, refine=refine, backend="superlu").solve(b) - b).max() for refine in (True, False))
     assert refined < 1e-9 < 1e-6 < plain
+
+
+def test_a_middling_pivot_needs_refinement_and_no_new_pivots(monkeypatch):
+    A = sparse.csr_matrix([[1e-8, 1.0], [1.0, 1e-8]])
+    b = np.array([1.1, 2.3])
+    calls = []
+    monkeypatch.setattr("compas_cgc.linalg.superlu.splu", lambda *args, **more: calls.append(more) or splu(*args, **more))
+    refined, plain = (np.abs(A @ factorise(A, refine=refine, backend="superlu").solve(b) - b).max() for refine in (True, False))
+    assert refined < 1e-14 < 1e-11 < plain and len(calls) == 2
 
 
 @pytest.mark.parametrize("backend", DIRECT)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import http.client
-import socket
 import subprocess
 import sys
 from xmlrpc.client import ServerProxy
@@ -18,21 +17,14 @@ from compas_cgc import __version__
 from compas_cgc import solve
 
 from ..support.server_process import PATIENCE
+from ..support.server_process import running_rpc
 from ..support.server_process import wait_for
 
 
 @pytest.fixture(scope="module")
 def proxy():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    own = Proxy(
-        service="compas_cgc.rpc.service", python=sys.executable, port=port, autoreload=False, capture_output=False, max_conn_attempts=1000
-    )
-    yield own
-    process = own._process
-    own.stop_server()
-    process.wait(PATIENCE)
+    with running_rpc() as own:
+        yield own
 
 
 def roof(n=8):

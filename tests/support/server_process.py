@@ -80,6 +80,28 @@ def running_server(store, key=None, workers=2, port=0, limits=None):
             process.kill()
 
 
+@contextmanager
+def running_rpc():
+    """Run the service for COMPAS RPC, and yield a proxy of it that waits as long as it takes to start."""
+    from compas.rpc import Proxy
+
+    attempts = int(10 * PATIENCE)  # a tenth of a second each
+    proxy = Proxy(
+        service="compas_cgc.rpc.service",
+        python=sys.executable,
+        port=free_port(),
+        autoreload=False,
+        capture_output=False,
+        max_conn_attempts=attempts,
+    )
+    process = proxy._process
+    try:
+        yield proxy
+    finally:
+        proxy.stop_server()
+        process.wait(PATIENCE)
+
+
 def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

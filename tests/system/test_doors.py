@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import socket
-import sys
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 import rhino3dm
-from compas.rpc import Proxy
 
 from compas_cgc import AtHeight
 from compas_cgc import AutoSettings
@@ -33,6 +30,7 @@ from ..support.gh_stand_ins import place
 from ..support.gh_stand_ins import rhino  # noqa: F401
 from ..support.hops_client import Hops
 from ..support.rhino_models import result_of
+from ..support.server_process import running_rpc
 from ..support.server_process import running_server
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900), pytest.mark.usefixtures("rhino")]
@@ -160,17 +158,8 @@ DOORS = {
 @pytest.fixture(scope="module")
 def world(tmp_path_factory):
     """A server and an RPC process that all briefs go to."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    proxy = Proxy(service="compas_cgc.rpc.service", python=sys.executable, port=port, autoreload=False, capture_output=False)
-    process = proxy._process
-    try:
-        with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", workers=1) as server:
-            yield {"server": server, "proxy": proxy, "folder": tmp_path_factory.mktemp("files")}
-    finally:
-        proxy.stop_server()
-        process.wait(30)
+    with running_rpc() as proxy, running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", workers=1) as server:
+        yield {"server": server, "proxy": proxy, "folder": tmp_path_factory.mktemp("files")}
 
 
 @pytest.fixture(scope="module")

@@ -376,6 +376,16 @@ def test_a_crease_that_does_not_follow_edges_is_traced_or_cut(sketch, tmp_path):
         read_3dm(path, crease="bend")
 
 
+def test_where_two_meshes_of_one_region_ask_for_different_curvatures_the_first_is_heard(sketch, tmp_path):
+    vertices, faces = plan()
+    sketch.mesh(vertices, faces, "CGC::Mesh", {"K": "0.01"})
+    sketch.mesh(vertices + [N, 0, 0], faces, "CGC::Mesh", {"K": "0.02"})
+    model = read_3dm(sketch.save(tmp_path / "a.3dm"))
+    assert len(mesh_of(model).regions()) == 1 and set(model.problem.targets[model.problem.asked]) == {0.01}
+    for K in ("0.01", "0.02"):
+        assert any(f"asks for K = {K}" in note for note in model.notes), "both are said"
+
+
 def test_a_crease_drawn_a_little_short_of_another_ends_on_it(sketch, tmp_path):
     """The vertex before the other one is nearer to the end of the curve, but would leave a gap between two regions."""
     vertices, faces = plan()
