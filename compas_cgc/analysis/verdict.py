@@ -15,9 +15,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
-from ..model.problem import CREASE
-from ..model.problem import DUMMY
 from ..model.problem import CGCProblem
+from ..model.roles import CREASE
+from ..model.roles import DUMMY
 
 __all__ = ["Verdict", "verdict"]
 

@@ -7,6 +7,13 @@ import math
 import numpy as np
 from numba import njit
 
+from .arrays import Faces
+from .arrays import FloatArray
+from .arrays import IntArray
+from .arrays import Mask
+from .arrays import Vectors
+from .arrays import Vertices
+
 MOST = 400  # vertices in the rings of one fit
 TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without the constant
 SPARE = 1.25  # points against terms below which the degree is lowered
@@ -15,7 +22,7 @@ SOFT = 1e-14  # regularisation that picks the flattest of the polynomials that f
 
 
 @njit(cache=True)
-def around(F, n):
+def around(F: Faces, n: int) -> tuple[IntArray, IntArray]:
     """Return the faces at every vertex, in compressed rows."""
     start = np.zeros(n + 1, np.int64)
     for f in range(F.shape[0]):
@@ -33,7 +40,7 @@ def around(F, n):
 
 
 @njit(cache=True)
-def gather(i, F, start, faces, through, rings, ring, stamp):
+def gather(i: int, F: Faces, start: IntArray, faces: IntArray, through: Mask, rings: int, ring: IntArray, stamp: IntArray) -> int:
     """Write the vertices of the rings around i into `ring`, reached through vertices of `through` only; return how many."""
     stamp[i] = i
     count, done, end = 0, 0, 0
@@ -54,7 +61,7 @@ def gather(i, F, start, faces, through, rings, ring, stamp):
 
 
 @njit(cache=True)
-def powers(u, v, degree, row):
+def powers(u: float, v: float, degree: int, row: FloatArray) -> None:
     """Write the monomials of degree 1 to `degree` into a row, u before v."""
     at = 0
     for total in range(1, degree + 1):
@@ -64,7 +71,7 @@ def powers(u, v, degree, row):
 
 
 @njit(cache=True)
-def solve(M, r, n):
+def solve(M: FloatArray, r: FloatArray, n: int) -> None:
     """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up."""
     trace = 0.0
     for k in range(n):
@@ -89,7 +96,7 @@ def solve(M, r, n):
 
 
 @njit(cache=True)
-def corner_of(a, b):
+def corner_of(a: FloatArray, b: FloatArray) -> tuple[float, float]:
     """Return the angle between two sides at a vertex, and its share of the mixed area."""
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     double = math.sqrt(x * x + y * y + z * z)
@@ -105,7 +112,9 @@ def corner_of(a, b):
 
 
 @njit(cache=True)
-def fitted(V, N, F, start, faces, through, wanted, degree, rings):
+def fitted(
+    V: Vertices, N: Vectors, F: Faces, start: IntArray, faces: IntArray, through: Mask, wanted: Mask, degree: int, rings: int
+) -> FloatArray:
     """Return K, H and the truncation error of the defect's K (n, 3) of the polynomials around the wanted vertices, else NaN."""
     out = np.full((V.shape[0], 3), np.nan)
     ring, stamp = np.empty(MOST, np.int64), np.full(V.shape[0], -1)

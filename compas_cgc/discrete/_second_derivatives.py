@@ -7,9 +7,14 @@ import math
 import numpy as np
 from numba import njit
 
+from .arrays import Faces
+from .arrays import PerVertex
+from .arrays import Vectors
+from .arrays import Vertices
+
 
 @njit(cache=True, error_model="numpy")
-def defects_along(V, F, weight, U):
+def defects_along(V: Vertices, F: Faces, weight: PerVertex, U: Vectors) -> Vectors:
     """Return the derivative (n, 3), along the move U (n, 3), of the gradient of the weighted sum of all angle defects.
 
     The angle at a corner a changes by ``-M_c / |e_c|^2`` when the corner b moves, with ``e_c`` the

@@ -18,10 +18,10 @@ from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete.arrays import FloatArray
 from compas_cgc.discrete.arrays import IntArray
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import project
 

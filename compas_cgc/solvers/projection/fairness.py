@@ -135,7 +135,8 @@ class Fairness:
 
     def fairest(self, freedoms: Freedoms) -> FloatArray:
         """Return the cheapest move onto the constraints (3c,)."""
-        return self.metric(freedoms).fairest(freedoms.gap.ravel())
+        gap = np.zeros(3 * len(self._columns)) if freedoms.gap is None else freedoms.gap.ravel()
+        return self.metric(freedoms).fairest(gap)
 
 
 def _axes(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, bool]:

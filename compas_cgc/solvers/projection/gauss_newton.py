@@ -72,13 +72,15 @@ def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterato
         equations = system.equations(before + goal * (targets - before))
         point = system.at(vertices, equations)
         wanted, reached = STAGE_GOAL * point.merit, False
+        there = vertices
         for count, taken in enumerate(descend(system, equations, point)):
             yield taken
-            reached = system.at(taken.vertices, equations).merit <= wanted
+            there = taken.vertices
+            reached = system.at(there, equations).merit <= wanted
             if reached or count + 1 == STAGE_STEPS:
                 break
         if reached:
-            done, vertices, stage = goal, taken.vertices, 2 * stage
+            done, vertices, stage = goal, there, 2 * stage
         else:
             stage /= 4
     if done == 1.0:

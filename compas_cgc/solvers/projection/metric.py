@@ -116,6 +116,8 @@ class Metric:
 
     def fairest(self, move: FloatArray) -> FloatArray:
         """Return the cheapest of all moves that differ from one (3c,) by free directions only."""
+        if self.basis is None:
+            return np.zeros_like(move)
         return move - self.basis @ self.solve(self.basis.T @ self._times(move))
 
     def reduced(self, directions: sparse.csr_matrix) -> sparse.csr_matrix:
@@ -131,7 +133,12 @@ class Metric:
         directions = directions.tocsr()
         coordinates = [directions[x::3] for x in range(3)]
         if self.height is self.plan:
-            return sum(part.T @ self.plan @ part for part in coordinates).tocsr()
-        along = [sum(axis[x] * coordinates[x] for x in range(3)) for axis in self.axes]
+            return _total([part.T @ self.plan @ part for part in coordinates])
+        along = [_total([axis[x] * coordinates[x] for x in range(3)]) for axis in self.axes]
         weights = (self.plan, self.plan, self.height)
-        return sum(part.T @ weight @ part for part, weight in zip(along, weights)).tocsr()
+        return _total([part.T @ weight @ part for part, weight in zip(along, weights)])
+
+
+def _total(matrices: list[sparse.csr_matrix]) -> sparse.csr_matrix:
+    first, second, third = matrices
+    return (first + second + third).tocsr()

@@ -150,12 +150,11 @@ def _closing(system: System, equations: CurvatureEquations, start: Point) -> _Se
 def _nearest(system: System, equations: CurvatureEquations, start: Point) -> _Search:
     """Take least-norm steps to the equations, straight or in stages; fairness comes after."""
     for smoother in SMOOTHER:
-        other = system.keeping("shape", smoother)
-        found = yield from _closing(other, equations, start)
+        found = yield from _closing(system.keeping("shape", smoother), equations, start)
         if found is not None:
             return found
     here, nothing = start, np.zeros(len(system.leading))
-    for taken in in_stages(other, equations.targets, start.vertices):
+    for taken in in_stages(system.keeping("shape", SMOOTHER[-1]), equations.targets, start.vertices):
         here = system.at(taken.vertices, equations)
         yield taken._replace(settled=False)
     return _Found(Reached(here, nothing), 0) if system.missing(here, equations) <= NEAR else None

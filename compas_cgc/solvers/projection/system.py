@@ -100,7 +100,7 @@ class System:
                 self.fairness = fairness(self.keep, self.fairness.relaxed())
         self._equations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
-        self.floor = EPS * (8.0 + 2.0 * valence)  # rounding of a sum of angles (k,) [rad]
+        self.floor: FloatArray = EPS * (8.0 + 2.0 * valence.astype(np.float64))  # rounding of a sum of angles (k,) [rad]
 
     def equations(self, targets: FloatArray) -> CurvatureEquations:
         """Return the equations for targets (n,)."""

@@ -55,8 +55,8 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
         kept = linear.kept
         scale = math.sqrt(max(model.energy, 0.0))
         radius = radius or max(model.slope, FIRST * scale)
-        there, trials = None, 0
-        while there is None:
+        trials = 0
+        while True:
             trials += 1
             step = model.within(radius)
             there = _returned(system, equations, linear, here, model.normal + step.move)
@@ -65,10 +65,11 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
                 ratio = (model.lagrangian(here) - model.lagrangian(there)) / step.promised
                 if ratio < LITTLE and not (step.inside and step.length <= ROUNDING * scale):
                     there = None
-            if there is None:
-                radius = SHRINK * min(radius, step.length)
-                if not radius > SETTLED * scale:
-                    return Reached(here, multipliers)
+            if there is not None:
+                break
+            radius = SHRINK * min(radius, step.length)
+            if not radius > SETTLED * scale:
+                return Reached(here, multipliers)
         if ratio > WELL and not step.inside:
             radius *= GROW
         moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size

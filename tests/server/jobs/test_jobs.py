@@ -149,8 +149,9 @@ def test_where_no_worker_starts_nobody_waits_for_ever():
             none.submit(add, 1, 2).result(PATIENCE)
 
 
-def test_a_time_limit_stops_a_task(pool):
-    assert pool.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
+def test_a_time_limit_stops_a_task():
+    with WorkerPool(1, grace=PATIENCE) as gentle:
+        assert gentle.start(sleep_until_told, time_limit=0.1).result(PATIENCE) == "stopped gently"
 
 
 def test_a_killed_worker_fails_its_own_task_only(pool):

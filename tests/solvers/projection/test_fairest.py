@@ -9,10 +9,10 @@ import pytest
 
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
-from compas_cgc.model.problem import FIXED
-from compas_cgc.model.problem import FREE
-from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
