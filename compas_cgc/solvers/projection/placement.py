@@ -13,11 +13,14 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import ProblemError
+from ...model.constraints import Constraint
+from ...model.constraints import Fixed
 from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
+from ...model.problem import CGCProblem
 from .symmetry import Image
 
-__all__ = ["Freedoms", "Places"]
+__all__ = ["Freedoms", "Places", "movable_vertices"]
 
 SAME = 1e-9  # squared sine of the angle below which two directions count as one
 ASTRAY = 1e-6  # how far a fixed vertex may be from where it must be, in units of the model
@@ -160,3 +163,14 @@ class Places:
             raise ProblemError(
                 [f"vertex {vertex} is fixed away from where a constraint wants it; free it, or take it out of the constraint"]
             )
+
+
+def movable_vertices(problem: CGCProblem, faces: IntArray, constraints: Sequence[Constraint]) -> NDArray[np.bool_]:
+    """Mark the vertices of some faces (m, 3) that may move at all (n,)."""
+    used = np.zeros(len(problem.vertices), bool)
+    used[faces.ravel()] = True
+    movable = problem.movable & used
+    for constraint in constraints:
+        if isinstance(constraint, Fixed):
+            movable[indices(constraint.vertices, len(movable))] = False
+    return movable

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Optional
 
@@ -18,11 +17,8 @@ from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
-from ...model.constraints import Constraint
-from ...model.constraints import Fixed
 from ...model.constraints import Mirror
 from ...model.constraints import PositionConstraint
-from ...model.constraints import indices
 from ...model.problem import CGCProblem
 from .fairness import Fairness
 from .initial_guess import flat_share
@@ -32,6 +28,7 @@ from .least_norm import LeastNorm
 from .linearised import Kept
 from .linearised import Linearised
 from .placement import Places
+from .placement import movable_vertices
 from .settings import AUTO
 from .settings import ProjectionSettings
 from .symmetry import images
@@ -73,7 +70,7 @@ class System:
         edges = edge_faces(self.faces)
         hinges = edges[edges[:, 3] >= 0, 2:]
         self._hinges = np.ascontiguousarray(hinges[self.sound[hinges].all(axis=1)].T)
-        movable = _movable(problem, self.faces, constraints)
+        movable = movable_vertices(problem, self.faces, constraints)
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
@@ -192,13 +189,3 @@ class System:
         full = np.zeros((len(self.places.start), 3))
         full[self.columns] = move.reshape(-1, 3)
         return full
-
-
-def _movable(problem: CGCProblem, faces: np.ndarray, constraints: Sequence[Constraint]) -> np.ndarray:
-    used = np.zeros(len(problem.vertices), bool)
-    used[faces.ravel()] = True
-    movable = problem.movable & used
-    for constraint in constraints:
-        if isinstance(constraint, Fixed):
-            movable[indices(constraint.vertices, len(movable))] = False
-    return movable
