@@ -68,8 +68,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..analysis import analyse
+    from ..io import known_suffix
     from ..io import read_problem
 
+    # Nobody should wait for a solve that cannot be written.
+    known_suffix(arguments.output)
     say = (lambda text: None) if arguments.quiet else print
     settings = settings_of(arguments)
     read = read_problem(arguments.input, **reading(arguments))

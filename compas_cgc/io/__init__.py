@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from .reading import ReadProblem
 from .registry import SUFFIXES
+from .registry import known_suffix
 from .registry import read
 from .registry import read_mesh
 from .registry import read_problem
 from .registry import write
 
-__all__ = ["SUFFIXES", "ReadProblem", "read", "read_mesh", "read_problem", "write"]
+__all__ = ["SUFFIXES", "ReadProblem", "known_suffix", "read", "read_mesh", "read_problem", "write"]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..datastructures import CGCMesh
     from ..datastructures import SolveResult
 
-__all__ = ["SUFFIXES", "read", "read_mesh", "read_problem", "write"]
+__all__ = ["SUFFIXES", "known_suffix", "read", "read_mesh", "read_problem", "write"]
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -71,7 +71,7 @@ def read_problem(
         If the file cannot be read.
     """
     source = Path(path)
-    suffix = _suffix(source)
+    suffix = known_suffix(source)
     if suffix == ".3dm":
         from .rhino.read import read_3dm
 
@@ -100,7 +100,7 @@ def read_mesh(
     """
     from ..datastructures import CGCMesh
 
-    if _suffix(Path(path)) == ".json":
+    if known_suffix(path) == ".json":
         return read_json(Path(path)), []
     found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
     return CGCMesh.from_problem(found.checked()), list(found.notes)
@@ -150,7 +150,7 @@ def write(
         If it cannot be written.
     """
     target = Path(path)
-    suffix = _suffix(target)
+    suffix = known_suffix(target)
     if suffix == ".3dm":
         _write_3dm(target, surface, source, version, analysis)
         return
@@ -177,8 +177,15 @@ def _write_3dm(
         write_problem(target, surface, version or 7)
 
 
-def _suffix(path: Path) -> str:
-    suffix = path.suffix.lower()
+def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
+    """Return the suffix of a file that can be read and written, in small letters.
+
+    Raises
+    ------
+    FileError
+        If files of that kind are not known.
+    """
+    suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {', '.join(SUFFIXES)}")
     return suffix
