@@ -6,28 +6,24 @@ import os
 import sys
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
 from typing import Union
 
+from compas.datastructures import Mesh
 from compas.plugins import pluggable
-
-if TYPE_CHECKING:
-    from .cgcmesh import CGCMesh
 
 __all__ = ["mesh_from_3dm", "mesh_to_3dm"]
 
 
 @pluggable(category="cgc_files")
-def mesh_from_3dm(path: Union[str, os.PathLike[str]], **options: object) -> CGCMesh:
+def mesh_from_3dm(path: Union[str, os.PathLike[str]], **options: object) -> Any:
     """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
-    mesh: CGCMesh = _plugin("mesh_from_3dm")(path, **options)
-    return mesh
+    return _plugin("mesh_from_3dm")(path, **options)
 
 
 @pluggable(category="cgc_files")
-def mesh_to_3dm(mesh: CGCMesh, path: Union[str, os.PathLike[str]], version: int = 7) -> None:
+def mesh_to_3dm(mesh: Mesh, path: Union[str, os.PathLike[str]], version: int = 7) -> None:
     """Write a mesh with its supports, creases, targets and constraints as a Rhino file."""
     _plugin("mesh_to_3dm")(mesh, path, version)
 
