@@ -51,7 +51,7 @@ class SolveResult:
     settings
         What was set of it by the user; None where nothing was.
     drawn
-        The mesh that was solved, as it was, where one was given.
+        The mesh that was solved, where one was given.
     remarks
         What the check found that does not keep the problem from being solved.
     """
@@ -96,12 +96,18 @@ class SolveResult:
         """Its faces (m, 3)."""
         return self.problem.faces
 
+    def __post_init__(self) -> None:
+        if self.drawn is not None:
+            # Made at once: the mesh that was solved is the user's, who may change it.
+            self.__dict__["mesh"] = self._redrawn(self.drawn)
+
     @cached_property
     def mesh(self) -> CGCMesh:
         """A copy of the mesh that was solved, with the new coordinates and all constraints, without dummies."""
-        if self.drawn is None:
-            return CGCMesh.from_problem(self.problem)
-        mesh = self.drawn.with_coordinates(self.vertices)
+        return CGCMesh.from_problem(self.problem)
+
+    def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
+        mesh = drawn.with_coordinates(self.vertices)
         mesh.set_constraints(self.problem.constraints)
         return mesh
 

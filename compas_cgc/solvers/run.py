@@ -95,7 +95,7 @@ def solve(
     diagnostics = check(posed)
     refuse(diagnostics)
     solution = _run(method, posed, chosen, _real_only(callback, posed.roles != DUMMY))
-    drawn = problem.copy() if isinstance(problem, CGCMesh) else None
+    drawn = problem if isinstance(problem, CGCMesh) else None
     return SolveResult.from_solution(posed, solution, chosen, drawn, diagnostics)
 
 
