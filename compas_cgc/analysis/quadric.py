@@ -13,6 +13,7 @@ from scipy import sparse
 
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
+from ..discrete._cholesky import solve_in_place
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Mask
@@ -21,6 +22,8 @@ from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 
 __all__ = ["QuadricCurvatures", "quadric_curvatures"]
+
+LIFT = 1e-14  # of the diagonal, against the trace: rings on a conic do not determine a quadric
 
 
 class QuadricCurvatures(NamedTuple):
@@ -41,33 +44,6 @@ def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
     if a1 <= a2:
         return -n2, 0.0, n0
     return n1, -n0, 0.0
-
-
-@njit(cache=True)
-def solve_in_place(M: FloatArray, r: FloatArray) -> None:
-    """Turn r into the solution of M x = r, of which the lower half of M counts and is used up."""
-    n = len(r)
-    trace = 0.0
-    for k in range(n):
-        trace += M[k, k]
-    for k in range(n):
-        # Rings on a conic do not determine a quadric; this picks the flattest.
-        pivot = M[k, k] + 1e-14 * trace
-        for m in range(k):
-            pivot -= M[k, m] * M[k, m]
-        M[k, k] = math.sqrt(max(pivot, 1e-14 * trace))
-        for j in range(k + 1, n):
-            for m in range(k):
-                M[j, k] -= M[j, m] * M[k, m]
-            M[j, k] /= M[k, k]
-    for k in range(n):
-        for m in range(k):
-            r[k] -= M[k, m] * r[m]
-        r[k] /= M[k, k]
-    for k in range(n - 1, -1, -1):
-        for m in range(k + 1, n):
-            r[k] -= M[m, k] * r[m]
-        r[k] /= M[k, k]
 
 
 @njit(cache=True)
@@ -126,7 +102,7 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
                 r[k] += weight * row[k] * w
                 for m in range(k + 1):
                     M[k, m] += weight * row[k] * row[m]
-        solve_in_place(M, r)
+        solve_in_place(M, r, len(r), LIFT)
         p, q, uu, uv, vv = r
         g = 1.0 + p * p + q * q
         out[i, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)

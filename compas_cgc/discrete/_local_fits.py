@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
+from ._cholesky import solve_in_place
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -18,7 +19,6 @@ MOST = 400  # vertices in the rings of one fit
 TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without the constant
 SPARE = 1.25  # points against terms below which the degree is lowered
 CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
-SOFT = 1e-14  # regularisation that picks the flattest of the polynomials that fit as well
 
 
 @njit(cache=True)
@@ -68,31 +68,6 @@ def powers(u: float, v: float, degree: int, row: FloatArray) -> None:
         for q in range(total + 1):
             row[at] = u ** (total - q) * v**q
             at += 1
-
-
-@njit(cache=True)
-def solve(M: FloatArray, r: FloatArray, n: int) -> None:
-    """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up."""
-    trace = 0.0
-    for k in range(n):
-        trace += M[k, k]
-    for k in range(n):
-        pivot = M[k, k]
-        for m in range(k):
-            pivot -= M[k, m] * M[k, m]
-        M[k, k] = math.sqrt(max(pivot, SOFT * trace))
-        for j in range(k + 1, n):
-            for m in range(k):
-                M[j, k] -= M[j, m] * M[k, m]
-            M[j, k] /= M[k, k]
-    for k in range(n):
-        for m in range(k):
-            r[k] -= M[k, m] * r[m]
-        r[k] /= M[k, k]
-    for k in range(n - 1, -1, -1):
-        for m in range(k + 1, n):
-            r[k] -= M[m, k] * r[m]
-        r[k] /= M[k, k]
 
 
 @njit(cache=True)
@@ -160,7 +135,7 @@ def fitted(
                 r[k] += weight * row[k] * w
                 for m in range(k + 1):
                     M[k, m] += weight * row[k] * row[m]
-        solve(M, r, terms)
+        solve_in_place(M, r, terms, 0.0)
         a, b = r[0], r[1]
         uu, uv, vv = 2.0 * r[2], r[3], 2.0 * r[4]
         g = 1.0 + a * a + b * b

@@ -60,7 +60,7 @@ def draw_error(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`.
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
     errors
         ``(n,)`` signed errors K - K̄ [1/L^2]; read at internal vertices, NaN is grey.
     view
@@ -125,7 +125,7 @@ def draw_curvature(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`.
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
     curvature
         ``(n,)`` K [1/L^2]; NaN is grey, as on creases and open boundaries.
     view, ax, creases, limit, unit, label, frame

@@ -61,7 +61,7 @@ def look(vertices: ArrayLike, faces: ArrayLike, roles: ArrayLike, view: Union[st
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`.
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`.
     dummies

@@ -69,7 +69,7 @@ def hero(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`; dummy faces are left out.
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`; dummy faces are left out.
     creases
         ``(e, 2)`` vertex indices of the edges to draw as thick lines.
     regions

@@ -60,7 +60,7 @@ def draw_shape(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.problem.ROLES`: faces with a dummy vertex
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`: faces with a dummy vertex
         are grey, fixed vertices are red dots.
     creases
         ``(e, 2)`` vertex indices of the edges to draw as thick lines.

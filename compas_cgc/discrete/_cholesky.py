@@ -1,0 +1,39 @@
+"""Cholesky factorisation of small dense systems, compiled."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from .arrays import FloatArray
+
+SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
+
+
+@njit(cache=True)
+def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
+    """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up.
+
+    The diagonal is lifted by this part of the trace: of systems that determine too little it picks the flattest solution.
+    """
+    trace = 0.0
+    for k in range(n):
+        trace += M[k, k]
+    for k in range(n):
+        pivot = M[k, k] + lift * trace
+        for m in range(k):
+            pivot -= M[k, m] * M[k, m]
+        M[k, k] = math.sqrt(max(pivot, SOFT * trace))
+        for j in range(k + 1, n):
+            for m in range(k):
+                M[j, k] -= M[j, m] * M[k, m]
+            M[j, k] /= M[k, k]
+    for k in range(n):
+        for m in range(k):
+            r[k] -= M[k, m] * r[m]
+        r[k] /= M[k, k]
+    for k in range(n - 1, -1, -1):
+        for m in range(k + 1, n):
+            r[k] -= M[m, k] * r[m]
+        r[k] /= M[k, k]
