@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from ..model.verdict import Verdict
+from ..model.verdict import verdict
 from .quadric import quadric_curvatures
 from .report import MeshQuality
 from .report import RegionReport
 from .report import SurfaceReport
 from .report import analyse
-from .verdict import Verdict
-from .verdict import verdict
 
 __all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "Verdict", "analyse", "quadric_curvatures", "verdict"]

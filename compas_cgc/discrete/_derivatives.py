@@ -81,7 +81,7 @@ def slots(F: Faces, row_of: Indices, column_of: Indices, indptr: CSRIndices, ind
     return S
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def face_derivatives(
     V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, M: FloatArray, D: FloatArray, T: FloatArray, G: FloatArray
 ) -> bool:

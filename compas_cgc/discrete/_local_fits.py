@@ -87,11 +87,30 @@ def corner_of(a: FloatArray, b: FloatArray) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def misfit(points: FloatArray, count: int, scale: float, r: FloatArray, degree: int, row: FloatArray) -> tuple[float, float]:
+    """Return how far points lie from a polynomial, and how far its quadratic part leads them, both as root mean squares."""
+    terms = TERMS[degree]
+    if count < terms + 2:
+        return np.nan, np.nan
+    off, bent = 0.0, 0.0
+    for c in range(count):
+        powers(points[c, 0] / scale, points[c, 1] / scale, degree, row)
+        height, second = -points[c, 2] / scale, 0.0
+        for k in range(terms):
+            height += r[k] * row[k]
+        for k in range(2, 5):
+            second += r[k] * row[k]
+        off += height * height
+        bent += second * second
+    return scale * math.sqrt(off / (count - terms)), scale * math.sqrt(bent / count)
+
+
+@njit(cache=True)
 def fitted(
     V: Vertices, N: Vectors, F: Faces, start: IntArray, faces: IntArray, through: Mask, wanted: Mask, degree: int, rings: int
 ) -> FloatArray:
-    """Return K, H and the truncation error of the defect's K (n, 3) of the polynomials around the wanted vertices, else NaN."""
-    out = np.full((V.shape[0], 3), np.nan)
+    """Return what polynomials around the wanted vertices tell (n, 6), else NaN: the columns of `LocalFits`."""
+    out = np.full((V.shape[0], 6), np.nan)
     ring, stamp = np.empty(MOST, np.int64), np.full(V.shape[0], -1)
     place = np.full(V.shape[0], -1)
     most = TERMS[degree]
@@ -141,6 +160,8 @@ def fitted(
         g = 1.0 + a * a + b * b
         out[i, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
         out[i, 1] = -((1 + b * b) * uu - 2 * a * b * uv + (1 + a * a) * vv) / (2 * g * math.sqrt(g)) / scale
+        out[i, 3], out[i, 4] = misfit(points, count, scale, r, used, row)
+        out[i, 5] = scale
         defect, area = 2.0 * math.pi, 0.0
         for k in range(start[i], start[i + 1]):
             f = faces[k]

@@ -23,6 +23,9 @@ class LocalFits(NamedTuple):
     gaussian: FloatArray  # (n,) [1/L^2]
     mean: FloatArray  # (n,) positive where convex towards the normal [1/L]
     truncation: FloatArray  # (n,) K by angle defects of the ring put onto the polynomial, less that of the polynomial [1/L^2]
+    residual: FloatArray  # (n,) distance of the rings from the polynomial, root mean square by degrees of freedom [L]
+    sagitta: FloatArray  # (n,) of the quadratic part of the polynomial over the rings, root mean square [L]
+    radius: FloatArray  # (n,) distance of the farthest vertex of the rings [L]
 
 
 def local_fits(

@@ -1,0 +1,235 @@
+"""Whether a surface is one that somebody would build: fair or rough, with numbers and reasons."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.local_fits import LocalFits
+from ..discrete.local_fits import local_fits
+from ..meshing.regions import vertex_labels
+from .problem import CGCProblem
+from .roles import CREASE
+from .roles import DUMMY
+
+__all__ = ["Verdict", "verdict"]
+
+MEDIAN, MOST = 0.05, 0.3  # errors of the fits, against the targets, of a fair surface: the median, and that of nine in ten
+COARSE = 0.6  # what cubic fits on a sphere are off, against (radius of the fit / radius of the sphere)^2
+COARSEST = 0.25  # that square above which a fit tells nothing, and no more is allowed for it
+SHALLOW = 0.35  # more of that, where every fit reaches an edge
+FAINT = 0.1  # target, against the largest, below which errors are held against that
+WAVY, WAVIEST = 0.2, 0.4  # residual of a fit, against its bending, at three in four and at nineteen in twenty vertices
+FLAT = 0.3  # bending, against the median, below which residuals are held against that
+BOTH = 0.05  # part of a region with K > 0 that may bulge to the other side
+SHARP = 1.6  # fold, against the most that a smooth surface through the vertices has, that is too sharp
+SLIGHT = np.radians(3.0)  # fold that nobody sees
+CREASED = 0.02  # part of the edges that may fold too sharply
+NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
+LOST = 0.6  # part of the area that has to be left
+DEEP = 3  # edges from supports, free edges and creases from where fits look all ways
+ENOUGH = 12  # vertices there that tell a median
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How fair a surface is; lists no reasons where it is."""
+
+    fair: bool
+    reasons: list[str]  # one sentence each
+    fit_median: Optional[float]  # |K - K̄| / |K̄| of polynomials fitted away from edges, the median; None without any
+    fit_most: Optional[float]  # the same, of nine in ten of the vertices
+    waviness: Optional[float]  # distance of vertices from the fits against the bending of these, of nineteen in twenty
+    bulging_both_ways: float  # part of the vertices with K > 0 that bulge to the other side than the rest of their region
+    sharpest_fold: float  # between two faces, creases apart [degree]
+    folds_too_sharp: float  # part of the inner edges that fold more than curvature and edge length call for
+    smallest_angle: float  # of a triangle [degree]
+    area_kept: Optional[float]  # area against that of the input, None without one
+    places: list[int]  # vertices where a rough surface is rough, dummies left out
+
+    def __str__(self) -> str:
+        return "fair" if self.fair else "rough: " + "; ".join(self.reasons)
+
+    def to_dict(self) -> dict:
+        """Return plain data, ready for JSON."""
+        return {"verdict": "fair" if self.fair else "rough", **asdict(self)}
+
+
+def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict:
+    """Judge the vertices of a problem, whatever its angle defects say.
+
+    Polynomials fitted to two rings must have the curvature asked for, as far as the mesh is fine enough to tell, and
+    the vertices must lie on them; a region with K > 0 must bulge to one side; edges must fold no more than the
+    curvature and their length call for; and triangles must not be drawn out or lost. Beside supports the surface
+    asked for may itself be singular (K > 0 at a straight edge): fits are compared where they look all ways.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles, targets and creases.
+    before
+        ``(n, 3)`` where its vertices were before [L].
+    """
+    if before is not None:
+        problem, before = problem.without_dummies(), before[problem.roles != DUMMY]
+    else:
+        problem = problem.without_dummies()
+    V, F = problem.vertices, problem.faces
+    fits = local_fits(V, F, problem.asked, problem.asked)
+    error, own = _errors(problem, fits)
+    wave = _waves(fits)
+    other = _bulging_otherwise(problem, fits)
+    edges, fold, called = _folds(problem, fits)
+    sharp = (fold > SHARP * called) & (fold > SLIGHT)
+    angle = _smallest_angle(V, F)
+    kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
+
+    median, most = _percentiles(error, 50, 90)
+    excess, excess_most = _percentiles(error - own, 50, 90)
+    wavy, waviest = _percentiles(wave, 75, 95)
+    positive = np.isfinite(fits.mean) & (problem.targets > 0)
+    both = float(other.sum() / positive.sum()) if positive.any() else 0.0
+    too_sharp = float(sharp.mean()) if len(sharp) else 0.0
+    sharpest = float(np.degrees(fold.max(initial=0.0)))
+    reasons = []
+    if excess is not None and excess_most is not None and (excess > MEDIAN or excess_most > MOST):
+        reasons.append(f"polynomials fitted to it are {100 * (median or 0):.2g} % off the curvature asked for, and up to {100 * (most or 0):.2g} %")
+    if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
+        reasons.append(f"it is wavy: vertices lie off a smooth surface by up to {100 * waviest:.0f} % of its bending")
+    if both > BOTH:
+        reasons.append(f"{100 * both:.0f} % of it bulge to the other side than the rest of their region, with a fold between")
+    if too_sharp > CREASED:
+        reasons.append(f"{100 * too_sharp:.2g} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
+    if before is not None and angle < NEEDLE and 2 * angle < _smallest_angle(before, F):
+        reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
+    if kept is not None and kept < LOST:
+        reasons.append(f"it has {100 * kept:.0f} % of the area of the input")
+    bad = (error - own > MOST) | (wave > WAVIEST) | other
+    bad[edges[sharp]] = True
+    places = np.flatnonzero(bad).tolist() if reasons else []
+    return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
+
+
+def _percentiles(values: FloatArray, low: float, high: float) -> tuple[Optional[float], Optional[float]]:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return None, None
+    first, second = np.percentile(known, [low, high]).tolist()
+    return first, second
+
+
+def _errors(problem: CGCProblem, fits: LocalFits) -> tuple[FloatArray, FloatArray]:
+    """Return the relative error of the fits' K where they look all ways (n,), else NaN, and what of it is the fits' own.
+
+    On a surface with the curvatures κ a fit of radius r is off by about ``κ^2 (κ r)^2``.
+    """
+    scale = np.maximum(np.abs(problem.targets), _least(problem, fits))
+    fitted = np.isfinite(fits.gaussian)
+    depth = _depth(problem)
+    deep = next((at for at in (fitted & (depth >= least) for least in range(DEEP, 1, -1)) if at.sum() >= ENOUGH), fitted)
+    error = np.where(deep, np.abs(fits.gaussian - problem.targets) / scale, np.nan)
+    if not fitted.any():
+        return error, error
+    square = np.where(problem.targets == 0.0, np.median(_principal(fits)[fitted] ** 2), np.abs(problem.targets))
+    own = COARSE * square / scale * np.minimum(square * fits.radius**2, COARSEST)
+    return error, np.where(deep, own + (SHALLOW if deep is fitted else 0.0), np.nan)
+
+
+def _principal(fits: LocalFits) -> FloatArray:
+    """Return the larger principal curvature, without its sign (n,)."""
+    return np.abs(fits.mean) + np.sqrt(np.maximum(fits.mean**2 - fits.gaussian, 0.0))
+
+
+def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
+    """Return the curvatures (n,) that are small, whatever is asked.
+
+    Where K = 0 is asked of a bent surface, that is one with a principal curvature of FAINT times the other.
+    """
+    targets = problem.targets[problem.asked]
+    least = FAINT * float(np.abs(targets).max(initial=0.0))
+    if not targets.any():
+        least = 1.0 / float(face_areas(problem.vertices, problem.faces).sum())
+    flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
+    bent = FAINT * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
+    return np.where(problem.targets == 0.0, max(least, bent), least)
+
+
+def _depth(problem: CGCProblem) -> IntArray:
+    """Return how many edges vertices are away from the next one where no K is asked, DEEP where that or more (n,)."""
+    depth = np.where(problem.asked, DEEP, 0)
+    for ring in range(1, DEEP):
+        beside = problem.faces[(depth[problem.faces] < ring).any(axis=1)]
+        depth[beside] = np.minimum(depth[beside], ring)
+    return depth
+
+
+def _waves(fits: LocalFits) -> FloatArray:
+    """Return the residuals of the fits against their bending (n,), NaN without a fit."""
+    bent = np.isfinite(fits.sagitta)
+    if not bent.any():
+        return np.full(len(bent), np.nan)
+    floor = max(FLAT * float(np.median(fits.sagitta[bent])), 1e-9 * float(fits.radius[bent].max()))
+    return fits.residual / np.maximum(fits.sagitta, floor)
+
+
+def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
+    """Return the vertices with K > 0 that are convex to another side than most of their region (n,)."""
+    region = vertex_labels(len(problem.vertices), problem.faces, problem.regions())
+    known = np.isfinite(fits.mean) & problem.asked & (problem.targets > 0) & (region >= 0)
+    side = np.sign(fits.mean[known])
+    most = np.bincount(region[known], weights=side, minlength=region.max(initial=0) + 1)
+    other = np.zeros(len(known), bool)
+    other[known] = side * most[region[known]] < 0
+    return other
+
+
+def _folds(problem: CGCProblem, fits: LocalFits) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return inner edges off the creases (e, 2), their angles, and the most that a smooth surface has there [rad].
+
+    A paraboloid sampled at the corners of two triangles of heights a and b over their edge turns across it by its
+    curvature times ``(a + b) / 2``, and along it lifts their tops by ``s t / 2``, with s and t the parts of the edge on
+    both sides of their feet.
+    """
+    V, F = problem.vertices, problem.faces
+    edges = _off_creases(problem)
+    u, v, left, right = edges.T
+    normals, areas = face_normals(V, F), face_areas(V, F)
+    cross = np.cross(normals[left], normals[right])
+    fold = np.arctan2(np.sqrt(np.einsum("ij,ij->i", cross, cross)), np.einsum("ij,ij->i", normals[left], normals[right]))
+    principal = _principal(fits)
+    known = np.isfinite(principal[u]) | np.isfinite(principal[v])
+    along = V[v] - V[u]
+    squared = np.maximum(np.einsum("ij,ij->i", along, along), np.finfo(float).tiny)
+    turned = np.zeros(len(edges))
+    for face in (left, right):
+        top = V[F[face].sum(axis=1) - u - v] - V[u]
+        foot = np.einsum("ij,ij->i", top, along) / squared
+        height = np.maximum(2.0 * areas[face] / np.sqrt(squared), np.finfo(float).tiny)
+        turned += height / 2.0 + np.abs(foot * (1.0 - foot)) * squared / (2.0 * height)
+    return edges[known, :2], fold[known], (np.fmax(principal[u], principal[v]) * turned)[known]
+
+
+def _off_creases(problem: CGCProblem) -> IntArray:
+    edges = edge_faces(problem.faces)
+    edges = edges[edges[:, 3] >= 0]
+    n = len(problem.vertices)
+    code, creases = np.sort(edges[:, :2], axis=1) @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1]
+    on_crease = (problem.roles[edges[:, 0]] == CREASE) & (problem.roles[edges[:, 1]] == CREASE)
+    return edges[~(np.isin(code, creases) | on_crease)]
+
+
+def _smallest_angle(V: FloatArray, F: IntArray) -> float:
+    corners = V[F]
+    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cross = np.cross(ahead, back)
+    angles = np.arctan2(np.sqrt(np.einsum("ijk,ijk->ij", cross, cross)), np.einsum("ijk,ijk->ij", ahead, back))
+    return float(np.degrees(angles.min(initial=np.pi)))
