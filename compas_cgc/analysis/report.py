@@ -23,6 +23,8 @@ from ..meshing import vertex_labels
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import INTERNAL
+from ..model.verdict import Verdict
+from ..model.verdict import verdict
 from .quadric import quadric_curvatures
 
 __all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
@@ -66,6 +68,7 @@ class MeshQuality:
 class SurfaceReport:
     """A surface beside what was asked of it."""
 
+    verdict: Verdict  # whether it is fair or rough
     regions: list[RegionReport]
     quality: MeshQuality
     max_error: float  # largest |K - K̄| of all regions [1/L^2]
@@ -74,7 +77,7 @@ class SurfaceReport:
 
     def to_dict(self) -> dict:
         """Return plain lists and dicts, ready for JSON."""
-        return asdict(self)
+        return {**asdict(self), "verdict": self.verdict.to_dict()}
 
     def __str__(self) -> str:
         heads = ["region", "faces", "area", "target", "max error", "rms error", "total", "quadric fit", "concave edges"]
@@ -94,6 +97,7 @@ class SurfaceReport:
         ]
         q = self.quality
         lines = [
+            f"the surface is {self.verdict}",
             *_columns([heads, *rows]),
             f"mesh: {q.vertices} vertices, {q.faces} faces, {100 * q.regular:.0f} % of the inner vertices regular, "
             f"angles {q.smallest_angle:.1f} to {q.largest_angle:.1f} degrees, edges {q.shortest_edge:.4g} to {q.longest_edge:.4g}",
@@ -104,7 +108,7 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
-def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> SurfaceReport:
+def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, judged: Optional[Verdict] = None) -> SurfaceReport:
     """Measure a surface against its targets.
 
     Parameters
@@ -113,6 +117,8 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
         A result, mesh or problem with targets. Dummies are left out.
     reference
         What it was made from, to tell how far it moved.
+    judged
+        The verdict on it, where that is known already.
 
     Returns
     -------
@@ -132,6 +138,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
     regions = _regions(problem, problem.regions(), problem.creases)
     return SurfaceReport(
+        judged or verdict(problem, before),
         regions,
         _quality(V, F, problem.asked),
         max((r.max_error for r in regions if r.max_error is not None), default=0.0),

@@ -27,7 +27,7 @@ COMMANDS = {
 }
 
 EXITS = """\
-exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 130 interrupted
+exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 3 solved, but rough; 130 interrupted
 """
 
 

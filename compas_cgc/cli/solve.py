@@ -19,6 +19,7 @@ from .console import interruptible
 from .exits import DONE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
+from .exits import ROUGH
 
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
@@ -33,7 +34,8 @@ _EPILOG = """\
 A .3dm file brings its supports as points and its creases as curves along mesh edges. The other formats hold a mesh only
 (COMPAS .json everything): name the supports with --supports.
 
-A surface that does not reach the tolerance is written beside OUTPUT as NAME.unfinished.SUFFIX; OUTPUT itself is only ever
+Whether the surface is fair (smooth, and what K calls for) or rough is said first; a rough one is written, and the exit code
+is then 3. A surface that does not reach the tolerance is written beside OUTPUT as NAME.unfinished.SUFFIX; OUTPUT itself is only ever
 replaced by a surface that does.
 
 examples:
@@ -82,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     result = _solve(problem, arguments, settings)
     for remark in result.remarks:
         say(f"note: {remark}")
-    analysis = analyse(result, problem)
+    analysis = analyse(result, problem, result.verdict)
     say(_summary(result, analysis))
     if arguments.report:
         _write_report(arguments, result, analysis)
@@ -129,7 +131,8 @@ def _summary(result: SolveResult, analysis: SurfaceReport) -> str:
     problem = result.problem
     counts = f"{len(problem.vertices)} vertices, {len(problem.faces)} faces, {len(problem.supports)} supports"
     creases = len(problem.crease_paths())
-    return f"{counts}, {creases} creases\n{result.message} ({result.seconds:.2f} s)\n{analysis}"
+    judgement, figures = str(analysis).split("\n", 1)
+    return f"{judgement}\n{counts}, {creases} creases\n{result.message} ({result.seconds:.2f} s)\n{figures}"
 
 
 def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport) -> None:
@@ -149,7 +152,10 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
         write(output, result, source=arguments.input, analysis=analysis)
         if not arguments.quiet:
             print(f"wrote {output}")
-        return DONE
+        if analysis.verdict.fair:
+            return DONE
+        print(f"compas-cgc: K is as asked, but the surface is {analysis.verdict}", file=sys.stderr)
+        return ROUGH
     print(f"compas-cgc: {result.message}", file=sys.stderr)
     if result.status in ("step_limit", "stalled", "cancelled"):
         unfinished = output.with_name(f"{output.stem}.unfinished{output.suffix}")

@@ -17,6 +17,8 @@ from ..model.problem import CGCProblem
 from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import DUMMY
+from ..model.verdict import Verdict
+from ..model.verdict import verdict
 from .cgcmesh import CGCMesh
 
 __all__ = ["SolveResult"]
@@ -54,6 +56,8 @@ class SolveResult:
         The mesh that was solved, where one was given.
     remarks
         What the check found that does not keep the problem from being solved.
+    start
+        ``(n, 3)`` where the vertices were before [L]; None where that is not known.
     """
 
     problem: CGCProblem
@@ -67,6 +71,7 @@ class SolveResult:
     settings: Optional[_Settings] = None
     drawn: Optional[CGCMesh] = None
     remarks: tuple[Diagnostic, ...] = ()
+    start: Optional[FloatArray] = None
 
     @classmethod
     def from_solution(
@@ -78,13 +83,19 @@ class SolveResult:
         remarks: Iterable[Diagnostic] = (),
     ) -> SolveResult:
         """Return the result of a solution of a problem."""
-        real = problem.without_dummies().with_vertices(solution.vertices[problem.roles != DUMMY])
-        return cls(real, *solution[1:], settings=settings, drawn=drawn, remarks=tuple(remarks))
+        before = problem.without_dummies()
+        real = before.with_vertices(solution.vertices[problem.roles != DUMMY])
+        return cls(real, *solution[1:], settings=settings, drawn=drawn, remarks=tuple(remarks), start=before.vertices)
 
     @property
     def converged(self) -> bool:
         """Whether every curvature asked for was reached to the tolerance."""
         return self.status == "converged"
+
+    @cached_property
+    def verdict(self) -> Optional[Verdict]:
+        """Whether the surface is fair or rough, and why: a status speaks of equations alone; None where none was found."""
+        return None if self.status in ("infeasible", "diverged") else verdict(self.problem, self.start)
 
     @property
     def vertices(self) -> FloatArray:
@@ -121,6 +132,7 @@ class SolveResult:
             "method": self.method,
             "settings": None if self.settings is None else self.settings.to_dict(),
             "status": self.status,
+            "verdict": None if self.verdict is None else self.verdict.to_dict(),
             "message": self.message,
             "steps": self.iterations,
             "seconds": self.seconds,

@@ -26,7 +26,6 @@ __all__ = ["Verdict", "verdict"]
 MEDIAN, MOST = 0.05, 0.3  # errors of the fits, against the targets, of a fair surface: the median, and that of nine in ten
 COARSE = 0.6  # what cubic fits on a sphere are off, against (radius of the fit / radius of the sphere)^2
 COARSEST = 0.25  # that square above which a fit tells nothing, and no more is allowed for it
-SHALLOW = 0.35  # more of that, where every fit reaches an edge
 FAINT = 0.1  # target, against the largest, below which errors are held against that
 WAVY, WAVIEST = 0.2, 0.4  # residual of a fit, against its bending, at three in four and at nineteen in twenty vertices
 FLAT = 0.3  # bending, against the median, below which residuals are held against that
@@ -37,7 +36,8 @@ CREASED = 0.02  # part of the edges that may fold too sharply
 NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
 LOST = 0.6  # part of the area that has to be left
 DEEP = 3  # edges from supports, free edges and creases from where fits look all ways
-ENOUGH = 12  # vertices there that tell a median
+SHALLOW = {3: 0.0, 2: 0.2, 1: 0.35}  # what fits are off besides, where vertices are no farther from these
+ENOUGH = 12  # vertices that tell a median
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,17 @@ class Verdict:
     area_kept: Optional[float]  # area against that of the input, None without one
     places: list[int]  # vertices where a rough surface is rough, dummies left out
 
+    @property
+    def word(self) -> str:
+        """``fair`` or ``rough``."""
+        return "fair" if self.fair else "rough"
+
     def __str__(self) -> str:
-        return "fair" if self.fair else "rough: " + "; ".join(self.reasons)
+        return self.word if self.fair else "rough: " + "; ".join(self.reasons)
 
     def to_dict(self) -> dict:
         """Return plain data, ready for JSON."""
-        return {"verdict": "fair" if self.fair else "rough", **asdict(self)}
+        return {"word": self.word, **asdict(self)}
 
 
 def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict:
@@ -102,9 +107,10 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     sharpest = float(np.degrees(fold.max(initial=0.0)))
     reasons = []
     if excess is not None and excess_most is not None and (excess > MEDIAN or excess_most > MOST):
-        reasons.append(f"polynomials fitted to it are {100 * (median or 0):.2g} % off the curvature asked for, and up to {100 * (most or 0):.2g} %")
+        off = f"{100 * (median or 0.0):.2g} % off the curvature asked for, and up to {100 * (most or 0.0):.2g} %"
+        reasons.append(f"polynomials fitted to it are {off}")
     if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
-        reasons.append(f"it is wavy: vertices lie off a smooth surface by up to {100 * waviest:.0f} % of its bending")
+        reasons.append(f"it is wavy: vertices lie up to {100 * waviest:.0f} % of its bending off a smooth surface")
     if both > BOTH:
         reasons.append(f"{100 * both:.0f} % of it bulge to the other side than the rest of their region, with a fold between")
     if too_sharp > CREASED:
@@ -135,13 +141,14 @@ def _errors(problem: CGCProblem, fits: LocalFits) -> tuple[FloatArray, FloatArra
     scale = np.maximum(np.abs(problem.targets), _least(problem, fits))
     fitted = np.isfinite(fits.gaussian)
     depth = _depth(problem)
-    deep = next((at for at in (fitted & (depth >= least) for least in range(DEEP, 1, -1)) if at.sum() >= ENOUGH), fitted)
+    least = next((least for least in range(DEEP, 1, -1) if (fitted & (depth >= least)).sum() >= ENOUGH), 1)
+    deep = fitted & (depth >= least)
     error = np.where(deep, np.abs(fits.gaussian - problem.targets) / scale, np.nan)
     if not fitted.any():
         return error, error
     square = np.where(problem.targets == 0.0, np.median(_principal(fits)[fitted] ** 2), np.abs(problem.targets))
     own = COARSE * square / scale * np.minimum(square * fits.radius**2, COARSEST)
-    return error, np.where(deep, own + (SHALLOW if deep is fitted else 0.0), np.nan)
+    return error, np.where(deep, own + SHALLOW[least], np.nan)
 
 
 def _principal(fits: LocalFits) -> FloatArray:
@@ -157,7 +164,7 @@ def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
     targets = problem.targets[problem.asked]
     least = FAINT * float(np.abs(targets).max(initial=0.0))
     if not targets.any():
-        least = 1.0 / float(face_areas(problem.vertices, problem.faces).sum())
+        least = 1.0 / max(float(face_areas(problem.vertices, problem.faces).sum()), np.finfo(float).tiny)
     flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
     bent = FAINT * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
     return np.where(problem.targets == 0.0, max(least, bent), least)

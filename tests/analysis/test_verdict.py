@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import solve
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.problem import CREASE
@@ -37,7 +38,7 @@ def test_a_sphere_is_fair_and_its_numbers_are_those_of_a_sphere():
     assert found.fair and not found.reasons and str(found) == "fair"
     assert found.fit_median < 6e-3 and found.fit_most < 1e-2
     assert found.folds_too_sharp == 0.0 and found.area_kept == 1.0
-    assert found.to_dict()["verdict"] == "fair"
+    assert found.to_dict()["word"] == "fair" and found.places == []
 
 
 def test_a_crumpled_sphere_is_rough():
@@ -81,3 +82,50 @@ def test_the_verdict_turns_and_scales_with_the_model():
     assert (here.fair, len(here.reasons)) == (there.fair, len(there.reasons))
     assert there.fit_median == pytest.approx(here.fit_median, rel=1e-6)
     assert there.sharpest_fold == pytest.approx(here.sharpest_fold, rel=1e-6)
+
+
+def square(n: int, share: float) -> CGCProblem:
+    """A plan over which K > 0 is singular along all edges, whatever the mesh."""
+    vertices, faces = shapes.grid(n)
+    return CGCProblem(vertices, faces).with_supports("boundary").with_targets(share * np.pi)
+
+
+@pytest.mark.parametrize("n", [6, 10, 20, 40])
+@pytest.mark.parametrize("share", [0.1, 0.5])
+def test_a_dome_over_a_square_is_fair_however_coarse(n, share):
+    result = solve(square(n, share))
+    assert result.verdict.fair, str(result.verdict)
+
+
+def test_two_domes_with_a_fold_between_are_rough():
+    vertices, faces = shapes.grid(24)
+    x, y = vertices[:, :2].T - 0.5
+    vertices[:, 2] = -0.5 * (np.abs(x) - 0.25) ** 2 - 0.5 * y**2
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    found = verdict(CGCProblem(vertices, faces, roles, 1.0))
+    assert not found.fair
+    # The other half of a dome that bulges up and down.
+    vertices[:, 2] = 0.25 * np.sin(2 * np.pi * x) * np.cos(np.pi * y)
+    both = verdict(CGCProblem(vertices, faces, roles, 1.0))
+    assert both.bulging_both_ways > 0.3 and any("to the other side" in reason for reason in both.reasons)
+
+
+def test_a_saddle_of_small_waves_is_rough_at_the_places_of_the_waves():
+    vertices, faces = shapes.grid(24)
+    x, y = vertices[:, :2].T - 0.5
+    vertices[:, 2] = 0.5 * (x**2 - y**2)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    problem = CGCProblem(vertices, faces, roles, -1.0)
+    assert verdict(problem).waviness < 0.05
+    waved = vertices.copy()
+    waved[:, 2] += np.where(x > 0.1, 0.002 * np.cos(np.pi * 24 * (x + y)), 0.0)
+    found = verdict(problem.with_vertices(waved))
+    assert not found.fair and found.waviness > 0.4 and found.places
+    assert np.mean(vertices[found.places, 0] - 0.5 > 0.0) > 0.9
+
+
+def test_a_result_is_judged_where_there_is_a_surface():
+    result = solve(square(12, 0.5))
+    assert result.to_dict()["verdict"]["word"] == "fair" and result.start is not None
+    lost = replace(result, status="diverged")
+    assert lost.verdict is None and lost.to_dict()["verdict"] is None

@@ -17,6 +17,8 @@ from compas_cgc import read
 from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.cli import main
+from compas_cgc.cli.exits import DONE
+from compas_cgc.cli.exits import ROUGH
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.io.rhino.rhinocommon import mesh_to_arrays
 from compas_cgc.model.constraint_data import constraint_data
@@ -84,7 +86,7 @@ def by_command_line(suffix):
         source, target = world["folder"] / f"in{suffix}", world["folder"] / f"out{suffix}"
         write(source, posed(brief))
         options = [word for name, value in brief.settings.items() for word in (f"--{name}", str(value))]
-        assert main(["solve", str(source), "-o", str(target), "--method", brief.method, *options, "-q"]) == 0
+        assert main(["solve", str(source), "-o", str(target), "--method", brief.method, *options, "-q"]) in (DONE, ROUGH)
         return result_of(target)[0] if suffix == ".3dm" else read(target).arrays()[0]
 
     return door
@@ -208,7 +210,7 @@ def test_a_fourth_method_is_found_in_every_door(toy, tmp_path, capsys):
     assert "still" in capsys.readouterr().out
     source, target = tmp_path / "in.json", tmp_path / "out.json"
     write(source, posed(BRIEFS["creases that follow"]))
-    assert main(["solve", str(source), "-o", str(target), "--method", "still", "-q"]) == 0
+    assert main(["solve", str(source), "-o", str(target), "--method", "still", "-q"]) == ROUGH
     assert np.array_equal(read(target).arrays()[0], plan().arrays()[0])
 
     app = create_app(":memory:", workers=1)

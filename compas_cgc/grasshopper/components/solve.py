@@ -145,7 +145,8 @@ def _solving(
 
     def solved(report: Report) -> SolveOutputs:
         result = run(report)
-        return SolveOutputs(None, result.mesh, result.status, 1.0, f"{result.message}\n{analyse(result, mesh)}", result)
+        told, figures = str(analyse(result, mesh, result.verdict)).split("\n", 1)
+        return SolveOutputs(None, result.mesh, result.status, 1.0, f"{told}\n{result.message}\n{figures}", result)
 
     return solved
 
@@ -174,6 +175,9 @@ def _show(component: Any, memory: Memory) -> SolveOutputs:
             add_error(component, result.message)
         elif not result.converged:
             add_warning(component, result.message)
+        elif result.verdict is not None and not result.verdict.fair:
+            set_message(component, "rough")
+            add_warning(component, f"K is as asked, but the surface is {result.verdict}")
     return memory.shown
 
 

@@ -142,8 +142,9 @@ def _arrays(problem: CGCProblem) -> dict[str, Any]:
 def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[Settings], mesh: CGCMesh) -> SolveResult:
     """Return what a server answers as the result that a solve in this process gives."""
     columns = (answer["history"][name] for name in History._fields)
+    real = problem.without_dummies()
     return SolveResult(
-        problem.without_dummies().with_vertices(answer["vertices"]),
+        real.with_vertices(answer["vertices"]),
         answer["status"],
         answer["message"],
         answer["iterations"],
@@ -153,4 +154,5 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
         answer["method"],
         settings=settings,
         drawn=mesh,
+        start=real.vertices,
     )

@@ -37,6 +37,8 @@ from ._types import Mesh
 
 __all__ = ["write_result"]
 
+AMBER = (230, 150, 20)
+
 
 def write_result(
     path: Union[str, os.PathLike],
@@ -71,13 +73,14 @@ def write_result(
     archive = new_archive(problem) if source is None else read_archive(source)
     if version is None:
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
-    report = analysis or analyse(problem)
+    report = analysis or analyse(problem, judged=result.verdict)
     writer = LayerWriter(archive)
     writer.clear(RESULT)
     whole = mesh_from_arrays(problem.vertices, problem.faces)
     draw_problem(writer, problem, RESULT, whole, _outcome(result, report))
     _draw_regions(writer, problem, whole, report)
     _draw_maps(writer, problem, whole)
+    _draw_rough_places(writer, problem, report)
     units = unit_name(archive.Settings.ModelUnitSystem)
     text = _summary(result, report, None if source is None else Path(source).name, unit_suffix(units))
     _, high, size = _extent(problem.vertices)
@@ -99,7 +102,14 @@ def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
     """Return user text of the mesh: how the solve went, and the target where there is but one."""
     targets = {region.target for region in report.regions if region.asked}
     one = {"target": repr(targets.pop())} if len(targets) == 1 and None not in targets else {}
-    return {"status": result.status, "max error": repr(result.max_error), "method": result.method, "version": __version__, **one}
+    return {
+        "verdict": str(report.verdict),
+        "status": result.status,
+        "max error": repr(result.max_error),
+        "method": result.method,
+        "version": __version__,
+        **one,
+    }
 
 
 def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report: SurfaceReport) -> None:
@@ -131,6 +141,13 @@ def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
         if not problem.asked.all():
             place = np.array([high[0] + 0.1 * size, high[1], low[2]])
             writer.dot("not asked for", place, writer.attributes(on, "legend", colour=NO_VALUE))
+
+
+def _draw_rough_places(writer: LayerWriter, problem: CGCProblem, report: SurfaceReport) -> None:
+    """Draw a point at every vertex where a rough surface is rough."""
+    if report.verdict.places:
+        on = writer.layer(f"{RESULT}::Rough", AMBER)
+        writer.cloud(problem.vertices[report.verdict.places], writer.attributes(on, "rough", {"verdict": str(report.verdict)}))
 
 
 def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:

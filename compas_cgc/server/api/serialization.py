@@ -42,7 +42,8 @@ def pack_result(result: SolveResult, report: dict) -> bytes:
     words = {word: getattr(result, word) for word in WORDS}
     words.update(_words_of(result.problem), settings=_settings_data(result.settings), report=report)
     history = {f"history_{name}": values for name, values in result.history._asdict().items()}
-    return _pack({**_arrays_of(result.problem), **history}, words)
+    start = {} if result.start is None else {"start": result.start}
+    return _pack({**_arrays_of(result.problem), **history, **start}, words)
 
 
 def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
@@ -50,7 +51,8 @@ def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))
-    result = SolveResult(_problem_of(arrays, words), **{word: words[word] for word in WORDS}, history=history, settings=settings)
+    told = {word: words[word] for word in WORDS}
+    result = SolveResult(_problem_of(arrays, words), **told, history=history, settings=settings, start=arrays.get("start"))
     return result, words["report"]
 
 

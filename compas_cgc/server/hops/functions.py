@@ -73,9 +73,10 @@ def _solved(request: SolveRequest, started: float) -> Reply:
     notes = list(request.notes)
     if result.status not in GOOD_ENOUGH:
         return Reply(422, [], [result.message], notes, _spent(started, read, solved))
+    judged = f"the surface is {result.verdict}"
     remarks = [] if result.converged else [str(said) for said in check(request.problem)]
-    warnings = [] if result.converged else [result.message, *remarks]
-    info = "\n".join([f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
+    warnings = ([] if result.verdict and result.verdict.fair else [judged]) if result.converged else [result.message, *remarks]
+    info = "\n".join([judged, f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
     return Reply(200, surface_values(result, info), [], warnings, _spent(started, read, solved))
 
 

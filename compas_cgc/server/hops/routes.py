@@ -124,7 +124,8 @@ def _fetch(values: object) -> Reply:
     result, report = unpack_result(jobs().result(job.id))
     mesh = surface_values(result, "")[0]
     reply = _state(200, [], True, 1.0, "\n".join([result.message, *report["notes"]]))
-    warnings = [] if result.converged else [result.message]
+    # A rough surface is the first of the notes.
+    warnings = report["notes"][:1] if result.converged and not report["verdict"]["fair"] else [] if result.converged else [result.message]
     return reply._replace(values=[mesh, *reply.values[1:]], warnings=warnings)
 
 

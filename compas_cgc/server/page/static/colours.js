@@ -4,6 +4,7 @@ export const REGIONS = ['#e8c48f', '#7fa6ad', '#cf8465', '#a7b58b', '#8d93b5', '
 export const SIGNED = ['#08306b', '#2b7bba', '#a6cbe3', '#ffffff', '#f6b29a', '#d6403a', '#7f0d1a'];
 export const NO_VALUE = '#b5b5b5';
 export const SUPPORT = '#d62728';
+export const ROUGH = '#f0a019';
 
 const STOPS = SIGNED.map(parse);
 const OF_REGIONS = REGIONS.map(parse);

@@ -108,6 +108,7 @@ class Page {
     this.charts.clear();
     this.verdict.clear();
     this.result = null;
+    this.scene.surface.mark([]);
     for (const id of ['downloads', 'course', 'cancel', 'progress']) $(id).hidden = true;
     this.hold();
     this.scene.moveTo(this.model.toScene(this.model.xyz));
@@ -171,6 +172,7 @@ class Page {
 
   /** Called by the solver with a surface on its way. */
   surface(xyz) {
+    this.scene.surface.mark([]);
     this.painter.measure(xyz, this.settings.supports);
     this.painter.paint();
     this.scene.moveTo(this.model.toScene(xyz));
@@ -188,6 +190,7 @@ class Page {
     this.painter.measure(xyz, this.settings.supports, result.curvature);
     this.painter.paint();
     this.scene.moveTo(this.model.toScene(xyz));
+    this.scene.surface.mark(result.report.verdict?.places ?? []);
     if (first) this.scene.fit();
     this.verdict.show(result, this.model);
     const drawn = this.charts.end(result.history);

@@ -4,7 +4,8 @@ import * as THREE from './vendor/three/three.module.min.js';
 import { LineMaterial } from './vendor/three/lines/LineMaterial.js';
 import { LineSegments2 } from './vendor/three/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from './vendor/three/lines/LineSegmentsGeometry.js';
-import { SUPPORT, linear, regionChannels, signedColour } from './colours.js';
+import { ROUGH, SUPPORT, linear, regionChannels, signedColour } from './colours.js';
+import { Dots } from './dots.js';
 import { Wedges } from './wedges.js';
 
 /** Everything of one model in the scene. */
@@ -47,16 +48,11 @@ export class Surface {
     this.creases.geometry.setPositions(new Float32Array(Math.max(6, 3 * this.creaseEnds.length)));
     this.creases.visible = this.creaseEnds.length > 0;
 
-    const dots = new THREE.PointsMaterial({
-      map: dot(),
-      sizeAttenuation: false,
-      alphaTest: 0.4,
-      transparent: true,
-    });
-    this.supports = new THREE.Points(new THREE.BufferGeometry(), dots);
+    this.supports = new Dots(SUPPORT);
+    this.rough = new Dots(ROUGH);
 
     this.group = new THREE.Group();
-    this.group.add(this.mesh, this.edges, this.creases, this.supports);
+    this.group.add(this.mesh, this.edges, this.creases, this.supports.points, this.rough.points);
     for (const part of this.group.children) part.frustumCulled = false;
     this.setSupports(model.supports[model.choice]);
     this.place(this.xyz);
@@ -81,21 +77,18 @@ export class Surface {
       this.creaseEnds.forEach((vertex, i) => ends.array.set(xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
       ends.needsUpdate = true;
     }
-    const held = this.supports.geometry.getAttribute('position');
-    this.held.forEach((vertex, i) => held.array.set(xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
-    held.needsUpdate = true;
+    this.supports.place(xyz);
+    this.rough.place(xyz);
   }
 
   /** @param {number[]} held vertices */
   setSupports(held) {
-    this.held = held;
-    // Many of them stand close.
-    this.supports.material.size = Math.max(7, 13 * Math.min(1, Math.sqrt(40 / held.length))) * Math.min(2, window.devicePixelRatio);
-    this.supports.geometry.dispose();
-    this.supports.geometry = new THREE.BufferGeometry();
-    const at = new Float32Array(3 * held.length);
-    held.forEach((vertex, i) => at.set(this.xyz.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
-    this.supports.geometry.setAttribute('position', new THREE.BufferAttribute(at, 3));
+    this.supports.put(held, this.xyz);
+  }
+
+  /** @param {number[]} places vertices where the surface is rough */
+  mark(places) {
+    this.rough.put(places, this.xyz);
   }
 
   /** Colour the regions. */
@@ -155,22 +148,4 @@ export class Surface {
       part.material.dispose();
     }
   }
-}
-
-function dot() {
-  const canvas = document.createElement('canvas');
-  canvas.width = canvas.height = 64;
-  const pen = canvas.getContext('2d');
-  for (const [radius, colour] of [
-    [29, '#ffffff'],
-    [21, SUPPORT],
-  ]) {
-    pen.fillStyle = colour;
-    pen.beginPath();
-    pen.arc(32, 32, radius, 0, 2 * Math.PI);
-    pen.fill();
-  }
-  const texture = new THREE.CanvasTexture(canvas);
-  texture.colorSpace = THREE.SRGBColorSpace;
-  return texture;
 }

@@ -11,6 +11,7 @@ const HEADS = {
   infeasible: ['bad', 'No such surface'],
   cancelled: ['warn', 'Stopped'],
 };
+const ROUGH = 'K is met at every vertex, but the surface is not one to build';
 const QUADRICS =
   'A second measure: the median K of quadrics fitted to the mesh, in the region where it differs most from its target';
 
@@ -27,7 +28,7 @@ export class Verdict {
    * @param {import('./model.js').Model} model
    */
   show(result, model) {
-    const [mood, head] = HEADS[result.status] ?? ['warn', result.status];
+    const [mood, head] = isRough(result) ? ['warn', 'Rough'] : (HEADS[result.status] ?? ['warn', result.status]);
     const list = document.createElement('dl');
     for (const [name, value, why] of figures(result, model)) {
       const [term, detail] = [element('dt', name), element('dd', value)];
@@ -69,7 +70,12 @@ export class Verdict {
   }
 }
 
+function isRough(result) {
+  return result.status === 'converged' && result.report.verdict?.fair === false;
+}
+
 function lead(result) {
+  if (isRough(result)) return `${ROUGH}: ${result.report.verdict.reasons.join('; ')}.`;
   if (result.status === 'converged') {
     const size = largestTarget(result);
     const close = size > 0 ? `to ${part(result.max_error / size)} of the target` : 'to rounding';
