@@ -17,7 +17,7 @@ LAYERS = [
     {"linalg", "meshing"},
     {"model"},
     {"datastructures"},
-    {"solvers", "analysis"},
+    {"solvers", "analysis", "fabrication"},
     {"io", "plot"},
     {"scene"},
     {"paper"},
