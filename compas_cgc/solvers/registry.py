@@ -38,12 +38,14 @@ def method_names() -> tuple[str, ...]:
 
 
 def options() -> dict[str, Option]:
-    """Return every option by the name that doors for designers use; of options of one name the first stands for all."""
+    """Return every option by the name that doors for designers use; of options of one name that with the most choices stands for all."""
     found: dict[str, Option] = {}
     kinds: list[type[Settings]] = [AutoSettings, *(method.settings for method in METHODS.values())]
     for kind in kinds:
         for own in kind.options().values():
-            found.setdefault(own.alias or own.name, own)
+            shown = own.alias or own.name
+            if shown not in found or len(own.choices) > len(found[shown].choices):
+                found[shown] = own
     return found
 
 
@@ -128,6 +130,9 @@ def _door_name(name: str) -> str:
 
 def _only_owner(values: Mapping[str, Any]) -> str:
     able = [name for name, method in METHODS.items() if set(values) <= set(method.settings.options())]
+    if len(able) > 1:
+        # One that takes any problem.
+        able = [name for name in able if METHODS[name].any_sign and METHODS[name].holds_constraints] or able
     if len(able) != 1:
         raise ValueError(
             f"the settings {', '.join(sorted(map(_door_name, values)))} do not belong to one method; name it, {', '.join(METHODS)}"

@@ -133,6 +133,10 @@ TOLERANCE_TEXT = (
     "Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets are zero: of one over the area of the mesh), "
     "or when what is left is rounding."
 )
+EXACT_TEXT = (
+    "exact, by the angles of space-form triangles, so that every region consists of the triangles of its mould "
+    "(exact-arc: with edges for lengths along the mould, not for chords)."
+)
 
 
 @documented

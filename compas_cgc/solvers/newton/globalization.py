@@ -7,6 +7,7 @@ from typing import Union
 
 import numpy as np
 
+from ...discrete.space_form import SpaceFormEquations
 from ...linalg import SingularMatrixError
 from ...meshing.existence import Overload
 from ...meshing.existence import overload
@@ -60,6 +61,18 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
     except SingularMatrixError:
         return "stalled", "singular"
     return outcome, "target"
+
+
+def exact_steps(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, Outcome]:
+    """Yield Newton's steps from a solved shape to one that is exact, and return how they ended."""
+    if isinstance(system.equations, SpaceFormEquations):
+        complaint = system.equations.complaint(shape.vertices)
+        if complaint:
+            return "infeasible", complaint
+    try:
+        return (yield from _by_newton(system, shape, settings)), "start"
+    except SingularMatrixError:
+        return "stalled", "singular"
 
 
 def _by_newton(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, str]:

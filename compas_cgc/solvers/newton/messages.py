@@ -15,7 +15,16 @@ from .system import System
 __all__ = ["message"]
 
 
-def message(status: str, cause: Union[str, Overload], steps: int, max_error: float, system: System, frame: Frame, dents: int) -> str:
+def message(
+    status: str,
+    cause: Union[str, Overload],
+    steps: int,
+    max_error: float,
+    system: System,
+    frame: Frame,
+    dents: int,
+    measure: str = "defect",
+) -> str:
     """Return the sentence.
 
     Parameters
@@ -34,8 +43,10 @@ def message(status: str, cause: Union[str, Overload], steps: int, max_error: flo
         From the units of the system to those of the model.
     dents
         Vertices of a mostly convex surface that bend the other way.
+    measure
+        Of K, in which the error is.
     """
-    reached = f"largest |K - K̄| {max_error:.3g}"
+    reached = f"largest |K - K̄| {max_error:.3g}" + ("" if measure == "defect" else f" in the {measure} measure")
     taken = "1 step" if steps == 1 else f"{steps} steps"
     if status == "converged":
         bent = f"; {dents} vertices are dented, another start may give a smoother surface" if dents else ""
@@ -46,7 +57,8 @@ def message(status: str, cause: Union[str, Overload], steps: int, max_error: flo
         return f"not converged in {taken}: {reached}; allow more steps"
     if isinstance(cause, Overload):
         return too_much(cause.curvature / frame.scale**2, cause.most / frame.scale**2)
-    return f"{status} after {taken}: {_advice(cause, system)}; the best shape on the way is returned, {reached}"
+    why = cause if status == "infeasible" else _advice(cause, system)
+    return f"{status} after {taken}: {why}; the best shape on the way is returned, {reached}"
 
 
 def _advice(cause: str, system: System) -> str:

@@ -14,6 +14,7 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from .globalization import Outcome
+from .globalization import exact_steps
 from .globalization import steps_of
 from .messages import message
 from .polishing import model_errors
@@ -72,12 +73,17 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     run = steps_of(system, start, settings)
+    exact = system.exactly(settings.measure)
     while True:
         try:
             step = next(run)
         except StopIteration as end:
             outcome = end.value
-            break
+            if outcome[0] != "converged" or system is exact:
+                break
+            system, here = exact, exact.measure(here.vertices)
+            best, run = here, exact_steps(exact, here, settings)
+            continue
         here = step.shape
         best = here if system.errors(here)[0] < system.errors(best)[0] else best
         error, norm = system.errors(here)
@@ -92,9 +98,9 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     shape = best if status in ("stalled", "diverged", "infeasible") else here
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
     if status == "converged" and len(recorder):
-        vertices = polished(system, problem, frame, vertices)
-    max_error = float(np.abs(model_errors(problem, vertices)[1]).max(initial=0.0))
-    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape))
+        vertices = polished(system, problem, frame, vertices, settings.measure)
+    max_error = float(np.abs(model_errors(problem, vertices, settings.measure)[1]).max(initial=0.0))
+    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape), settings.measure)
     return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history)
 
 

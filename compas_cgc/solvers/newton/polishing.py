@@ -6,6 +6,8 @@ import numpy as np
 
 from ...discrete import _kernels
 from ...discrete.arrays import FloatArray
+from ...discrete.space_form import EXACT
+from ...discrete.space_form import space_form_angle_sums
 from ...linalg import SingularMatrixError
 from ...model.frame import Frame
 from ...model.problem import CGCProblem
@@ -17,15 +19,19 @@ ROUNDED = 5e-15  # residual that rounding the sum of a ring's angles alone expla
 GAIN = 0.5  # factor on the residual that makes another round pay
 
 
-def model_errors(problem: CGCProblem, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return ``defect_i - K̄_i A_i`` [rad] and K - K̄ [1/L^2], at the vertices where K is asked for, (k,) each."""
+def model_errors(problem: CGCProblem, vertices: FloatArray, measure: str = "defect") -> tuple[FloatArray, FloatArray]:
+    """Return the residuals [rad] and K - K̄ [1/L^2] in a measure, at the vertices where K is asked for, (k,) each."""
     asked = problem.asked
     angle, area = (values[asked] for values in _kernels.angle_sums_and_areas(vertices, problem.faces, _kernels.MIXED))
-    residual = 2 * np.pi - angle - problem.targets[asked] * area
+    if measure in EXACT:
+        K = np.where(asked, problem.targets, 0.0)
+        residual = 2 * np.pi - space_form_angle_sums(vertices, problem.faces, K, measure == "exact-arc")[asked]
+    else:
+        residual = 2 * np.pi - angle - problem.targets[asked] * area
     return residual, np.divide(residual, area, out=np.full(len(area), np.inf), where=area > 0)
 
 
-def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:
+def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatArray, measure: str = "defect") -> FloatArray:
     """Return a converged shape with the rounding of its coordinates made up for.
 
     Where a surface is steep at a fixed edge, rounding a coordinate moves the defects far
@@ -41,8 +47,10 @@ def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatA
         The problem in the model, and the way there.
     vertices
         ``(n, 3)`` the last shape in the model.
+    measure
+        Of K, which the system is for.
     """
-    residual = model_errors(problem, vertices)[0]
+    residual = model_errors(problem, vertices, measure)[0]
     if np.abs(residual).max() <= ROUNDED:
         return vertices
     local = frame.to_local(vertices)
@@ -54,7 +62,7 @@ def polished(system: System, problem: CGCProblem, frame: Frame, vertices: FloatA
         while True:
             trial = vertices.copy()
             trial[system.asked, axis] += frame.scale * system.solver.solve(-residual)
-            remaining = model_errors(problem, trial)[0]
+            remaining = model_errors(problem, trial, measure)[0]
             if not np.abs(remaining).max() < GAIN * np.abs(residual).max():
                 return vertices
             vertices, residual = trial, remaining

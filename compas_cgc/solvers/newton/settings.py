@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..settings import EXACT_TEXT
 from ..settings import TOLERANCE_TEXT
 from ..settings import Settings
 from ..settings import documented
@@ -35,5 +36,11 @@ class NewtonSettings(Settings):
     )
     shortest: float = option(
         2.0**-10, "Smallest damping factor; when it does not help either, the solve has stalled.", float, above=0, high=1
+    )
+    measure: str = option(
+        "defect",
+        "How K is read off the mesh. By angle defect over area, the paper's; or " + EXACT_TEXT,
+        str,
+        choices=("defect", "exact", "exact-arc"),
     )
     backend: str = option("auto", "Linear solver.", str, choices=("auto", "superlu", "pardiso"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...discrete.evaluation import Measure
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import SpaceFormEquations
+from ...discrete.space_form import exact_equations
 from ...linalg import LinearSolver
 from ...linalg import linear_solver
 from ...model.problem import CGCProblem
@@ -68,9 +71,18 @@ class System:
         self.asked = np.flatnonzero(problem.asked)
         self.targets = problem.targets[self.asked]
         self.scale = problem.target_scale
-        self.equations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
+        self.equations: CurvatureEquations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
         self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
         self.measures = Measure(problem.vertices, problem.faces, problem.face_targets())
+
+    def exactly(self, measure: str) -> System:
+        """Return the same system in an exact measure of K, itself for any other."""
+        equations = exact_equations(self.equations, measure)
+        if equations is self.equations:
+            return self
+        system = copy.copy(self)
+        system.equations = equations
+        return system
 
     def measure(self, vertices: Vertices) -> Shape:
         """Return the measures of a shape with vertices (n, 3), the mean curvature by Eq. 14."""
@@ -79,7 +91,11 @@ class System:
         vectors = _kernels.mean_curvature_vectors(vertices, self.problem.faces)[self.asked]
         with np.errstate(all="ignore"):
             H = -0.5 * np.einsum("ij,ij->i", vectors, N) / A
-        return Shape(vertices, (K - self.targets) * A, K, H, A, N, here.energy)
+        residual = (K - self.targets) * A
+        if isinstance(self.equations, SpaceFormEquations):
+            residual = self.equations.residual(vertices)
+            K = self.targets + residual / A
+        return Shape(vertices, residual, K, H, A, N, here.energy)
 
     def moved(self, shape: Shape, lengths: FloatArray, directions: FloatArray) -> Shape:
         """Return the shape with its vertices moved by lengths (k,) [L] along unit directions (k, 3)."""

@@ -17,7 +17,7 @@ ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good
 
 def message(status: str, steps: int, error: float, start_error: float, goal: float, why: str, measure: str = "defect") -> str:
     """Return the sentence for a status; errors and goal are largest |K - K̄|."""
-    reached = f"largest |K - K̄| {error:.3g}" + (" in the smooth measure" if measure == "smooth" else "")
+    reached = f"largest |K - K̄| {error:.3g}" + ("" if measure == "defect" else f" in the {measure} measure")
     if status == "converged":
         return f"converged in {steps} steps: {reached}" + (", the rounding of this mesh" if error > goal else "")
     if status == "cancelled":

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
+from ...discrete.space_form import SpaceFormEquations
+from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
 from ...model.problem import CGCProblem
@@ -92,16 +94,18 @@ class Projector:
         system, settings, scale2 = self._system, self.settings, self._frame.scale**2
         local = self._posed(targets, vertices)
         equations = system.equations(local.targets)
+        asked = exact_equations(equations, settings.measure)
         energy = energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
-        start = best = system.at(local.vertices, equations)
+        drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
+        best = start
         status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        for taken in ways(system, equations, start, settings, vertices is not None) if status == "stalled" else ():
-            here = system.at(taken.vertices, taken.equations or equations)
+        for taken in ways(system, equations, drawn, settings, vertices is not None) if status == "stalled" else ():
+            here = system.at(taken.vertices, taken.equations or asked)
             best = min(best, here, key=lambda point: point.badness)
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
@@ -112,9 +116,11 @@ class Projector:
                 status = "cancelled"
             if status != "stalled":
                 break
-        if status == "stalled" and best.fulfils(goal, system.rounding(best, equations)):
+        if status == "stalled" and best.fulfils(goal, system.rounding(best, asked)):
             status = "converged"
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
+        if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
+            status, why = "infeasible", asked.complaint(best.vertices)
         max_error = best.max_error / scale2
         return Solution(
             self._to_model(best.vertices),

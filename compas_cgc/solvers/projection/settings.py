@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..settings import EXACT_TEXT
 from ..settings import TOLERANCE_TEXT
 from ..settings import Settings
 from ..settings import documented
@@ -14,7 +15,7 @@ __all__ = ["AUTO", "KEEP", "ProjectionSettings"]
 # What nearness weighs in plan and in height, by what the designer wants to keep.
 KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
 AUTO = "auto"
-MEASURES = ("defect", "smooth")
+MEASURES = ("defect", "smooth", "exact", "exact-arc")
 
 
 @documented
@@ -34,8 +35,8 @@ class ProjectionSettings(Settings):
     )
     measure: str = option(
         "defect",
-        "How K is read off the mesh. By angle defect over area, the paper's; or smooth, by that less what the layout of the mesh "
-        "puts into it, so that an irregular mesh leaves no wrinkles.",
+        "How K is read off the mesh. By angle defect over area, the paper's; smooth, by that less what the layout of the mesh "
+        "puts into it, so that an irregular mesh leaves no wrinkles; or " + EXACT_TEXT,
         str,
         choices=MEASURES,
     )

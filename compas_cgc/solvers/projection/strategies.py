@@ -10,6 +10,8 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import EXACT
+from .exact import exactly
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .gauss_newton import in_stages
@@ -57,7 +59,12 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # Over-determined: to insist on it would crumple the surface.
         drawn = system.at(system.settled(start.vertices), equations)
         first = tried[0] if is_flat(system, equations, drawn) else drawn
-        yield from descend(system.keeping("shape"), equations, first, IMPATIENT)
+        vertices = first.vertices
+        for taken in descend(system.keeping("shape"), equations, first, IMPATIENT):
+            vertices = taken.vertices
+            yield taken
+        if settings.measure in EXACT:
+            yield from exactly(system.keeping("shape"), equations, settings.measure, vertices)
         return
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
@@ -77,6 +84,8 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     reached = yield from refine(system, equations, found.reached)
     if settings.measure == "smooth":
         yield from smoothed(system, equations, reached)
+    elif settings.measure in EXACT:
+        yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from descend(system, equations, reached.point, patience=FINISH)
 

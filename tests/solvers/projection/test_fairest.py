@@ -145,4 +145,4 @@ def test_settings_that_there_are_not():
     with pytest.raises(ValueError, match="keep must be one of auto, plan, shape, nothing"):
         ProjectionSettings(keep="everything")
     with pytest.raises(ValueError, match="measure must be one of defect, smooth"):
-        ProjectionSettings(measure="exact")
+        ProjectionSettings(measure="guess")

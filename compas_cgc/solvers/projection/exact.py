@@ -1,0 +1,27 @@
+"""The exact finish: from a fair surface to the nearest that consists of the triangles of its moulds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...discrete.arrays import Vertices
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import SpaceFormEquations
+from ...discrete.space_form import exact_equations
+from .gauss_newton import Taken
+from .gauss_newton import descend
+from .measure import FINISH
+from .system import System
+
+__all__ = ["exactly"]
+
+
+def exactly(system: System, equations: CurvatureEquations, measure: str, vertices: Vertices) -> Iterator[Taken]:
+    """Take least-norm steps from a fair shape (n, 3) until space-form triangles close around its vertices.
+
+    From anywhere else they would lead to another of the many surfaces that do. None are taken where a face is too large.
+    """
+    exact = exact_equations(equations, measure)
+    if isinstance(exact, SpaceFormEquations) and exact.too_large(vertices) is None:
+        for taken in descend(system, exact, system.at(vertices, exact), patience=FINISH):
+            yield taken._replace(equations=exact)

@@ -1,0 +1,85 @@
+"""The exact measure: a finish after the fair surface, for both methods that have it and any sign of K."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCProblem
+from compas_cgc import solve
+from compas_cgc.discrete.space_form import space_form_angle_sums
+from compas_cgc.solvers import options
+from compas_cgc.solvers import settings_for
+
+from ..support.roofs import irregular_disk
+from ..support.roofs import nine_regions
+from ..support.roofs import obtuse_share
+from ..support.shapes import grid
+
+ROOFS = {
+    "nine regions": nine_regions(15),
+    "a saddle in the middle": nine_regions(12, centre=-0.01),
+    "an irregular disk": irregular_disk(300),
+    "in millimetres, far away": nine_regions(9).with_vertices(nine_regions(9).vertices * 1000.0 + [1e6, -2e6, 0]).with_targets(1e-8),
+}
+
+
+def opened(problem, vertices, arc=False):
+    """Return the largest angle by which the triangles of the moulds do not close around a vertex."""
+    inside = problem.asked
+    sums = space_form_angle_sums(vertices, problem.faces, np.where(inside, problem.targets, 0.0), arc)
+    return np.abs(sums - 2 * np.pi)[inside].max()
+
+
+@pytest.mark.parametrize("measure", ["exact", "exact-arc"])
+@pytest.mark.parametrize("name", ROOFS)
+def test_the_triangles_of_the_moulds_close_around_every_vertex(name, measure):
+    problem = ROOFS[name]
+    plain = solve(problem, method="projection")
+    result = solve(problem, method="projection", settings={"measure": measure})
+    assert result.converged and f"in the {measure} measure" in result.message
+    far = name.startswith("in millimetres")
+    assert opened(problem, result.vertices, measure == "exact-arc") < (1e-9 if far else 2e-14)
+    assert opened(problem, plain.vertices, measure == "exact-arc") > 1e-5
+    assert result.iterations <= plain.iterations + 5
+    size = np.ptp(problem.vertices, axis=0).max()
+    assert np.abs(result.vertices - plain.vertices).max() < 2e-3 * size
+
+
+def test_an_irregular_cap_is_a_sphere():
+    problem = irregular_disk(300)
+    centre = [0, 0, -((100 - 7.5**2) ** 0.5)]
+
+    def off(method, measure):
+        result = solve(problem, method=method, settings={"measure": measure})
+        assert result.converged
+        return np.abs(np.linalg.norm(result.vertices - centre, axis=1) - 10.0).max()
+
+    assert obtuse_share(problem.vertices, problem.faces) > 0.25
+    for method in ("newton", "projection"):
+        assert off(method, "exact") < 1e-11
+        assert off(method, "defect") > 1e-3
+
+
+def test_newton_polishes_a_saddle_from_where_it_is():
+    problem = nine_regions(12, centre=-0.01)
+    solved = problem.with_vertices(solve(problem, method="projection").vertices)
+    result = solve(solved, method="newton", settings={"measure": "exact"})
+    assert result.converged and "in the exact measure" in result.message
+    assert opened(problem, result.vertices) < 2e-14
+
+
+def test_a_mesh_too_coarse_for_its_mould_is_told_so():
+    vertices, faces = grid(2, 15.0)
+    problem = CGCProblem(vertices, faces).with_supports("corners").with_targets(0.04)
+    assert solve(problem, method="projection").converged
+    result = solve(problem, method="projection", settings={"measure": "exact"})
+    assert result.status == "infeasible" and "too large for a mould" in result.message
+
+
+def test_every_door_knows_the_measures():
+    assert options()["measure"].choices == ("defect", "smooth", "exact", "exact-arc")
+    assert type(settings_for("auto", {"measure": "exact"})).__name__ == "ProjectionSettings"
+    assert settings_for("newton", {"measure": "exact-arc"}).measure == "exact-arc"
+    with pytest.raises(ValueError, match="measure must be one of defect, exact, exact-arc"):
+        settings_for("newton", {"measure": "smooth"})
