@@ -18,8 +18,10 @@ from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
 from ..meshing import vertex_labels
+from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import INTERNAL
@@ -39,7 +41,7 @@ class RegionReport:
     area: float  # [L^2]
     asked: int  # vertices where K is asked
     target: Optional[float]  # K̄, None where it is not one number [1/L^2]
-    max_error: Optional[float]  # largest |K - K̄| by angle defects [1/L^2]
+    max_error: Optional[float]  # largest |K - K̄| [1/L^2]
     rms_error: Optional[float]  # root of the mean square of K - K̄ [1/L^2]
     total_curvature: Optional[float]  # sum of defects over sum of cells [1/L^2]
     quadric_median: Optional[float]  # K of local quadric fits [1/L^2]
@@ -69,6 +71,8 @@ class SurfaceReport:
     """A surface beside what was asked of it."""
 
     verdict: Verdict  # whether it is fair or rough
+    measure: str  # of K, by which the errors are told
+    other_measures: dict[str, float]  # largest |K - K̄| by other measures [1/L^2]
     regions: list[RegionReport]
     quality: MeshQuality
     max_error: float  # largest |K - K̄| of all regions [1/L^2]
@@ -96,11 +100,13 @@ class SurfaceReport:
             for r in self.regions
         ]
         q = self.quality
+        others = ", ".join(f"{name} {error:.3g}" for name, error in self.other_measures.items())
         lines = [
             f"the surface is {self.verdict}",
             *_columns([heads, *rows]),
             f"mesh: {q.vertices} vertices, {q.faces} faces, {100 * q.regular:.0f} % of the inner vertices regular, "
             f"angles {q.smallest_angle:.1f} to {q.largest_angle:.1f} degrees, edges {q.shortest_edge:.4g} to {q.longest_edge:.4g}",
+            f"K by the {self.measure} measure; largest error by the others: {others}",
             f"curvature cannot be known better than {q.rounding_floor:.1e} on this mesh",
         ]
         if self.moved_max is not None:
@@ -108,17 +114,16 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
-def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, judged: Optional[Verdict] = None) -> SurfaceReport:
+def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> SurfaceReport:
     """Measure a surface against its targets.
 
     Parameters
     ----------
     surface
-        A result, mesh or problem with targets. Dummies are left out.
+        A result, mesh or problem with targets. Dummies are left out. A result is read in the measure of its solve, the others by
+        angle defects.
     reference
         What it was made from, to tell how far it moved.
-    judged
-        The verdict on it, where that is known already.
 
     Returns
     -------
@@ -131,14 +136,18 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, jud
         If the reference has another number of vertices.
     """
     problem = surface.to_problem().without_dummies()
+    measure = getattr(surface, "measure", "defect")
     V, F = problem.vertices, problem.faces
     before = None if reference is None else reference.to_problem().without_dummies().vertices
     if before is not None and before.shape != V.shape:
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
-    regions = _regions(problem, problem.regions(), problem.creases)
+    regions = _regions(problem, problem.regions(), problem.creases, measured_curvature(problem, measure))
+    errors = {name: _largest(measured_curvature(problem, name) - problem.targets) for name in ("defect", "smooth") if name != measure}
     return SurfaceReport(
-        judged or verdict(problem, before),
+        getattr(surface, "verdict", None) or verdict(problem, before),
+        measure,
+        errors,
         regions,
         _quality(V, F, problem.asked),
         max((r.max_error for r in regions if r.max_error is not None), default=0.0),
@@ -147,7 +156,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, jud
     )
 
 
-def _regions(problem: CGCProblem, label: IntArray, creases: Edges) -> list[RegionReport]:
+def _regions(problem: CGCProblem, label: IntArray, creases: Edges, K: PerVertex) -> list[RegionReport]:
     V, F, asked = problem.vertices, problem.faces, problem.roles == INTERNAL
     defect, cell, area = angle_defects(V, F), vertex_areas(V, F), face_areas(V, F)
     fitted = quadric_curvatures(V, F, wanted=asked, through=asked)
@@ -157,7 +166,7 @@ def _regions(problem: CGCProblem, label: IntArray, creases: Edges) -> list[Regio
     for number in range(label.max(initial=-1) + 1):
         own = asked & (region == number)
         targets = np.unique(problem.targets[own])
-        error = (defect / np.where(cell > 0, cell, 1.0) - problem.targets)[own]
+        error = (K - problem.targets)[own]
         fit = fitted.gaussian[own & np.isfinite(fitted.gaussian)]
         some, fits = own.any(), fit.size > 0
         low, middle, high = np.percentile(fit, [10, 50, 90]).tolist() if fits else (None, None, None)
@@ -213,6 +222,10 @@ def _quality(V: Vertices, F: Faces, asked: Mask) -> MeshQuality:
         longest_edge=float(length.max()),
         rounding_floor=float(np.finfo(float).eps / cell[inner].min()),
     )
+
+
+def _largest(errors: PerVertex) -> float:
+    return float(np.abs(errors[np.isfinite(errors)]).max(initial=0.0))
 
 
 def _number(value: Optional[float], otherwise: str = "-", form: str = ".5g") -> str:

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     result = _solve(problem, arguments, settings)
     for remark in result.remarks:
         say(f"note: {remark}")
-    analysis = analyse(result, problem, result.verdict)
+    analysis = analyse(result, problem)
     say(_summary(result, analysis))
     if arguments.report:
         _write_report(arguments, result, analysis)

@@ -12,7 +12,9 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import PerVertex
 from ..meshing import Diagnostic
+from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.result import History
 from ..model.result import Solution
@@ -58,6 +60,8 @@ class SolveResult:
         What the check found that does not keep the problem from being solved.
     start
         ``(n, 3)`` where the vertices were before [L]; None where that is not known.
+    measure
+        How K is read off the mesh in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
     """
 
     problem: CGCProblem
@@ -72,6 +76,7 @@ class SolveResult:
     drawn: Optional[CGCMesh] = None
     remarks: tuple[Diagnostic, ...] = ()
     start: Optional[FloatArray] = None
+    measure: str = "defect"
 
     @classmethod
     def from_solution(
@@ -85,7 +90,15 @@ class SolveResult:
         """Return the result of a solution of a problem."""
         before = problem.without_dummies()
         real = before.with_vertices(solution.vertices[problem.roles != DUMMY])
-        return cls(real, *solution[1:], settings=settings, drawn=drawn, remarks=tuple(remarks), start=before.vertices)
+        return cls(
+            real,
+            *solution[1:-1],
+            settings=settings,
+            drawn=drawn,
+            remarks=tuple(remarks),
+            start=before.vertices,
+            measure=solution.measure,
+        )
 
     @property
     def converged(self) -> bool:
@@ -96,6 +109,11 @@ class SolveResult:
     def verdict(self) -> Optional[Verdict]:
         """Whether the surface is fair or rough, and why: a status speaks of equations alone; None where none was found."""
         return None if self.status in ("infeasible", "diverged") else verdict(self.problem, self.start)
+
+    @cached_property
+    def curvature(self) -> PerVertex:
+        """K (n,) in the measure of the solve, NaN where none is asked [1/L^2]."""
+        return measured_curvature(self.problem, self.measure)
 
     @property
     def vertices(self) -> FloatArray:
@@ -130,6 +148,7 @@ class SolveResult:
         """Return how the solve went, ready for JSON; numbers that are none are None."""
         words = {
             "method": self.method,
+            "measure": self.measure,
             "settings": None if self.settings is None else self.settings.to_dict(),
             "status": self.status,
             "verdict": None if self.verdict is None else self.verdict.to_dict(),

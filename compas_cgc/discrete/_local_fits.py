@@ -107,7 +107,16 @@ def misfit(points: FloatArray, count: int, scale: float, r: FloatArray, degree: 
 
 @njit(cache=True)
 def fitted(
-    V: Vertices, N: Vectors, F: Faces, start: IntArray, faces: IntArray, through: Mask, wanted: Mask, degree: int, rings: int
+    V: Vertices,
+    N: Vectors,
+    F: Faces,
+    start: IntArray,
+    faces: IntArray,
+    through: Mask,
+    wanted: Mask,
+    degree: int,
+    rings: int,
+    pinned: bool,
 ) -> FloatArray:
     """Return what polynomials around the wanted vertices tell (n, 6), else NaN: the columns of `LocalFits`."""
     out = np.full((V.shape[0], 6), np.nan)
@@ -115,7 +124,7 @@ def fitted(
     place = np.full(V.shape[0], -1)
     most = TERMS[degree]
     points = np.empty((MOST, 3))
-    M, r, row = np.empty((most, most)), np.empty(most), np.empty(most)
+    M, r, row = np.empty((most + 1, most + 1)), np.empty(most + 1), np.empty(most + 1)
     p, q = np.empty(3), np.empty(3)
     for i in range(V.shape[0]):
         if not wanted[i]:
@@ -154,7 +163,27 @@ def fitted(
                 r[k] += weight * row[k] * w
                 for m in range(k + 1):
                     M[k, m] += weight * row[k] * row[m]
-        solve_in_place(M, r, terms, 0.0)
+        level = 0.0
+        if pinned:
+            solve_in_place(M, r, terms, 0.0)
+        else:
+            # The last unknown is the height of the polynomial over the vertex, which is one of the points.
+            total = 1.0 / CENTRED
+            M[terms, : terms + 1] = 0.0
+            r[terms] = 0.0
+            for c in range(count):
+                u, v, w = points[c, 0] / scale, points[c, 1] / scale, points[c, 2] / scale
+                powers(u, v, used, row)
+                weight = 1.0 / (u * u + v * v + CENTRED)
+                total += weight
+                r[terms] += weight * w
+                for k in range(terms):
+                    M[terms, k] += weight * row[k]
+            M[terms, terms] = total
+            solve_in_place(M, r, terms + 1, 0.0)
+            level = r[terms]
+        for c in range(count):
+            points[c, 2] -= level * scale
         a, b = r[0], r[1]
         uu, uv, vv = 2.0 * r[2], r[3], 2.0 * r[4]
         g = 1.0 + a * a + b * b

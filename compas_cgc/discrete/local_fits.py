@@ -35,6 +35,7 @@ def local_fits(
     through: Optional[ArrayLike] = None,
     degree: int = 3,
     rings: int = 2,
+    pinned: bool = True,
 ) -> LocalFits:
     """Fit polynomials to the rings around vertices, as heights over their tangent planes.
 
@@ -56,6 +57,9 @@ def local_fits(
         Of the polynomials, 2 to 4; lowered where the rings have too few vertices.
     rings
         How many.
+    pinned
+        Let the polynomials go through their vertices. Else a vertex is but one of the points, and moving it alone changes
+        little.
 
     Returns
     -------
@@ -71,4 +75,4 @@ def local_fits(
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
     start, around = _local_fits.around(F, n)
-    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, start, around, open_to, where, degree, rings).T)
+    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, start, around, open_to, where, degree, rings, pinned).T)

@@ -115,7 +115,10 @@ class SpaceFormEquations(CurvatureEquations):
         if face is None:
             return ""
         a, b, c = self.faces[face].tolist()
-        return f"the face {a}-{b}-{c} is too large for a mould of its K̄, whose radius has to exceed that of the circle through its corners; refine the mesh there"
+        return (
+            f"the face {a}-{b}-{c} is too large for a mould of its K̄, whose radius has to exceed that of the circle through its "
+            "corners; refine the mesh there"
+        )
 
 
 def exact_equations(equations: CurvatureEquations, measure: str) -> CurvatureEquations:

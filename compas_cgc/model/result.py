@@ -61,3 +61,4 @@ class Solution(NamedTuple):
     max_error: float  # largest |K - K̄| where K is asked [1/L^2]
     history: History
     method: str = ""  # the method that was used
+    measure: str = "defect"  # of K, by which the errors are told

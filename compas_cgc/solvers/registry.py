@@ -111,7 +111,9 @@ def settings_of(method: Method, settings: Optional[Settings]) -> Settings:
     """Return the settings for a method that was picked: those given where they are its own or any method's, else its defaults."""
     if isinstance(settings, method.settings):
         return settings
-    return method.settings(**{name: value for name, value in settings.to_dict().items() if value is not None} if settings else {})
+    given = settings.to_dict() if settings else {}
+    known = method.settings.options()
+    return method.settings(**{name: value for name, value in given.items() if value is not None and name in known})
 
 
 def _by_own_names(given: Mapping[str, Any]) -> dict[str, Any]:

@@ -43,6 +43,13 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
     """
     if settings is not None and method_of(settings) != "auto":
         return [Choice(method_of(settings), f"its settings were given ({type(settings).__name__})")]
+    choices = _choices(problem)
+    if settings is None or settings.to_dict()["measure"] in ("auto", "defect"):
+        return choices
+    return [choice for choice in choices if "measure" in METHODS[choice.method].settings.options()]
+
+
+def _choices(problem: CGCProblem) -> list[Choice]:
     targets = problem.targets[problem.asked]
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints")]

@@ -133,6 +133,11 @@ TOLERANCE_TEXT = (
     "Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets are zero: of one over the area of the mesh), "
     "or when what is left is rounding."
 )
+MEASURES = ("auto", "defect", "smooth", "exact", "exact-arc")
+MEASURE_TEXT = (
+    "How K is read off the mesh. By angle defect over area, the paper's (defect); by that less what the layout of the mesh puts into it, "
+    "so that an irregular mesh leaves no wrinkles (smooth); as auto picks of these two, by how irregular the mesh is; or "
+)
 EXACT_TEXT = (
     "exact, by the angles of space-form triangles, so that every region consists of the triangles of its mould "
     "(exact-arc: with edges for lengths along the mould, not for chords)."
@@ -146,3 +151,4 @@ class AutoSettings(Settings):
 
     steps: Optional[int] = option(None, "Most steps of the method that is picked.", int, low=1)
     tolerance: Optional[float] = option(None, TOLERANCE_TEXT, float, low=0)
+    measure: str = option("auto", MEASURE_TEXT + EXACT_TEXT, str, choices=MEASURES)

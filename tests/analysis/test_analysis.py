@@ -87,7 +87,7 @@ def test_report_as_text_and_as_json():
     mesh, result = roof()
     report = analyse(result.mesh, mesh)
     text = str(report)
-    assert text.startswith("the surface is fair\n") and len(text.splitlines()) == 2 + 9 + 3
+    assert text.startswith("the surface is fair\n") and len(text.splitlines()) == 2 + 9 + 4
     assert "100 % of the inner vertices regular" in text and "moved by 0.19" in text
     data = json.loads(json.dumps(report.to_dict(), allow_nan=False))
     assert data["regions"][4]["target"] == 4.0 and data["verdict"]["word"] == "fair"

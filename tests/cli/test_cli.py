@@ -339,7 +339,12 @@ def test_the_report_says_how_it_went(dome, tmp_path):
     report = tmp_path / "report.json"
     assert call("solve", dome, "-o", tmp_path / "out.json", "--target", "0.01", "--tolerance", "1e-9", "--report", report, "-q") == 0
     said = json.loads(report.read_text(encoding="utf-8"))
-    assert said["settings"] == {"steps": None, "tolerance": 1e-9} and said["method"] == "newton" and said["input"] == "dome.json"
+    assert (
+        said["settings"] == {"steps": None, "tolerance": 1e-9, "measure": "auto"}
+        and said["measure"] == "defect"
+        and said["method"] == "newton"
+        and said["input"] == "dome.json"
+    )
     assert said["steps"] == len(said["history"]["energy"]) and said["regions"][0]["target"] == 0.01 and said["moved_max"] > 1
 
 

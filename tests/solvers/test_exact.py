@@ -78,8 +78,8 @@ def test_a_mesh_too_coarse_for_its_mould_is_told_so():
 
 
 def test_every_door_knows_the_measures():
-    assert options()["measure"].choices == ("defect", "smooth", "exact", "exact-arc")
-    assert type(settings_for("auto", {"measure": "exact"})).__name__ == "ProjectionSettings"
+    assert options()["measure"].choices == ("auto", "defect", "smooth", "exact", "exact-arc")
+    assert settings_for("auto", {"measure": "exact"}).measure == "exact"
     assert settings_for("newton", {"measure": "exact-arc"}).measure == "exact-arc"
-    with pytest.raises(ValueError, match="measure must be one of defect, exact, exact-arc"):
-        settings_for("newton", {"measure": "smooth"})
+    with pytest.raises(ValueError, match="measure must be one of auto, defect, smooth, exact, exact-arc"):
+        settings_for("newton", {"measure": "fair"})

@@ -145,7 +145,7 @@ def _solving(
 
     def solved(report: Report) -> SolveOutputs:
         result = run(report)
-        told, figures = str(analyse(result, mesh, result.verdict)).split("\n", 1)
+        told, figures = str(analyse(result, mesh)).split("\n", 1)
         return SolveOutputs(None, result.mesh, result.status, 1.0, f"{told}\n{result.message}\n{figures}", result)
 
     return solved

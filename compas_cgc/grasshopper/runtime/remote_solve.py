@@ -155,4 +155,5 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
         settings=settings,
         drawn=mesh,
         start=real.vertices,
+        measure=answer["measure"],
     )

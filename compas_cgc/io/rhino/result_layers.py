@@ -73,7 +73,7 @@ def write_result(
     archive = new_archive(problem) if source is None else read_archive(source)
     if version is None:
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
-    report = analysis or analyse(problem, judged=result.verdict)
+    report = analysis or analyse(result)
     writer = LayerWriter(archive)
     writer.clear(RESULT)
     whole = mesh_from_arrays(problem.vertices, problem.faces)
@@ -107,6 +107,7 @@ def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
         "status": result.status,
         "max error": repr(result.max_error),
         "method": result.method,
+        "measure": result.measure,
         "version": __version__,
         **one,
     }

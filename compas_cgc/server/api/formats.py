@@ -9,7 +9,6 @@ from typing import Callable
 import numpy as np
 
 from ...datastructures import SolveResult
-from ...discrete import gaussian_curvature
 from ...meshing import crease_paths
 from ...model.roles import ROLES
 from .decoding import packed
@@ -59,14 +58,13 @@ def _arrays(result: SolveResult, report: dict, in_bytes: bool) -> bytes:
     rows: Callable = packed if in_bytes else np.ndarray.tolist
     column: Callable = packed if in_bytes else _column
     problem = result.problem
-    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
     body = {
         **{word: _plain(getattr(result, word)) for word in WORDS},
         "vertices": rows(problem.vertices),
         "faces": rows(problem.faces),
         "roles": np.array(ROLES, dtype=object)[problem.roles].tolist(),
         "targets": column(problem.targets),
-        "curvature": column(K),
+        "curvature": column(result.curvature),
         "creases": crease_paths(map(tuple, problem.names.vertices[problem.creases].tolist())),
         "history": _plain(result.history.to_dict()),
         "report": _plain(report),

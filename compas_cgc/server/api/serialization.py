@@ -24,7 +24,7 @@ from ...solvers.settings import Settings
 
 __all__ = ["pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
-WORDS = ("status", "message", "iterations", "seconds", "max_error", "method")
+WORDS = ("status", "message", "iterations", "seconds", "max_error", "method", "measure")
 
 
 def pack_problem(problem: CGCProblem) -> bytes:
@@ -51,7 +51,8 @@ def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))
-    told = {word: words[word] for word in WORDS}
+    # Those of older versions had one measure.
+    told = {word: words[word] for word in WORDS if word in words}
     result = SolveResult(_problem_of(arrays, words), **told, history=history, settings=settings, start=arrays.get("start"))
     return result, words["report"]
 

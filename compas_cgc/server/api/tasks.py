@@ -96,7 +96,7 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
         return {"notes": notes}
     if not result.converged:
         notes += [str(said) for said in check(request.problem)]
-    report = analyse(result, request.problem, result.verdict)
+    report = analyse(result, request.problem)
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")
     return {"notes": notes, **report.to_dict()}

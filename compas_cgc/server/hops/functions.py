@@ -117,7 +117,7 @@ FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/ana
 def surface_values(result: SolveResult, info: str) -> list[dict]:
     """Return the outputs Mesh, Info and Error; the regions are told of at the end of the info."""
     problem = result.problem
-    missed = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces) - problem.targets, np.nan)
+    missed = result.curvature - problem.targets
     return [
         entry("Mesh", "Mesh", [_coloured(problem.vertices, problem.faces, missed, problem.target_scale)]),
         entry("Info", "Text", ["\n".join([info, *_regions(problem, missed)])]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Optional
 
 import numpy as np
@@ -20,6 +21,7 @@ from .messages import message
 from .polishing import model_errors
 from .polishing import polished
 from .settings import NewtonSettings
+from .stages import Stages
 from .system import System
 
 __all__ = ["newton"]
@@ -73,16 +75,23 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
     run = steps_of(system, start, settings)
-    exact = system.exactly(settings.measure)
+    stages, met = Stages(system, settings.measure), None
     while True:
         try:
             step = next(run)
         except StopIteration as end:
             outcome = end.value
-            if outcome[0] != "converged" or system is exact:
+            if outcome[0] != "converged":
+                if met is not None and settings.measure == "auto":
+                    # The layout of the mesh could not be told from its wrinkles.
+                    (system, here), outcome = met, ("converged", "")
                 break
-            system, here = exact, exact.measure(here.vertices)
-            best, run = here, exact_steps(exact, here, settings)
+            met = system, here
+            after = stages.following(system, here)
+            if after is None:
+                break
+            system, here = after, after.measure(here.vertices)
+            best, run = here, exact_steps(after, here, settings)
             continue
         here = step.shape
         best = here if system.errors(here)[0] < system.errors(best)[0] else best
@@ -91,17 +100,22 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         if recorder.cancelled(here.vertices):
             outcome = "cancelled", ""
             break
-        if len(recorder) == settings.steps and not system.meets(here, settings.tolerance):
+        if len(recorder) >= settings.steps and not system.meets(here, settings.tolerance):
             outcome = "step_limit", ""
+            if met is not None and settings.measure == "auto":
+                (system, here), outcome = met, ("converged", "")
             break
     status, cause = outcome
     shape = best if status in ("stalled", "diverged", "infeasible") else here
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
+    measure = stages.measure_of(system)
+    if measure == "smooth":
+        problem = replace(problem, targets=system.equations.targets / frame.scale**2)
     if status == "converged" and len(recorder):
-        vertices = polished(system, problem, frame, vertices, settings.measure)
-    max_error = float(np.abs(model_errors(problem, vertices, settings.measure)[1]).max(initial=0.0))
-    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape), settings.measure)
-    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history)
+        vertices = polished(system, problem, frame, vertices, measure)
+    max_error = float(np.abs(model_errors(problem, vertices, measure)[1]).max(initial=0.0))
+    sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape), measure)
+    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure)
 
 
 def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..settings import EXACT_TEXT
+from ..settings import MEASURE_TEXT
+from ..settings import MEASURES
 from ..settings import TOLERANCE_TEXT
 from ..settings import Settings
 from ..settings import documented
@@ -18,7 +20,7 @@ __all__ = ["NewtonSettings"]
 class NewtonSettings(Settings):
     """Parameters of Newton's method; none has a unit."""
 
-    steps: int = option(60, "Most steps to take, those of the elliptic start included.", int, low=1)
+    steps: int = option(100, "Most steps to take, those of the elliptic start included.", int, low=1)
     tolerance: float = option(1e-12, TOLERANCE_TEXT + " The result is then polished until rounding stops it.", float, above=0)
     start: str = option(
         "auto",
@@ -38,9 +40,9 @@ class NewtonSettings(Settings):
         2.0**-10, "Smallest damping factor; when it does not help either, the solve has stalled.", float, above=0, high=1
     )
     measure: str = option(
-        "defect",
-        "How K is read off the mesh. By angle defect over area, the paper's; or " + EXACT_TEXT,
+        "auto",
+        MEASURE_TEXT + EXACT_TEXT,
         str,
-        choices=("defect", "exact", "exact-arc"),
+        choices=MEASURES,
     )
     backend: str = option("auto", "Linear solver.", str, choices=("auto", "superlu", "pardiso"))

@@ -12,6 +12,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
 from ...discrete.evaluation import Measure
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.smooth_measure import layout_errors
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...linalg import LinearSolver
@@ -82,6 +83,18 @@ class System:
             return self
         system = copy.copy(self)
         system.equations = equations
+        return system
+
+    def smooth_targets(self, vertices: Vertices) -> FloatArray:
+        """Return the targets (n,) by angle defects of a surface like a shape (n, 3) that has its own in the smooth measure."""
+        return self.problem.targets + layout_errors(vertices, self.problem.faces, self.problem.asked)
+
+    def with_targets(self, targets: FloatArray) -> System:
+        """Return the same system for other targets (n,)."""
+        system = copy.copy(self)
+        system.targets = targets[self.asked]
+        system.equations = copy.copy(self.equations)
+        system.equations.targets = targets
         return system
 
     def measure(self, vertices: Vertices) -> Shape:

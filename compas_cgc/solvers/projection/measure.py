@@ -10,18 +10,19 @@ from itertools import islice
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Mask
 from ...discrete.jacobian import CurvatureEquations
-from ...discrete.local_fits import LocalFits
 from ...discrete.local_fits import local_fits
+from ...discrete.smooth_measure import is_irregular
+from ...discrete.smooth_measure import layout_errors
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .sequential import Reached
 from .system import System
 from .trust_region import refine
 
-__all__ = ["FINISH", "smooth_equations", "smoothed"]
+__all__ = ["FINISH", "shows_layout", "smooth_equations", "smoothed"]
 
-DEGREE, RINGS = 4, 3  # of the polynomials
 ROUNDS = 2  # of the search for the fairest shape
 RENEWALS = 12  # of the equations after it
 STEPS = 2  # to the equations between renewals
@@ -41,11 +42,12 @@ def smooth_equations(system: System, equations: CurvatureEquations, vertices: Fl
     ----------
     Stetter, doi:10.1007/BF01432879.
     """
-    fits = _fits(system, equations, vertices)
-    # No layout puts more into a defect than the curvatures that are there; beside edges a fit may claim so.
-    most = fits.mean**2 + np.abs(fits.gaussian)
-    error = np.where(np.isfinite(fits.truncation), np.clip(fits.truncation, -most, most), 0.0)
-    return system.equations(equations.targets + error)
+    return system.equations(equations.targets + layout_errors(vertices, equations.faces, _asked(system, vertices)))
+
+
+def shows_layout(system: System, equations: CurvatureEquations, vertices: FloatArray) -> bool:
+    """Return whether a fair shape (n, 3) that meets the equations would have wrinkles from the layout of its mesh."""
+    return is_irregular(vertices, equations.faces, _asked(system, vertices), equations.targets)
 
 
 def smoothed(system: System, equations: CurvatureEquations, reached: Reached) -> Iterator[Taken]:
@@ -85,15 +87,16 @@ def _change(system: System, before: CurvatureEquations, after: CurvatureEquation
 
 def _off(system: System, equations: CurvatureEquations, vertices: FloatArray) -> float:
     """Return how far the fitted polynomials of a shape (n, 3) are from their targets, in the middle."""
-    fitted = _fits(system, equations, vertices).gaussian
+    asked = _asked(system, vertices)
+    fitted = local_fits(vertices, equations.faces, asked, asked, 4, 3).gaussian
     away = np.abs(fitted - equations.targets)[system.rows]
     return float(np.median(away[np.isfinite(away)])) if np.isfinite(away).any() else 0.0
 
 
-def _fits(system: System, equations: CurvatureEquations, vertices: FloatArray) -> LocalFits:
+def _asked(system: System, vertices: FloatArray) -> Mask:
     asked = np.zeros(len(vertices), bool)
     asked[system.rows] = True
-    return local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS)
+    return asked
 
 
 def _for(equations: CurvatureEquations, steps: Generator[Taken, None, Reached]) -> Generator[Taken, None, Reached]:

@@ -21,6 +21,7 @@ from ...model.result import Solution
 from .energy import energy_meter
 from .messages import cause
 from .messages import message
+from .settings import AUTO
 from .settings import ProjectionSettings
 from .strategies import ways
 from .system import System
@@ -99,6 +100,7 @@ class Projector:
         goal = settings.tolerance * local.target_scale
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
         best = start
+        measure = "defect" if settings.measure == AUTO else settings.measure
         status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
@@ -110,6 +112,7 @@ class Projector:
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
                 status, best = "converged", here
+                measure = "smooth" if settings.measure == AUTO and taken.equations is not None else measure
             elif len(recorder) == settings.steps:
                 status = "step_limit"
             if recorder.cancelled(here.vertices) and status == "stalled":
@@ -125,11 +128,12 @@ class Projector:
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, settings.measure),
+            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, measure),
             len(recorder),
             recorder.seconds,
             max_error,
             recorder.history,
+            measure=measure,
         )
 
     def _posed(self, targets: Optional[ArrayLike], vertices: Optional[ArrayLike]) -> CGCProblem:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..settings import EXACT_TEXT
+from ..settings import MEASURE_TEXT
+from ..settings import MEASURES
 from ..settings import TOLERANCE_TEXT
 from ..settings import Settings
 from ..settings import documented
@@ -15,7 +17,6 @@ __all__ = ["AUTO", "KEEP", "ProjectionSettings"]
 # What nearness weighs in plan and in height, by what the designer wants to keep.
 KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
 AUTO = "auto"
-MEASURES = ("defect", "smooth", "exact", "exact-arc")
 
 
 @documented
@@ -34,9 +35,8 @@ class ProjectionSettings(Settings):
         choices=(AUTO, *KEEP),
     )
     measure: str = option(
-        "defect",
-        "How K is read off the mesh. By angle defect over area, the paper's; smooth, by that less what the layout of the mesh "
-        "puts into it, so that an irregular mesh leaves no wrinkles; or " + EXACT_TEXT,
+        AUTO,
+        MEASURE_TEXT + EXACT_TEXT,
         str,
         choices=MEASURES,
     )

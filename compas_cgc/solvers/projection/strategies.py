@@ -17,12 +17,14 @@ from .gauss_newton import descend
 from .gauss_newton import in_stages
 from .iterate import Point
 from .measure import FINISH
+from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
 from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
+from .settings import AUTO
 from .settings import ProjectionSettings
 from .starts import is_flat
 from .starts import starts
@@ -84,6 +86,11 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     reached = yield from refine(system, equations, found.reached)
     if settings.measure == "smooth":
         yield from smoothed(system, equations, reached)
+    elif settings.measure == AUTO:
+        if shows_layout(system, equations, reached.point.vertices):
+            yield from smoothed(system, equations, reached)
+        # Where it does not come to rest in that measure either.
+        yield from descend(system, equations, reached.point, patience=FINISH)
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:

@@ -1,0 +1,37 @@
+"""Measures of K: how it is read off a mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..discrete import gaussian_curvature
+from ..discrete import vertex_areas
+from ..discrete.arrays import PerVertex
+from ..discrete.smooth_measure import layout_errors
+from ..discrete.space_form import EXACT
+from ..discrete.space_form import space_form_angle_sums
+from .problem import CGCProblem
+
+__all__ = ["measured_curvature"]
+
+
+def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVertex:
+    """Return K (n,) of the vertices of a problem where it is asked for, else NaN [1/L^2].
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets.
+    measure
+        ``defect``: angle defect over area (Eq. 10). ``smooth``: less what the layout of the mesh puts into it.
+        ``exact``, ``exact-arc``: the target and what the triangles of its space form leave open, over the area.
+    """
+    asked = problem.asked
+    if measure in EXACT:
+        targets = np.where(asked, problem.targets, 0.0)
+        left = 2.0 * np.pi - space_form_angle_sums(problem.vertices, problem.faces, targets, measure == "exact-arc")
+        return np.where(asked, targets + left / np.where(asked, vertex_areas(problem.vertices, problem.faces), 1.0), np.nan)
+    K = gaussian_curvature(problem.vertices, problem.faces)
+    if measure == "smooth":
+        K = K - layout_errors(problem.vertices, problem.faces, asked)
+    return np.where(asked, K, np.nan)
