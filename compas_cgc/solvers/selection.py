@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
@@ -13,6 +17,7 @@ from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.roles import FIXED
+from ..model.verdict import verdict
 from .method import Method
 from .registry import METHODS
 from .registry import method_of
@@ -29,6 +34,12 @@ class Choice(NamedTuple):
 
     method: str
     reason: str
+    second: bool = False  # a second chance, for a problem whose surface so far is rough
+    options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
+
+
+FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar")
+AS_DRAWN = Choice("projection", "nearer to the drawing it is fair", True, MappingProxyType({"keep": "shape"}))
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -52,11 +63,10 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
 def _choices(problem: CGCProblem) -> list[Choice]:
     targets = problem.targets[problem.asked]
     if problem.constraints:
-        return [Choice("projection", "it alone holds constraints")]
+        return [Choice("projection", "it alone holds constraints"), AS_DRAWN]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄")]
+        return [Choice("projection", "it alone reaches negative K̄"), AS_DRAWN]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
-    flow = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar")
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
     rim = boundary_vertices(problem.vertices, problem.faces)
@@ -65,18 +75,26 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [
             Choice("newton", "the whole edge is fixed, there are no creases, and K̄ > 0"),
             Choice("projection", "it moves vertices sideways too"),
-            flow,
+            FLOW,
         ]
-    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), flow]
+    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), AS_DRAWN, FLOW]
 
 
-def run_method(method: Method, problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
-    """Solve a problem by one method, see :class:`Method`."""
-    return method.solve(problem, settings_of(method, settings), callback)._replace(method=method.name)
+def run_method(
+    method: Method,
+    problem: CGCProblem,
+    *,
+    settings: Optional[Settings] = None,
+    options: Mapping[str, Any] = MappingProxyType({}),
+    callback: Callback = None,
+) -> Solution:
+    """Solve a problem by one method, see :class:`Method`, with some options other than the settings say."""
+    own = settings_of(method, settings)
+    return method.solve(problem, replace(own, **options) if options else own, callback)._replace(method=method.name)
 
 
 def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
-    """Solve by the first method that arrives; else return the surface nearest to its targets.
+    """Solve by the first method that arrives at a fair surface; else return the first that arrived, or came nearest.
 
     Parameters
     ----------
@@ -88,12 +106,29 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         Called after every step of every method that is tried.
     """
     tried: list[tuple[Solution, Choice]] = []
+    rough: Optional[tuple[Solution, Choice]] = None  # that arrived
     for choice in choose(problem, settings):
-        tried.append((run_method(METHODS[choice.method], problem, settings=settings, callback=callback), choice))
-        if tried[-1][0].status in OVER:
-            break
-    solution, choice = tried[-1] if tried[-1][0].status in OVER else min(tried, key=lambda pair: pair[0].max_error)
-    before = [f"{other.method} {said.status}" for said, other in tried if other is not choice]
+        if choice.second is not (rough is not None):
+            if rough is not None:
+                break
+            continue
+        solution = run_method(METHODS[choice.method], problem, settings=settings, options=choice.options, callback=callback)
+        tried.append((solution, choice))
+        arrived = solution.status == "converged"
+        fair = arrived and verdict(problem.with_vertices(solution.vertices), problem.vertices).fair
+        if fair or (solution.status in OVER and not arrived and rough is None):
+            return _told(tried[-1], tried)
+        if arrived and rough is None:
+            rough = tried[-1]
+    return _told(rough or min(tried, key=lambda pair: pair[0].max_error), tried)
+
+
+def _told(found: tuple[Solution, Choice], tried: list[tuple[Solution, Choice]]) -> Solution:
+    """Return the solution that was found, with a sentence on why it was made so, and on what was tried before."""
+    solution, choice = found
+    before = [f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged"]
+    if choice.second:
+        before.append("the one that bends least is rough")
     text = f"{choice.method}, as {choice.reason}: {solution.message}"
     if before:
         text += f" ({', '.join(before)})"
