@@ -29,6 +29,7 @@ COARSEST = 0.25  # that square above which a fit tells nothing, and no more is a
 FAINT = 0.1  # target, against the largest, below which errors are held against that
 WAVY, WAVIEST = 0.2, 0.4  # residual of a fit, against its bending, at three in four and at nineteen in twenty vertices
 FLAT = 0.3  # bending, against the median, below which residuals are held against that
+LEVEL = 0.01  # bending, against the radius of the fit, likewise: nobody sees waves of a part of that
 BOTH = 0.05  # part of a region with K > 0 that may bulge to the other side
 SHARP = 1.6  # fold, against the most that a smooth surface through the vertices has, that is too sharp
 SLIGHT = np.radians(3.0)  # fold that nobody sees
@@ -55,6 +56,11 @@ class Verdict:
     smallest_angle: float  # of a triangle [degree]
     area_kept: Optional[float]  # area against that of the input, None without one
     places: list[int]  # vertices where a rough surface is rough, dummies left out
+
+    @property
+    def roughness(self) -> float:
+        """The largest of fit, waviness and bulging against what a fair surface has of it, to compare surfaces by."""
+        return max((self.fit_most or 0.0) / MOST, (self.waviness or 0.0) / WAVIEST, self.bulging_both_ways / BOTH)
 
     @property
     def word(self) -> str:
@@ -184,7 +190,7 @@ def _waves(fits: LocalFits) -> FloatArray:
     bent = np.isfinite(fits.sagitta)
     if not bent.any():
         return np.full(len(bent), np.nan)
-    floor = max(FLAT * float(np.median(fits.sagitta[bent])), 1e-9 * float(fits.radius[bent].max()))
+    floor = np.maximum(FLAT * float(np.median(fits.sagitta[bent])), LEVEL * fits.radius)
     return fits.residual / np.maximum(fits.sagitta, floor)
 
 

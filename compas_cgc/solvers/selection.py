@@ -39,7 +39,10 @@ class Choice(NamedTuple):
 
 
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar")
-AS_DRAWN = Choice("projection", "nearer to the drawing it is fair", True, MappingProxyType({"keep": "shape"}))
+SECOND = [
+    Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing"})),
+    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape"})),
+]
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -63,9 +66,9 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
 def _choices(problem: CGCProblem) -> list[Choice]:
     targets = problem.targets[problem.asked]
     if problem.constraints:
-        return [Choice("projection", "it alone holds constraints"), AS_DRAWN]
+        return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄"), AS_DRAWN]
+        return [Choice("projection", "it alone reaches negative K̄"), *SECOND]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -77,7 +80,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             Choice("projection", "it moves vertices sideways too"),
             FLOW,
         ]
-    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), AS_DRAWN, FLOW]
+    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), *SECOND, FLOW]
 
 
 def run_method(
@@ -106,29 +109,32 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         Called after every step of every method that is tried.
     """
     tried: list[tuple[Solution, Choice]] = []
-    rough: Optional[tuple[Solution, Choice]] = None  # that arrived
+    rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     for choice in choose(problem, settings):
-        if choice.second is not (rough is not None):
-            if rough is not None:
+        if choice.second is not bool(rough):
+            if rough:
                 break
             continue
         solution = run_method(METHODS[choice.method], problem, settings=settings, options=choice.options, callback=callback)
         tried.append((solution, choice))
-        arrived = solution.status == "converged"
-        fair = arrived and verdict(problem.with_vertices(solution.vertices), problem.vertices).fair
-        if fair or (solution.status in OVER and not arrived and rough is None):
-            return _told(tried[-1], tried)
-        if arrived and rough is None:
-            rough = tried[-1]
-    return _told(rough or min(tried, key=lambda pair: pair[0].max_error), tried)
+        if solution.status == "converged":
+            judged = verdict(problem.with_vertices(solution.vertices), problem.vertices)
+            if judged.fair:
+                return _told(solution, choice, tried)
+            rough.append((judged.roughness, solution, choice))
+        elif solution.status in OVER:
+            if not rough:
+                return _told(solution, choice, tried)
+            break
+    best = min(rough, key=lambda one: one[0])[1:] if rough else min(tried, key=lambda pair: pair[0].max_error)
+    return _told(*best, tried)
 
 
-def _told(found: tuple[Solution, Choice], tried: list[tuple[Solution, Choice]]) -> Solution:
+def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:
     """Return the solution that was found, with a sentence on why it was made so, and on what was tried before."""
-    solution, choice = found
     before = [f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged"]
     if choice.second:
-        before.append("the one that bends least is rough")
+        before.append("in its plan it is rough")
     text = f"{choice.method}, as {choice.reason}: {solution.message}"
     if before:
         text += f" ({', '.join(before)})"
