@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.spatial import Delaunay
 
 from compas_cgc import CGCMesh
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
+from compas_cgc.model.problem import CGCProblem
 from compas_cgc.paper.examples import example4
+from compas_cgc.plot import View
 from compas_cgc.plot import draw_shape
+from compas_cgc.plot import draw_zebra
 from compas_cgc.plot import hero
 from compas_cgc.plot import save
 from compas_cgc.solvers.run import solve
@@ -73,7 +78,108 @@ def convention() -> None:
     save(figure, DOCS / "images" / "layers.png")
 
 
+def _square(n: int, width: float, height: Callable = lambda x, y: 0.0 * x) -> CGCProblem:
+    problem = CGCMesh.from_meshgrid(dx=width, nx=n).to_problem()
+    vertices = problem.vertices.copy()
+    vertices[:, 2] = height(*(vertices[:, :2] / width).T)
+    return problem.with_vertices(vertices)
+
+
+def _irregular(n: int) -> CGCProblem:
+    """Return a disc of n random triangles in the middle, held at five points of its rim."""
+    rng = np.random.default_rng(5)
+    turn = 2 * np.pi * np.arange(60) / 60
+    rim = np.column_stack([np.cos(turn), np.sin(turn)])
+    inner = rng.uniform(-1, 1, (4 * n, 2))
+    kept: list[np.ndarray] = []
+    for point in inner[np.hypot(*inner.T) < 0.93]:
+        if all(np.hypot(*(point - other)) > 1.5 / np.sqrt(n) for other in kept):
+            kept.append(point)
+    plan = np.vstack([rim, kept])
+    faces = Delaunay(plan).simplices
+    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
+    faces = np.where((a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0])[:, None], faces[:, ::-1], faces)
+    return CGCProblem(np.column_stack([plan, np.zeros(len(plan))]), faces).with_supports(range(0, 60, 12))
+
+
+def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
+    """Return problems, the settings of what they are compared with, and a title."""
+    nearest = {"keep": "shape", "nearness": 1e3, "measure": "defect"}
+    canopy = _square(20, 10.0, lambda x, y: 3 * (x + y - 2 * x * y)).with_supports("corners").with_targets(-0.02)
+    corners = _square(20, 1.0).with_supports("corners").with_targets(-3.0)
+    arches = _square(20, 1.0, lambda x, y: 1.2 * x * (1 - x) - 0.6 * y * (1 - y))
+    x = arches.vertices[:, 1]
+    vault = arches.with_supports(np.flatnonzero((x < 1e-9) | (x > 1 - 1e-9))).with_targets(0.0)
+    nine = CGCMesh.from_3dm(DOCS.parent / "examples" / "nine_regions.3dm").to_problem().with_targets(-0.01)
+    return {
+        "canopy": (canopy, nearest, "A canopy of 10 m on masts of 0 and 3 m, K = -0.02"),
+        "corners": (corners, nearest, "A square on its corners, K = -3, from a flat start"),
+        "vault": (vault, nearest, "A vault between two arches, K = 0, from a sagging start"),
+        "nine": (nine, nearest, "Nine regions on four corners, K = -0.01"),
+        "irregular": (_irregular(420).with_targets(-0.4), {"measure": "defect"}, "An irregular mesh on five points, K = -0.4"),
+    }
+
+
+FAIRNESS = """# Fair surfaces
+
+A surface can have the Gaussian curvature asked for at every vertex, to fifteen digits, and be one that nobody would build. There is one
+equation
+a vertex and there are three unknowns, so many surfaces meet it, crumpled ones among them. `compas_cgc` looks for the one that bends
+least, and says
+of every surface whether it is **fair** or **rough**, with numbers and places.
+
+Each row shows zebra stripes, the reflection of a striped sky: on a fair surface they are smooth. On the left the surface nearest to the
+drawing
+(or, in the last row, with K read off angle defects alone), on the right what a solve returns. Both have K as asked, to rounding.
+
+{pictures}
+| | fit of K, median / nine in ten | waves | sharpest fold | verdict |
+| --- | --- | --- | --- | --- |
+{rows}
+
+## The verdict
+
+`result.verdict` (and the first line that every door prints) is made of
+
+* polynomials fitted to two rings of vertices: their K against the target. On a coarse mesh they cannot be exact, which is allowed for;
+  beside supports
+  they look one way only, and over a straight edge that is fixed K > 0 has no smooth surface, so vertices three edges away from edges
+  decide;
+* waves: how far the vertices lie off these polynomials, against their bending;
+* bulging: a region with K > 0 bulges to one side; two domes with a valley between have K > 0 too, except on the valley, where no vertex
+  need lie;
+* folds, against the most that a smooth surface through the same vertices has;
+* triangles drawn out to needles, and area lost against the input.
+
+`result.verdict.places` are the vertices to look at: marked in amber on the page, and on the layer `CGC::Result::Rough` of a `.3dm`.
+
+A rough surface has a reason. The targets may be more than the supports can carry (`compas-cgc limits FILE`); a hole may be held where K
+> 0 has no
+smooth surface; a plan may have inward corners; free edges may be too long for a saddle. `measure`, `keep` and `nearness` are what to try.
+
+This page is made by `python docs/make.py`.
+"""
+
+
+def fairness() -> None:
+    """Write the page on fair surfaces, with stripes on hard cases before and after."""
+    pictures, rows = "", ""
+    for name, (problem, other, title) in hard_cases().items():
+        results = [solve(problem, method="projection", settings=other), solve(problem)]
+        figure = Figure(figsize=(8, 3.4), dpi=140)
+        for k, result in enumerate(results):
+            ax = figure.add_axes((0.01 + 0.5 * k, 0.02, 0.48, 0.96))
+            draw_zebra(result.vertices, result.faces, result.problem.roles, result.problem.creases, view=View(-60.0, 40.0), ax=ax)
+            v = result.verdict
+            rows += f"| {title if not k else ''} | {100 * v.fit_median:.2g} / {100 * v.fit_most:.2g} % | {100 * v.waviness:.2g} % "
+            rows += f"| {v.sharpest_fold:.0f}° | {v.word} |\n"
+        save(figure, DOCS / "images" / f"fair_{name}.png")
+        pictures += f"![{title}](images/fair_{name}.png)\n\n{title}: {results[1].verdict.word}.\n\n"
+    write_text(DOCS / "fairness.md", FAIRNESS.format(pictures=pictures, rows=rows.rstrip()))
+
+
 if __name__ == "__main__":
+    fairness()
     convention()
     reproduction()
     roof()

@@ -23,6 +23,7 @@ from .render import hero
 from .shape import draw_shape
 from .view import VIEWS
 from .view import View
+from .zebra import draw_zebra
 
 __all__ = [
     "VIEWS",
@@ -36,6 +37,7 @@ __all__ = [
     "draw_error",
     "draw_history",
     "draw_shape",
+    "draw_zebra",
     "error_figure",
     "hero",
     "history_figure",

@@ -25,6 +25,8 @@ from compas_cgc.plot.view import project
 from compas_cgc.plot.visibility import in_sight
 from compas_cgc.solvers.flow import curve_flow
 
+from ..support import shapes
+
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 SQUARE = np.array([[0, 1, 2], [0, 2, 3]])
 
@@ -392,3 +394,24 @@ class TestWhatIsRefused:
 @pytest.mark.parametrize("length, bar", [(1.0, 1.0), (0.99, 0.5), (4.99, 2.0), (5000.0, 5000.0), (0.0234, 0.02)])
 def test_a_scale_bar_is_1_2_or_5(length, bar):
     assert round_below(length) == pytest.approx(bar)
+
+
+def greys(ax):
+    return ax.collections[0].get_facecolors()[:, 0]
+
+
+def test_zebra_stripes_are_smooth_on_a_dome_and_break_at_its_creases():
+    vertices, faces = shapes.grid(12)
+    x, y = vertices[:, :2].T - 0.5
+    vertices[:, 2] = 0.3 - 0.6 * (x**2 + y**2)
+    roles = np.zeros(len(vertices), int)
+    dome = greys(plot.draw_zebra(vertices, faces, roles))
+    assert (dome < 0.2).any() and (dome > 0.6).any(), "both stripes are there"
+    flat = vertices * [1, 1, 0]
+    assert np.ptp(greys(plot.draw_zebra(flat, faces, roles))) < 1e-9, "a plane shows one place of the sky"
+    ridge = vertices.copy()
+    ridge[:, 2] = 0.4 * np.abs(x)
+    line = np.flatnonzero(np.abs(x) < 1e-9)
+    line = line[np.argsort(vertices[line, 1])]
+    creased = greys(plot.draw_zebra(ridge, faces, roles, np.column_stack([line[:-1], line[1:]])))
+    assert len(np.unique(np.round(creased, 6))) <= 3 < len(np.unique(np.round(greys(plot.draw_zebra(ridge, faces, roles)), 6)))
