@@ -1,0 +1,90 @@
+"""Compiled layout of triangles in a space form: a rigid frame is carried from face to face."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ..discrete._space_form import cosine
+from ..discrete._space_form import sides
+from ..discrete._space_form import sine
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Vertices
+
+
+@njit(cache=True)
+def moved(Q: FloatArray, square: float, K: float, sign: float) -> None:
+    """Move a frame forwards (sign 1) or backwards (-1) along its own first axis by a chord of this square."""
+    c = 1.0 - 0.5 * K * square
+    s = sign * math.sqrt(square * max(0.0, 1.0 - 0.25 * K * square))
+    for i in range(3):
+        origin, ahead = Q[i, 0], Q[i, 1]
+        Q[i, 0] = origin * c + ahead * s
+        Q[i, 1] = ahead * c - K * s * origin
+
+
+@njit(cache=True)
+def turned(Q: FloatArray, c: float, s: float) -> None:
+    """Turn a frame about its own origin by an angle of this cosine and sine."""
+    for i in range(3):
+        ahead, left = Q[i, 1], Q[i, 2]
+        Q[i, 1] = ahead * c + left * s
+        Q[i, 2] = left * c - ahead * s
+
+
+@njit(cache=True)
+def triangle(V: Vertices, F: Faces, f: int, K: float, arc: bool, out: FloatArray) -> None:
+    """Write the squared chord opposite, the cosine and the sine of every corner of a face into `out` (3, 3)."""
+    a, b, c, _, _, _, D = sides(V, F, f, K, arc)
+    square = (a, b, c)
+    for x in range(3):
+        p, q, r = square[x], square[(x + 1) % 3], square[(x + 2) % 3]
+        C, S = cosine(p, q, r, K), sine(p, q, r, D, K)
+        long = math.hypot(C, S)
+        out[x, 0], out[x, 1], out[x, 2] = p, C / long if long > 0.0 else 1.0, S / long if long > 0.0 else 0.0
+
+
+@njit(cache=True)
+def laid(V: Vertices, F: Faces, order: Indices, before: Indices, side: IntArray, K: float, arc: bool) -> FloatArray:
+    """Return the points of the corners of faces (m, 3, 3), each face next to the one before it.
+
+    ``order`` (m,) starts with the face that is laid first; ``before`` (m,) is the face that each is laid beside, and ``side``
+    (m, 2) the corners opposite the edge that they share, in the face before and in its own.
+    """
+    m = F.shape[0]
+    frames = np.zeros((m, 3, 3))  # at corner 0, towards corner 1
+    points = np.empty((m, 3, 3))
+    T = np.empty((3, 3))
+    for k in range(len(order)):
+        f = order[k]
+        Q = frames[f]
+        if before[f] < 0:
+            for i in range(3):
+                Q[i, i] = 1.0
+        else:
+            # Walk around the face before to the shared edge, over it, and around the own face back to corner 0.
+            g = before[f]
+            Q[:, :] = frames[g]
+            triangle(V, F, g, K, arc, T)
+            for x in range((side[f, 0] + 1) % 3):
+                moved(Q, T[(x + 2) % 3, 0], K, 1.0)
+                turned(Q, -T[(x + 1) % 3, 1], T[(x + 1) % 3, 2])
+            moved(Q, T[side[f, 0], 0], K, 1.0)
+            turned(Q, -1.0, 0.0)
+            triangle(V, F, f, K, arc, T)
+            for x in range((side[f, 1] + 1) % 3 - 1, -1, -1):
+                turned(Q, -T[(x + 1) % 3, 1], -T[(x + 1) % 3, 2])
+                moved(Q, T[(x + 2) % 3, 0], K, -1.0)
+        triangle(V, F, f, K, arc, T)
+        Q = frames[f].copy()
+        for x in range(3):
+            for i in range(3):
+                points[f, x, i] = Q[i, 0]
+            moved(Q, T[(x + 2) % 3, 0], K, 1.0)
+            turned(Q, -T[(x + 1) % 3, 1], T[(x + 1) % 3, 2])
+    return points

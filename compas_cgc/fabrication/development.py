@@ -1,0 +1,198 @@
+"""Development: a region laid onto the sphere, the plane or the hyperbolic plane of its curvature, face by face."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..discrete import mesh_arrays
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import PerVertex
+from ..discrete.arrays import Vertices
+from ..discrete.space_form import circumradii
+from ..errors import CGCError
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from . import _layout
+from . import space_form
+from .cuts import automatic_seam
+from .cuts import opened
+from .cuts import seam_edges
+
+__all__ = ["Development", "Seam", "develop", "lay_out"]
+
+Seam = Union[None, str, Sequence[int], Sequence[Sequence[int]]]
+
+
+class Development(NamedTuple):
+    """Faces laid onto the surface of constant curvature K, congruent to those of the mesh where that is exact."""
+
+    K: float  # [1/L^2]
+    points: FloatArray  # (p, 3) places as points of the space form, see compas_cgc.fabrication.space_form
+    faces: Faces  # (m, 3) places of the corners of every face
+    vertices: Indices  # (p,) vertex of the mesh at every place; those on a seam have several
+    own_faces: Indices  # (m,) faces of the mesh
+    seam: Edges  # (e, 2) edges of the mesh along which it is open
+    gap: float  # largest distance between the places that the faces around a vertex give to it [L]
+    edge_error: float  # largest difference between an edge and its chord on the mould, against the edge
+
+    @property
+    def places(self) -> Vertices:
+        """Coordinates (p, 3) with the pole at the origin: on a sphere z is the height below its top, in the plane zero [L].
+
+        For K < 0 they lie on the hyperboloid in Minkowski's space, where the square of z counts negative.
+        """
+        return space_form.places(self.points, self.K)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the mould, infinite for K = 0 [L]."""
+        return 1.0 / math.sqrt(abs(self.K)) if self.K else math.inf
+
+    def turned(self, motion: FloatArray) -> Development:
+        """Return the same after a rigid motion (3, 3) of the space form."""
+        return self._replace(points=space_form.turned(self.points, motion))
+
+
+def develop(
+    mesh: PosesProblem, region: Union[int, ArrayLike] = 0, seam: Seam = None, *, K: Optional[float] = None, arc: bool = False
+) -> Development:
+    """Lay a region onto the mould of its curvature: sphere, plane or hyperbolic plane.
+
+    Each face is laid beside its neighbour by a rigid motion, so rounding does not add up. Around every vertex the
+    faces close where the mesh was solved with ``measure="exact"``; elsewhere the gap says by how much they do not.
+
+    Parameters
+    ----------
+    mesh
+        A result, mesh or problem.
+    region
+        Its number, or faces of the mesh by their positions.
+    seam
+        Where to cut a region that has a hole: a path of vertices by their positions, several, or ``"auto"`` for the shortest.
+    K
+        Gaussian curvature [1/L^2]. Default: the target of the region.
+    arc
+        Take edges for lengths along the mould (``measure="exact-arc"``), not for chords.
+
+    Returns
+    -------
+    Development
+        With the pole in the middle of the region.
+
+    Raises
+    ------
+    CGCError
+        If there is no such region, it has no single K, a seam is missing or does not open it, or a face is too large for the mould.
+
+    References
+    ----------
+    Minding's theorem. Jiang et al., *Using isometries for computational design and fabrication*, doi:10.1145/3450626.3459839.
+    """
+    problem = mesh.to_problem().without_dummies()
+    chosen, name, target = _faces_of(problem, region)
+    K = target if K is None else K
+    if K is None:
+        raise CGCError(f"{name} has no single K̄; give it one, or name the K to lay it out with")
+    return lay_out(problem.vertices, problem.faces, float(K), seam, faces_of=chosen, arc=arc, name=name)
+
+
+def _faces_of(problem: CGCProblem, region: Union[int, ArrayLike]) -> tuple[Indices, str, Optional[float]]:
+    """Return the faces of a region, its name, and its target."""
+    targets = problem.region_targets()
+    label = problem.regions()
+    if np.ndim(region) == 0:
+        number = int(np.asarray(region))
+        if not 0 <= number < len(targets):
+            raise CGCError(f"there is no region {number}; the mesh has {len(targets)}, from 0 to {len(targets) - 1}")
+        return np.flatnonzero(label == number), f"region {number}", targets[number]
+    chosen = np.asarray(region, dtype=np.int64)
+    if not len(chosen) or chosen.min() < 0 or chosen.max() >= len(label):
+        raise CGCError(f"faces to lay out must be some of the {len(label)} of the mesh, by their positions")
+    own = {targets[number] for number in np.unique(label[chosen]).tolist()}
+    return chosen, "the piece", own.pop() if len(own) == 1 else None
+
+
+def lay_out(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    K: float,
+    seam: Seam = None,
+    *,
+    faces_of: Optional[Indices] = None,
+    arc: bool = False,
+    name: str = "the mesh",
+) -> Development:
+    """Lay faces onto the surface of constant curvature K, see :func:`develop`.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+    K
+        Gaussian curvature [1/L^2].
+    seam
+        Path of vertices, several, or ``"auto"``.
+    faces_of
+        Which of the faces. Default: all.
+    arc
+        Take edges for lengths along the mould.
+    name
+        What errors call these faces.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    if not math.isfinite(K):
+        raise CGCError(f"K must be a number to lay {name} out with, not {K!r}")
+    own = np.arange(len(F)) if faces_of is None else faces_of
+    part = np.ascontiguousarray(F[own])
+    if not len(part):
+        raise CGCError(f"{name} has no faces")
+    filled = circumradii(V, part, K, arc) if K > 0.0 else np.zeros(len(part))
+    if (filled >= 1.0).any():
+        a, b, c = part[np.argmax(filled)].tolist()
+        raise CGCError(f"the face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there")
+    if isinstance(seam, str):
+        if seam != "auto":
+            raise CGCError(f"seam must be a path of vertices or 'auto', not {seam!r}")
+        edges = automatic_seam(V, part)
+    else:
+        edges = np.empty((0, 2), np.int64) if seam is None else seam_edges(part, seam)
+    way = opened(V, part, edges, name)
+    corners = _layout.laid(V, part, way.order, way.before, way.side, K, arc)
+    points, gap = _joined(corners, way.corner, len(way.source), K)
+    laid = Development(K, points, way.corner, way.source, own, edges, gap, 0.0)
+    laid = laid._replace(edge_error=_edge_error(laid, V, arc))
+    return laid.turned(space_form.to_pole(space_form.midpoint(points, K), K))
+
+
+def _joined(corners: FloatArray, label: Faces, count: int, K: float) -> tuple[FloatArray, float]:
+    """Return the mean of the corners (m, 3, 3) at every place (p, 3), and how far apart they are at most."""
+    flat, where = corners.reshape(-1, 3), label.ravel()
+    total = np.bincount(where, minlength=count)
+    mean = np.column_stack([np.bincount(where, flat[:, k], count) / total for k in range(3)])
+    first = np.empty(count, np.int64)
+    first[where[::-1]] = np.arange(len(where))[::-1]
+    apart = space_form.chords(flat, flat[first[where]], K)
+    # Back onto the surface, which the mean of a few near points has not left by more than rounding where all is exact.
+    length: PerVertex = np.sqrt(mean[:, 0] ** 2 + K * (mean[:, 1] ** 2 + mean[:, 2] ** 2))
+    return mean / length[:, None], float(apart.max(initial=0.0))
+
+
+def _edge_error(laid: Development, vertices: Vertices, arc: bool) -> float:
+    """Return the largest difference between edges of the mesh and of the layout, against the first."""
+    a, b = laid.faces.ravel(), np.roll(laid.faces, -1, axis=1).ravel()
+    long = np.linalg.norm(vertices[laid.vertices[a]] - vertices[laid.vertices[b]], axis=1)
+    chord = space_form.chords(laid.points[a], laid.points[b], laid.K)
+    own = space_form.geodesics(chord, laid.K) if arc else chord
+    return float((np.abs(own - long) / long).max(initial=0.0))

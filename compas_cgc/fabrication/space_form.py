@@ -1,0 +1,78 @@
+"""The surfaces of constant curvature that moulds are pieces of: sphere, plane and hyperbolic plane, in one set of formulas.
+
+Points are ``(X0, X1, X2)`` with ``X0² + K (X1² + X2²) = 1``, where X1 and X2 are lengths and the pole is ``(1, 0, 0)``: the sphere
+of radius ``1/√K`` with its height divided by that radius, the plane as ``(1, x, y)``, the hyperboloid in Minkowski's space.
+Rigid motions are matrices (3, 3) that keep this: SO(3), SE(2) and SO(2, 1). All is smooth through K = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+
+__all__ = ["chords", "geodesics", "midpoint", "on_form", "places", "rotation", "to_pole", "turned"]
+
+
+def on_form(flat: FloatArray, K: float) -> FloatArray:
+    """Return the points (n, 3) on the pole's side whose X1 and X2 are given (n, 2) [L]."""
+    squares = np.einsum("ij,ij->i", flat, flat)
+    return np.column_stack([np.sqrt(np.maximum(1.0 - K * squares, 0.0)), flat])
+
+
+def heights(points: FloatArray) -> FloatArray:
+    """Return ``(X0 - 1) / K`` (n,) [L^2], without the cancellation, for K = 0 too."""
+    return -(points[:, 1] ** 2 + points[:, 2] ** 2) / (1.0 + points[:, 0])
+
+
+def places(points: FloatArray, K: float) -> FloatArray:
+    """Return points (n, 3) as coordinates x, y, z with the pole at the origin [L].
+
+    On a sphere z is the height, zero at the top; on the hyperboloid the coordinate whose square counts negative.
+    """
+    return np.column_stack([points[:, 1:], math.copysign(math.sqrt(abs(K)), K) * heights(points)])
+
+
+def chords(first: FloatArray, second: FloatArray, K: float) -> FloatArray:
+    """Return the chords between points (n, 3), straight in space, or in Minkowski's space for K < 0 (n,) [L]."""
+    flat = first[:, 1:] - second[:, 1:]
+    square = np.einsum("ij,ij->i", flat, flat) + K * (heights(first) - heights(second)) ** 2
+    return np.sqrt(np.maximum(square, 0.0))
+
+
+def geodesics(chord: FloatArray, K: float) -> FloatArray:
+    """Return the lengths along the surface of chords (n,) [L]."""
+    if K == 0.0:
+        return chord
+    root = math.sqrt(abs(K))
+    half = 0.5 * root * np.asarray(chord)
+    return 2.0 / root * (np.arcsin(np.minimum(half, 1.0)) if K > 0.0 else np.arcsinh(half))
+
+
+def midpoint(points: FloatArray, K: float) -> FloatArray:
+    """Return the point (3,) on the surface in the direction of the mean of points (n, 3)."""
+    mean = points.mean(axis=0)
+    return mean / math.sqrt(mean[0] ** 2 + K * (mean[1] ** 2 + mean[2] ** 2))
+
+
+def rotation(angle: float) -> FloatArray:
+    """Return the rotation about the pole (3, 3)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def to_pole(point: FloatArray, K: float) -> FloatArray:
+    """Return the rigid motion (3, 3) along a geodesic that brings a point (3,) to the pole."""
+    distance = math.hypot(point[1], point[2])
+    if distance == 0.0:
+        return np.eye(3) if point[0] > 0.0 else np.diag([-1.0, -1.0, 1.0])
+    turn = rotation(math.atan2(point[2], point[1]))
+    back = np.array([[point[0], K * distance, 0.0], [-distance, point[0], 0.0], [0.0, 0.0, 1.0]])
+    return turn @ back @ turn.T
+
+
+def turned(points: FloatArray, motion: FloatArray) -> FloatArray:
+    """Return points (n, 3) after a rigid motion (3, 3)."""
+    return points @ motion.T
