@@ -1,0 +1,162 @@
+"""Coordinates that regions are divided by: in plan, or along the lines of curvature."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import breadth_first_order
+from scipy.sparse.csgraph import minimum_spanning_tree
+
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete import vertex_normals
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Vertices
+from ..linalg import factorise
+from ..meshing import boundary_loops
+
+__all__ = ["curvature_coordinates", "plan_axes", "plan_coordinates", "square_coordinates"]
+
+ROUND = 0.2  # difference of the principal curvatures in the middle, against the largest, below which they have no directions
+CORNER = np.radians(45.0)  # turn of an edge in plan that is a corner
+HOLD = 1e-8  # what keeps coordinates that are known but for a constant
+
+
+def plan_axes(vertices: Vertices, faces: Faces) -> FloatArray:
+    """Return two directions in the plan of a mesh and the one it faces (3, 3), the first along the x axis as far as it goes."""
+    up = (face_areas(vertices, faces)[:, None] * face_normals(vertices, faces)).sum(axis=0)
+    long = float(np.linalg.norm(up))
+    up = up / long if long > 0.0 else np.array([0.0, 0.0, 1.0])
+    if abs(up[2]) > 0.5:
+        # A roof: its plan is the ground.
+        up = np.array([0.0, 0.0, np.copysign(1.0, up[2])])
+    along = np.array([1.0, 0.0, 0.0]) if abs(up[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    along -= (along @ up) * up
+    along /= np.linalg.norm(along)
+    return np.array([along, np.cross(up, along), up])
+
+
+def plan_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
+    """Return the coordinates of vertices in plan (n, 2) [L]."""
+    return vertices @ plan_axes(vertices, faces)[:2].T
+
+
+def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]:
+    """Return coordinates along the sides of a region with four corners (n, 2) [L], None where it has not four.
+
+    Edges count the same, on the outline as inside (Tutte, doi:10.1112/plms/s3-13.1.743), so on a mesh of squares these are their
+    rows; lengths are the means of opposite sides in plan.
+    """
+    loops = boundary_loops(faces)
+    if len(loops) != 1:
+        return None
+    axes = plan_axes(vertices, faces)
+    loop = loops[0]
+    plan = vertices[loop] @ axes[:2].T
+    ahead = np.roll(plan, -1, axis=0) - plan
+    turn = np.angle((ahead @ [1.0, 1.0j]) / (np.roll(ahead, 1, axis=0) @ [1.0, 1.0j]))
+    corners = np.flatnonzero(np.abs(turn) > CORNER)
+    if len(corners) != 4 or (turn[corners] < 0.0).any():
+        return None
+    sides = np.roll(plan[corners], -1, axis=0) - plan[corners]
+    corners = np.roll(corners, -int(np.argmax(sides[:, 0] / np.linalg.norm(sides, axis=1))))
+    place = np.zeros((len(loop), 2))
+    lengths = []
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    for k in range(4):
+        number = (corners[(k + 1) % 4] - corners[k]) % len(loop)
+        at = (corners[k] + np.arange(number + 1)) % len(loop)
+        place[at[:-1]] = square[k] + (np.arange(number) / number)[:, None] * (square[(k + 1) % 4] - square[k])
+        lengths.append(float(np.linalg.norm(np.diff(plan[at], axis=0), axis=1).sum()))
+    result = np.zeros((len(vertices), 2))
+    result[loop] = place
+    inner = np.setdiff1d(np.unique(faces), loop)
+    if len(inner):
+        joined = sparse.csr_matrix(
+            (np.ones(3 * len(faces)), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(len(vertices),) * 2
+        )
+        joined = ((joined + joined.T) > 0).astype(np.float64).tocsr()
+        laplacian = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
+        result[inner] = factorise(laplacian[inner][:, inner].tocsr(), symmetric=True).solve(joined[inner][:, loop] @ place)
+    return result * [0.5 * (lengths[0] + lengths[2]), 0.5 * (lengths[1] + lengths[3])]
+
+
+def curvature_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
+    """Return lengths along the two families of lines of curvature (n, 2) [L], as well as there are any.
+
+    Their gradients are the principal directions, in the sense of least squares weighted by the difference of the principal
+    curvatures; directions of neighbours are matched up to right angles along a spanning tree through where they are surest. Where
+    a surface has no directions, as on a sphere, the plan's are taken.
+    """
+    direction, weight, largest = _principal_directions(vertices, faces)
+    axes = plan_axes(vertices, faces)
+    normals = face_normals(vertices, faces)
+    if np.median(weight) <= ROUND * largest:
+        return plan_coordinates(vertices, faces)
+    direction = _combed(direction, weight, normals, faces, axes[0])
+    gradient = _gradient(vertices, faces)
+    sure = face_areas(vertices, faces) * (weight / weight.max() + 1e-3)
+    weights = sparse.diags(np.repeat(sure, 3))
+    system = (gradient.T @ weights @ gradient).tocsr()
+    system = (system + HOLD * sparse.diags(system.diagonal() + system.diagonal().mean())).tocsr()
+    right = np.column_stack([gradient.T @ (weights @ own.ravel()) for own in (direction, np.cross(normals, direction))])
+    return factorise(system, symmetric=True).solve(right)
+
+
+def _principal_directions(vertices: Vertices, faces: Faces) -> tuple[FloatArray, FloatArray, float]:
+    """Return the direction of the larger curvature in every face (m, 3), the difference of the two (m,) and the largest.
+
+    The second fundamental form of a face is that of its vertices' normals along its edges (Rusinkiewicz,
+    doi:10.1109/TDPVT.2004.1335277).
+    """
+    normals, at = face_normals(vertices, faces), vertex_normals(vertices, faces)
+    corners, turns = vertices[faces], at[faces]
+    first = corners[:, 1] - corners[:, 0]
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    frame = np.stack([first, np.cross(normals, first)], axis=1)
+    edges = np.einsum("fcx,fex->fec", frame, np.roll(corners, -1, axis=1) - corners)
+    bends = np.einsum("fcx,fex->fec", frame, np.roll(turns, -1, axis=1) - turns)
+    zero = np.zeros(len(faces))
+    rows = []
+    for e in range(3):
+        u, v = edges[:, e].T
+        rows += [np.column_stack([u, v, zero]), np.column_stack([zero, u, v])]
+    A, b = np.stack(rows, axis=1), bends.reshape(len(faces), 6)
+    form = np.linalg.solve(np.einsum("fij,fik->fjk", A, A), np.einsum("fij,fi->fj", A, b)[:, :, None])[:, :, 0]
+    p, q, r = form.T
+    angle = 0.5 * np.arctan2(2 * q, p - r)
+    direction = np.cos(angle)[:, None] * frame[:, 0] + np.sin(angle)[:, None] * frame[:, 1]
+    return direction, np.hypot(p - r, 2 * q), float(np.abs(np.column_stack([p + r, p - r])).max(initial=0.0))
+
+
+def _combed(direction: FloatArray, weight: FloatArray, normals: FloatArray, faces: Faces, along: FloatArray) -> FloatArray:
+    """Return directions turned by right angles so that they agree with their neighbours', and with one in the surest face."""
+    edges = edge_faces(faces)
+    left, right = edges[edges[:, 3] >= 0, 2:].T
+    unsure = 2.0 - np.minimum(weight[left], weight[right]) / weight.max()
+    tree = minimum_spanning_tree(sparse.csr_matrix((unsure, (left, right)), shape=(len(faces), len(faces))))
+    order, before = breadth_first_order(tree, int(np.argmax(weight)), directed=False)
+    result = direction.copy()
+    for f in order:
+        wanted = along if before[f] < 0 else result[before[f]]
+        turned = np.cross(normals[f], direction[f])
+        choices = np.array([direction[f], turned, -direction[f], -turned])
+        result[f] = choices[np.argmax(choices @ wanted)]
+    return result
+
+
+def _gradient(vertices: Vertices, faces: Faces) -> sparse.csr_matrix:
+    """Return the gradient of a function of the vertices in every face (3 m, n)."""
+    corners = vertices[faces]
+    normals, double = face_normals(vertices, faces), 2.0 * face_areas(vertices, faces)
+    opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+    slopes = np.cross(normals[:, None], opposite) / double[:, None, None]
+    rows = 3 * np.arange(len(faces))[:, None, None] + np.arange(3)
+    columns = np.broadcast_to(faces[:, :, None], slopes.shape)
+    return sparse.csr_matrix(
+        (slopes.ravel(), (np.broadcast_to(rows, slopes.shape).ravel(), columns.ravel())), shape=(3 * len(faces), len(vertices))
+    )

@@ -1,0 +1,80 @@
+"""Materials, and the stress of bending a sheet from its mould into place."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Union
+
+from ..errors import CGCError
+
+__all__ = ["MATERIALS", "METRES", "Material", "bending_stress", "material_named", "metres_per_unit"]
+
+# What one unit of a drawing is in metres.
+METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers": 1e3, "Inches": 0.0254, "Feet": 0.3048, "Yards": 0.9144}
+
+
+class Material(NamedTuple):
+    """A sheet material, elastic and the same in all directions."""
+
+    name: str
+    modulus: float  # E [Pa]
+    poisson: float  # ν
+    strength: float  # characteristic bending strength, to compare with and without any factor of safety [Pa]
+
+
+# Annealed float glass EN 572 and EN 16612; steel S235, EN 1993-1-1; a glass-fibre laminate EN 13706 E23; timber C24, EN 338.
+MATERIALS = {
+    own.name: own
+    for own in (
+        Material("glass", 70e9, 0.23, 45e6),
+        Material("steel", 210e9, 0.3, 235e6),
+        Material("gfrp", 23e9, 0.3, 240e6),
+        Material("timber", 11e9, 0.3, 24e6),
+    )
+}
+
+
+def material_named(material: Union[str, Material]) -> Material:
+    """Return a material of :data:`MATERIALS` by its name, or the one given.
+
+    Raises
+    ------
+    CGCError
+        If there is none of that name.
+    """
+    if isinstance(material, Material):
+        return material
+    found = MATERIALS.get(str(material).strip().lower())
+    if found is None:
+        raise CGCError(f"there is no material {material!r}; there are {', '.join(MATERIALS)}")
+    return found
+
+
+def bending_stress(material: Material, thickness: float, change: float) -> float:
+    """Return ``E t Δκ / 2 (1 - ν²)``, the largest stress of a plate bent by a change of curvature [Pa].
+
+    Parameters
+    ----------
+    material
+        Elastic constants.
+    thickness
+        Of the plate [m].
+    change
+        Of curvature [1/m].
+    """
+    return material.modulus * thickness * change / (2.0 * (1.0 - material.poisson**2))
+
+
+def metres_per_unit(units: Union[str, None]) -> float:
+    """Return what one unit of a drawing is in metres; a drawing without units is in metres.
+
+    Raises
+    ------
+    CGCError
+        If the unit is not known.
+    """
+    if units is None:
+        return 1.0
+    if units not in METRES:
+        raise CGCError(f"the length of the unit {units!r} is not known; draw in {', '.join(METRES)}")
+    return METRES[units]

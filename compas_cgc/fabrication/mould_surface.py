@@ -1,0 +1,100 @@
+"""Moulds in space: a sphere, a plane, or the middle of a pseudosphere, which is what can be made of K < 0."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Vertices
+from ..errors import CGCError
+from . import space_form
+
+__all__ = ["Surface", "cap_mesh", "surface_for"]
+
+SPARE = 1.001  # of a pseudosphere's rim, where its curvature has no bound
+RINGS, AROUND = 16, 64  # of the mesh of a mould
+
+
+class Surface(NamedTuple):
+    """A surface of constant curvature in space, with the pole at the origin and its normal along z."""
+
+    K: float  # [1/L^2]
+    depth: float = 1.0  # of the pole below the rim of the pseudosphere, the y of the upper half plane; of no meaning for K >= 0
+
+    def places(self, points: FloatArray) -> Vertices:
+        """Return points (n, 3) of the space form as places in space (n, 3) [L]."""
+        if self.K >= 0.0:
+            return space_form.places(points, self.K)
+        radius = 1.0 / math.sqrt(-self.K)
+        x, y = self._half_plane(points)
+        here = _pseudosphere(x, y)
+        pole = _pseudosphere(np.zeros(1), np.array([self.depth]))[0]
+        # Along the meridian, along the parallel, and outwards.
+        slope = math.sqrt(1.0 - 1.0 / self.depth**2)
+        down = np.array([-1.0 / self.depth, 0.0, slope])
+        along = np.array([0.0, -1.0, 0.0])
+        return radius * (here - pole) @ np.array([down, along, np.cross(down, along)]).T
+
+    def principal(self, points: FloatArray) -> FloatArray:
+        """Return the principal curvatures at points (n, 3), the larger first (n, 2) [1/L]; positive where convex towards +z."""
+        root = math.sqrt(abs(self.K))
+        if self.K >= 0.0:
+            return np.full((len(points), 2), root)
+        bend = np.sqrt(self._half_plane(points)[1] ** 2 - 1.0)
+        return root * np.sort(np.column_stack([bend, -1.0 / bend]), axis=1)[:, ::-1]
+
+    def _half_plane(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return points of the hyperbolic plane in the upper half plane, where the pseudosphere is ``y >= 1``."""
+        root = math.sqrt(-self.K)
+        below = points[:, 0] - root * points[:, 1]
+        return -self.depth * root * points[:, 2] / below, self.depth / below
+
+
+def surface_for(K: float, radius: float) -> Surface:
+    """Return the mould with room for a cap of a radius [L] about its pole.
+
+    Raises
+    ------
+    CGCError
+        If a pseudosphere has no room for it.
+    """
+    if K >= 0.0:
+        if K > 0.0 and radius * math.sqrt(K) > math.pi:
+            raise CGCError(f"a cap of radius {radius:.4g} is more than the whole sphere of K = {K:.4g}; make the panels smaller")
+        return Surface(K)
+    reach = radius * math.sqrt(-K)
+    # Where both principal curvatures are equal but for the sign, if the rim is far enough from there.
+    depth = max(math.sqrt(2.0), SPARE * math.exp(min(reach, 50.0)))
+    if depth * math.sinh(min(reach, 50.0)) > math.pi:
+        raise CGCError(f"a pseudosphere of K = {K:.4g} has no room for a panel of radius {radius:.4g}; make the panels smaller")
+    return Surface(K, depth)
+
+
+def cap_mesh(surface: Surface, radius: float) -> tuple[Vertices, Faces]:
+    """Return the mesh of a cap about the pole of a mould: vertices (n, 3) [L] and faces (m, 3)."""
+    ring, k = np.divmod(np.arange(RINGS * AROUND), AROUND)
+    distance, angle = radius * (ring + 1) / RINGS, 2 * np.pi * k / AROUND
+    root = math.sqrt(abs(surface.K))
+    if surface.K > 0.0:
+        up, out = np.cos(root * distance), np.sin(root * distance) / root
+    elif surface.K < 0.0:
+        up, out = np.cosh(root * distance), np.sinh(root * distance) / root
+    else:
+        up, out = np.ones_like(distance), distance
+    points = np.vstack([[1.0, 0.0, 0.0], np.column_stack([up, out * np.cos(angle), out * np.sin(angle)])])
+    i = np.arange(AROUND)
+    fan = np.column_stack([np.zeros(AROUND, np.int64), 1 + i, 1 + (i + 1) % AROUND])
+    a = 1 + np.arange((RINGS - 1) * AROUND)
+    b = np.where((a - 1) % AROUND == AROUND - 1, a - AROUND + 1, a + 1)
+    bands = np.vstack([np.column_stack([a, a + AROUND, b + AROUND]), np.column_stack([a, b + AROUND, b])])
+    return surface.places(points), np.vstack([fan, bands])
+
+
+def _pseudosphere(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the points (n, 3) of the pseudosphere of radius one for those of the upper half plane."""
+    height = np.arccosh(y) - np.sqrt(1.0 - 1.0 / y**2)
+    return np.column_stack([np.cos(x) / y, np.sin(x) / y, height])

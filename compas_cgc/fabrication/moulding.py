@@ -1,0 +1,272 @@
+"""Moulds: the panels of all regions on as few surfaces of constant curvature as K allows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.local_fits import LocalFits
+from ..discrete.local_fits import local_fits
+from ..discrete.space_form import space_form_angle_sums
+from ..errors import CGCError
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from . import space_form
+from .caps import smallest_cap
+from .development import Development
+from .development import lay_out
+from .fitting import rigid_fits
+from .materials import Material
+from .materials import bending_stress
+from .materials import material_named
+from .materials import metres_per_unit
+from .mould_report import Mould
+from .mould_report import MouldReport
+from .mould_report import PanelFit
+from .mould_surface import Surface
+from .mould_surface import surface_for
+from .panelling import Panel
+
+__all__ = ["moulds"]
+
+SAME = 1e-9  # difference of two K, against the larger, that is none
+OPEN = 0.05  # gap, against the mean edge, from which a surface has not the curvature that its moulds have
+ROUGH = 0.3  # error of fitted curvatures in the middle, against K, from which a surface is crumpled
+FAINT = 0.1  # K, against the largest, below which errors are held against that
+TURNS = 24  # about the pole that are tried on a pseudosphere, whose directions differ
+
+
+class _Laid(NamedTuple):
+    panel: Panel
+    K: float
+    faces: Indices  # (m, 3) turned over where the panel is hollow
+    laid: Development
+    radius: float
+
+
+def moulds(
+    mesh: PosesProblem,
+    panels: Sequence[Panel],
+    *,
+    material: Union[str, Material] = "glass",
+    thickness: float = 6.0,
+    tolerance: float = 0.0,
+    arc: Optional[bool] = None,
+) -> MouldReport:
+    """Return the moulds that panels can be made on, and how each fits.
+
+    By Minding's theorem every piece of a region of curvature K can be bent, without stretching, from the sphere of radius
+    ``1/√K``, the plane or the pseudosphere; after ``measure="exact"`` the triangles are the same to rounding. So one mould serves
+    all panels of one K, of whatever region.
+
+    Parameters
+    ----------
+    mesh
+        A solved surface.
+    panels
+        Of :func:`compas_cgc.fabrication.panels`, or groups of faces of your own.
+    material
+        A name of :data:`~compas_cgc.fabrication.MATERIALS`, or a :class:`~compas_cgc.fabrication.Material`.
+    thickness
+        Of the sheets [mm].
+    tolerance
+        Gap up to which panels of different K may share a mould [mm].
+    arc
+        Take edges for lengths along the moulds. Default: as the mesh fits better.
+
+    Returns
+    -------
+    MouldReport
+        Its text is meant to be read, ``to_dict`` gives all figures.
+
+    Raises
+    ------
+    CGCError
+        If the surface is rough, does not have the curvature asked for, a panel has several K or a hole, or is too large for a mould.
+
+    References
+    ----------
+    Jiang et al., *Using isometries for computational design and fabrication*, doi:10.1145/3450626.3459839. Bending stress of a plate:
+    ``E t Δκ / 2 (1 - ν²)``.
+    """
+    problem = mesh.to_problem().without_dummies()
+    stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
+    if not (math.isfinite(thickness) and thickness > 0.0):
+        raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
+    if not len(panels):
+        raise CGCError("there are no panels; divide the surface into some first")
+    targets = problem.region_targets()
+    curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
+    fits = _fits(problem)
+    _refuse_rough(problem, fits)
+    by_arcs = _by_arcs(problem) if arc is None else arc
+    pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]
+    pieces = _shared(problem, pieces, 1e-3 * tolerance / unit, by_arcs)
+    groups: dict[float, list[_Laid]] = {}
+    for piece in pieces:
+        groups.setdefault(piece.laid.K, []).append(piece)
+    made: list[Mould] = []
+    results: dict[str, PanelFit] = {}
+    for K in sorted(groups, reverse=True):
+        radius = max(piece.radius for piece in groups[K])
+        made.append(Mould(len(made) + 1, surface_for(K, radius), radius, len(groups[K])))
+        for piece in groups[K]:
+            results[piece.panel.name] = _fitted(problem, piece, made[-1], fits, stuff, thickness, unit)
+    return MouldReport(made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs)
+
+
+def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[float]]) -> float:
+    """Return the one K of a panel."""
+    used = np.unique(problem.faces[panel.faces])
+    asked = used[problem.asked[used] & np.isfinite(problem.targets[used])]
+    own = np.unique(problem.targets[asked])
+    if not len(own):
+        target = targets[panel.region] if 0 <= panel.region < len(targets) else None
+        if target is None:
+            raise CGCError(f"panel {panel.name} has no K̄; give its region one")
+        return target
+    low, high = float(own[0]), float(own[-1])
+    if low < 0.0 < high:
+        raise CGCError(
+            f"panel {panel.name} has K̄ of both signs, from {low:.4g} to {high:.4g}, and no mould has; divide it where the sign changes"
+        )
+    if high - low > SAME * max(abs(low), abs(high)):
+        raise CGCError(f"panel {panel.name} has K̄ from {low:.4g} to {high:.4g}, a mould has but one; ask for one in every panel")
+    return high
+
+
+def _fits(problem: CGCProblem) -> LocalFits:
+    return local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
+
+
+def _refuse_rough(problem: CGCProblem, fits: LocalFits) -> None:
+    """Refuse a surface whose curvature, smoothed over two rings, is not what was asked for."""
+    known = np.isfinite(fits.gaussian) & np.isfinite(problem.targets)
+    if not known.any():
+        return
+    targets = problem.targets[known]
+    largest = float(np.abs(targets).max())
+    least = FAINT * largest if largest else 1.0 / float(face_areas(problem.vertices, problem.faces).sum())
+    off = float(np.median(np.abs(fits.gaussian[known] - targets) / np.maximum(np.abs(targets), least)))
+    if off > ROUGH:
+        raise CGCError(
+            f"the surface is rough or not solved: polynomials fitted to it are {100 * off:.0f} % off the curvature asked for; "
+            "solve it first, and have a look at what 'compas-cgc check' says"
+        )
+
+
+def _by_arcs(problem: CGCProblem) -> bool:
+    """Return whether the triangles close better as arcs of the moulds than as chords."""
+    asked = problem.asked & np.isfinite(problem.targets)
+    K = np.where(asked, problem.targets, 0.0)
+    chords, arcs = (
+        np.abs(space_form_angle_sums(problem.vertices, problem.faces, K, arc) - 2 * np.pi)[asked].sum() for arc in (False, True)
+    )
+    return bool(arcs < 0.1 * chords)
+
+
+def _laid(problem: CGCProblem, panel: Panel, K: float, fits: LocalFits, arc: bool) -> _Laid:
+    """Lay a panel onto its mould, turned over where it is hollow towards its normals."""
+    F = problem.faces[panel.faces]
+    mean = fits.mean[np.unique(F)]
+    hollow = K > 0.0 and np.isfinite(mean).any() and float(np.nansum(mean)) < 0.0
+    return _on(problem, panel, K, F[:, ::-1] if hollow else F, arc)
+
+
+def _on(problem: CGCProblem, panel: Panel, K: float, faces: Indices, arc: bool) -> _Laid:
+    laid = lay_out(problem.vertices, faces, K, arc=arc, name=f"panel {panel.name}")
+    laid = laid._replace(own_faces=panel.faces)
+    V = problem.vertices[faces]
+    edge = float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).mean())
+    if laid.gap > OPEN * edge:
+        raise CGCError(
+            f"panel {panel.name} does not close on a mould of K = {K:.4g}: its faces part by {laid.gap:.3g}; "
+            "solve the surface for that K first, best with measure='exact'"
+        )
+    cap = smallest_cap(laid.points, K)
+    return _Laid(panel, K, faces, laid.turned(space_form.to_pole(cap.centre, K)), cap.radius)
+
+
+def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: bool) -> list[_Laid]:
+    """Let panels of nearly the same K share a mould where their gaps and edges stay within a tolerance [L]."""
+    own = sorted({piece.K for piece in pieces})
+    groups: list[list[float]] = [[own[0]]]
+    laid: dict[float, list[_Laid]] = {}
+    for K in own[1:]:
+        group = [*groups[-1], K]
+        middle = 0.5 * (group[0] + K)
+        same = K - group[0] <= SAME * abs(K)
+        # Of one sign: a sheet bent from a sphere does not become a saddle.
+        if not same and (tolerance <= 0.0 or group[0] * K <= 0.0):
+            groups.append([K])
+            continue
+        trial = [_on(problem, piece.panel, middle, piece.faces, arc) for piece in pieces if piece.K in group]
+        if same or all(_astray(problem, piece.laid) <= tolerance for piece in trial):
+            groups[-1] = group
+            laid[group[0]] = trial
+        else:
+            groups.append([K])
+    shared = {piece.panel.name: piece for trial in laid.values() for piece in trial}
+    return [shared.get(piece.panel.name, piece) for piece in pieces]
+
+
+def _astray(problem: CGCProblem, laid: Development) -> float:
+    V = problem.vertices[problem.faces[laid.own_faces]]
+    return max(laid.gap, laid.edge_error * float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).max()))
+
+
+def _fitted(
+    problem: CGCProblem, piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thickness: float, unit: float
+) -> PanelFit:
+    """Return a panel on its mould, turned about the pole to where it lies nearest to its place."""
+    K, there = mould.K, problem.vertices[piece.laid.vertices]
+    angles = 2 * np.pi * np.arange(TURNS) / TURNS if K < 0.0 else [_heading(piece.laid.points, there)]
+    laid = [piece.laid.turned(space_form.rotation(angle)) for angle in angles]
+    places = np.array([mould.surface.places(own.points) for own in laid])
+    nearest = rigid_fits(places, there)
+    best = int(np.argmin([np.abs(nearest(own) - there).max() for own in places])) if len(places) > 1 else 0
+    change = _change(mould.surface, laid[best], fits)
+    per_metre = None if change is None else change / unit
+    stress = None if per_metre is None else 1e-6 * bending_stress(material, 1e-3 * thickness, per_metre)
+    return PanelFit(
+        piece.panel,
+        mould.number,
+        piece.radius,
+        1e3 * unit * laid[best].gap,
+        laid[best].edge_error,
+        1e3 * unit * nearest.most,
+        per_metre,
+        stress,
+        laid[best],
+        places[best],
+        nearest,
+    )
+
+
+def _heading(points: FloatArray, there: FloatArray) -> float:
+    """Return the angle about the pole by which points (p, 3) lie as in the plan of their places (p, 3)."""
+    here, away = points[:, 1:] - points[:, 1:].mean(axis=0), there[:, :2] - there[:, :2].mean(axis=0)
+    cross = np.einsum("i,i", here[:, 0], away[:, 1]) - np.einsum("i,i", here[:, 1], away[:, 0])
+    return math.atan2(cross, np.einsum("ij,ij", here, away))
+
+
+def _change(surface: Surface, laid: Development, fits: LocalFits) -> Optional[float]:
+    """Return the largest change of a principal curvature from the mould into place, None where none was measured [1/L]."""
+    mean, gaussian = fits.mean[laid.vertices], fits.gaussian[laid.vertices]
+    known = np.isfinite(mean)
+    if not known.any():
+        return None
+    spread = np.sqrt(np.maximum(mean**2 - gaussian, 0.0))
+    own = np.column_stack([mean + spread, mean - spread])[known]
+    if surface.K > 0.0:
+        # Hollow panels are turned over.
+        own = own * math.copysign(1.0, float(own.sum()))
+    return float(np.abs(own - surface.principal(laid.points)[known]).max())
