@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
 
@@ -14,7 +16,10 @@ from ..solvers import options
 from ..solvers import settings_for
 from ..solvers.registry import owners
 
-__all__ = ["add_options", "add_reading", "reading", "settings_of"]
+if TYPE_CHECKING:
+    from ..model.problem import CGCProblem
+
+__all__ = ["add_options", "add_reading", "reading", "settings_of", "with_targets"]
 
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints")
 
@@ -54,6 +59,26 @@ def reading(arguments: argparse.Namespace) -> dict[str, Any]:
             raise CGCError(f"--layer must be ROLE=NAME with ROLE one of {', '.join(_ROLES)}, not {text!r}")
         layers.setdefault(role, []).append(name)
     return {"layers": layers or None, "crease": arguments.crease, "tolerance": arguments.weld, "edge_length": arguments.edge_length}
+
+
+def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
+    """Return the problem with the targets of ``--target [REGION=]K``.
+
+    Raises
+    ------
+    CGCError
+        If one is not understood.
+    """
+    # Those of regions last.
+    for text in sorted(texts, key=lambda text: "=" in text):
+        region, equals, number = text.rpartition("=")
+        try:
+            K = float(number)
+            where = int(region) if equals else None
+        except ValueError:
+            raise CGCError(f"--target must be a number or REGION=NUMBER, such as 0.03 or 4=0.03, not {text!r}") from None
+        problem = problem.with_targets(K, region=where)
+    return problem
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

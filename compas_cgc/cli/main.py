@@ -18,6 +18,7 @@ __all__ = ["build_parser", "main"]
 # Each is a module here with a function add_arguments, which is called when the command is.
 COMMANDS = {
     "solve": "solve a mesh file",
+    "mould": "say on which moulds the panels of a solved surface are made",
     "check": "say what a file holds and what keeps it from being solved",
     "example": "run one of the paper's examples",
     "reproduce": "run all of the paper's examples and tables",

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 
-from ..errors import CGCError
 from .arguments import add_options
 from .arguments import add_reading
 from .arguments import reading
 from .arguments import settings_of
+from .arguments import with_targets
 from .console import ProgressBar
 from .console import interruptible
 from .exits import DONE
@@ -97,16 +97,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
         problem = problem.with_supports(arguments.supports)
     if arguments.flip:
         problem = problem.flipped()
-    # Those of regions last.
-    for text in sorted(arguments.target, key=lambda text: "=" in text):
-        region, equals, number = text.rpartition("=")
-        try:
-            K = float(number)
-            where = int(region) if equals else None
-        except ValueError:
-            raise CGCError(f"--target must be a number or REGION=NUMBER, such as 0.03 or 4=0.03, not {text!r}") from None
-        problem = problem.with_targets(K, region=where)
-    return problem
+    return with_targets(problem, arguments.target)
 
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:

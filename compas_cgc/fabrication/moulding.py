@@ -159,7 +159,7 @@ def _refuse_rough(problem: CGCProblem, fits: LocalFits) -> None:
     if off > ROUGH:
         raise CGCError(
             f"the surface is rough or not solved: polynomials fitted to it are {100 * off:.0f} % off the curvature asked for; "
-            "solve it first, and have a look at what 'compas-cgc check' says"
+            "solve it first"
         )
 
 

@@ -39,7 +39,7 @@ JUST = 1e-6  # part of a panel by which it may be larger than asked
 class Panel(NamedTuple):
     """A group of faces of one region."""
 
-    name: str  # such as 3.07, region and number
+    name: str  # such as 3-07, region and number
     region: int
     faces: Indices  # (f,) of the mesh, by their positions
 
@@ -103,7 +103,7 @@ def panels(
             cell = _grid_cells(V, F, _coordinates(V, F, along), size, count)
         number = int(cell.max(initial=-1)) + 1
         digits = len(str(number))
-        found += [Panel(f"{region}.{k + 1:0{digits}}", region, own[cell == k]) for k in range(number)]
+        found += [Panel(f"{region}-{k + 1:0{digits}}", region, own[cell == k]) for k in range(number)]
     return found
 
 

@@ -46,6 +46,7 @@ def read_problem(
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
+    result: bool = False,
 ) -> ReadProblem:
     """Read a mesh with all that the file asks of it.
 
@@ -57,7 +58,7 @@ def read_problem(
     ----------
     path
         A .3dm, .json, .obj, .off, .ply or .stl file.
-    layers, crease, tolerance, edge_length
+    layers, crease, tolerance, edge_length, result
         For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
 
     Returns
@@ -75,7 +76,7 @@ def read_problem(
     if suffix == ".3dm":
         from .rhino.read import read_3dm
 
-        return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+        return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
     if suffix == ".json":
         return ReadProblem(read_json(source).to_problem())
     return _READERS[suffix](source)

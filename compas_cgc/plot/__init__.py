@@ -18,6 +18,7 @@ from .history import draw_history
 from .history import history_figure
 from .maps import draw_curvature
 from .maps import draw_error
+from .moulds import moulds_figure
 from .output import save
 from .render import hero
 from .shape import draw_shape
@@ -41,6 +42,7 @@ __all__ = [
     "error_figure",
     "hero",
     "history_figure",
+    "moulds_figure",
     "save",
     "shape_figure",
 ]

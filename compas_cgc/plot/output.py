@@ -1,4 +1,4 @@
-"""Lazy import of matplotlib, and figures as PNG and SVG files."""
+"""Lazy import of matplotlib, and figures as PNG, SVG and PDF files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 __all__ = ["matplotlib_module", "new_figure", "save"]
 
 DPI = 200
-FORMATS = {".png": {"Software": None}, ".svg": {"Date": None, "Creator": None}}
+FORMATS = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
 
 DETERMINISTIC = {"svg.hashsalt": "compas_cgc", "svg.fonttype": "path"}
 
@@ -53,7 +57,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
-    """Write a figure as PNG or SVG, by the suffix of the path.
+    """Write a figure as PNG, SVG or PDF, by the suffix of the path.
 
     The file is written beside its place and then put there, so that nobody reads half a
     picture; the same figure gives the same bytes, as no date is written.
@@ -63,7 +67,7 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     figure
         What a ``..._figure`` function returned, or the ``figure`` of drawn axes.
     path
-        File to write or to replace, with its folder, ending in ``.png`` or ``.svg``.
+        File to write or to replace, with its folder, ending in ``.png``, ``.svg`` or ``.pdf``.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     path = Path(path)
     kind = path.suffix.lower()
     if kind not in FORMATS:
-        raise FileError(f"a picture is saved as .png or .svg, not as {path.name!r}: change the suffix")
+        raise FileError(f"a picture is saved as .png, .svg or .pdf, not as {path.name!r}: change the suffix")
     try:
         with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
             figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")

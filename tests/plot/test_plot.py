@@ -341,7 +341,7 @@ class TestHero:
 
 
 class TestSaving:
-    @pytest.mark.parametrize("name", ["a.png", "a.svg", "A.PNG"])
+    @pytest.mark.parametrize("name", ["a.png", "a.svg", "a.pdf", "A.PNG"])
     def test_the_same_picture_gives_the_same_bytes_and_leaves_nothing_beside_it(self, tmp_path, name):
         path = tmp_path / name
         path.write_text("an older picture")
@@ -350,7 +350,8 @@ class TestSaving:
             assert plot.save(plot.shape_figure([roof()]), path) == path
             contents.append(path.read_bytes())
         assert contents[0] == contents[1]
-        assert contents[0].startswith(b"\x89PNG" if path.suffix.lower() == ".png" else b"<?xml")
+        begins = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
+        assert contents[0].startswith(begins[path.suffix.lower()])
         assert b"<dc:date>" not in contents[0] and b"matplotlib" not in contents[0].lower()[:300]
         assert [entry.name for entry in tmp_path.iterdir()] == [name]
 
@@ -371,7 +372,7 @@ class TestSaving:
 
     def test_other_suffixes_and_places_that_are_no_folder_are_named(self, tmp_path):
         figure = plot.draw_shape(CORNERS, SQUARE, np.zeros(4)).figure
-        with pytest.raises(FileError, match="as .png or .svg, not as 'a.gif'"):
+        with pytest.raises(FileError, match="as .png, .svg or .pdf, not as 'a.gif'"):
             plot.save(figure, tmp_path / "a.gif")
         (tmp_path / "file").write_text("no folder")
         with pytest.raises(FileError, match="cannot write the picture"):

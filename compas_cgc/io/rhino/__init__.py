@@ -14,11 +14,12 @@ if TYPE_CHECKING:
     from ..summary import describe
     from .layers import LayerNames
     from .layers import layer_names
+    from .mould_layers import write_moulds
     from .read import read_3dm
     from .result_layers import write_result
     from .write import write_problem
 
-__all__ = ["LayerNames", "describe", "layer_names", "read_3dm", "write_problem", "write_result"]
+__all__ = ["LayerNames", "describe", "layer_names", "read_3dm", "write_moulds", "write_problem", "write_result"]
 
 # Looked up when they are first used: rhino3dm is not loaded to read the other formats.
 __getattr__, __dir__ = attach(
@@ -28,6 +29,7 @@ __getattr__, __dir__ = attach(
         "describe": "..summary",
         "layer_names": ".layers",
         "read_3dm": ".read",
+        "write_moulds": ".mould_layers",
         "write_problem": ".write",
         "write_result": ".result_layers",
     },

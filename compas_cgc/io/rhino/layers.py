@@ -133,19 +133,22 @@ class Selection(NamedTuple):
     notes: list[str]
 
 
-def select(items: list[Item], names: LayerNames) -> Selection:
+def select(items: list[Item], names: LayerNames, result: bool = False) -> Selection:
     """Sort objects by their layers, or by their kinds where no layer of the convention is used.
 
-    Objects of an earlier result are read only when there is no mesh besides.
+    Objects of an earlier result are read only when there is no mesh besides, or the result is wanted.
     """
     role = {item.id: names.role(item.layer) for item in items}
     given = [item for item in items if role[item.id] != "result"]
     regions = [item for item in items if item.layer == f"{RESULT}::Regions" and item.kind == "mesh"]
-    if not any(item.kind == "mesh" or item.kind in _SURFACES for item in given):
-        result = _of_result(items)
-        if result:
-            note = "the file holds nothing but an earlier result, which is taken as the input"
-            return Selection(result["Mesh"], result["Supports"], result["Creases"], [], result["Constraints"], [], regions, [note])
+    drawn = any(item.kind == "mesh" or item.kind in _SURFACES for item in given)
+    if result or not drawn:
+        found = _of_result(items)
+        if found:
+            note = "the result in the file is taken, not its drawing"
+            if not drawn:
+                note = "the file holds nothing but an earlier result, which is taken as the input"
+            return Selection(found["Mesh"], found["Supports"], found["Creases"], [], found["Constraints"], [], regions, [note])
     if any(role[item.id] for item in given):
         return _by_layer(given, role, regions, names)
     return _by_kind(given, regions)

@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import Optional
 from typing import Union
 
+from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import list_items
 from .archive import read_archive
 from .assemble import assemble
+from .curves import curve_points
 from .curves import to_drawn
+from .layers import LayerNames
 from .layers import layer_names
 from .layers import select
 from .meshes import to_part
@@ -24,7 +27,7 @@ from .units import unit_name
 from .user_text import user_number
 from .user_text import user_target
 
-__all__ = ["read_3dm"]
+__all__ = ["read_3dm", "read_curves"]
 
 
 def read_3dm(
@@ -34,6 +37,7 @@ def read_3dm(
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
+    result: bool = False,
 ) -> ReadProblem:
     """Read a surface problem from a .3dm file.
 
@@ -54,6 +58,8 @@ def read_3dm(
     edge_length
         Where there is no mesh: length of the edges of one that is made between the outline
         and the creases [L], which takes the extra ``mesher``.
+    result
+        Take the result of an earlier solve, where the file holds one, not the drawing.
 
     Returns
     -------
@@ -67,7 +73,7 @@ def read_3dm(
     """
     names = layer_names(path, layers)
     archive = read_archive(path)
-    found = select(list_items(archive), names)
+    found = select(list_items(archive), names, result)
     own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
     try:
         converted = [to_part(item) for item in found.mesh] or [outline_part(found, edge_length, own)]
@@ -86,6 +92,22 @@ def read_3dm(
         )
     except FileError as error:
         raise FileError(f"{path}: {error}") from None
+
+
+def read_curves(path: Union[str, os.PathLike], layer: str) -> list[FloatArray]:
+    """Return the curves on a layer and its sublayers, each as points (k, 3) within the file's tolerance [L].
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read or there are none.
+    """
+    archive = read_archive(path)
+    names = LayerNames(mesh=(layer,))
+    items = [item for item in list_items(archive) if item.kind == "curve" and names.role(item.layer) == "mesh"]
+    if not items:
+        raise FileError(f"{path}: there are no curves on the layer {layer!r}")
+    return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
 
 
 def _drawn(items: list[Item], tolerance: float) -> list[Drawn]:

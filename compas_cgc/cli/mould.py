@@ -1,0 +1,129 @@
+"""``compas-cgc mould``: the moulds that a solved surface is built on, panel by panel."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Optional
+
+from ..errors import CGCError
+from ..errors import FileError
+from ..fabrication import MATERIALS
+from .arguments import add_reading
+from .arguments import reading
+from .arguments import with_targets
+from .exits import DONE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..discrete.arrays import FloatArray
+    from ..fabrication import MouldReport
+    from ..model.problem import CGCProblem
+
+__all__ = ["add_arguments", "run"]
+
+_EPILOG = """\
+FILE is a solved surface; of a .3dm with a result the result is taken. Solve it with --measure exact, so that regions and moulds
+consist of the same triangles; without, the report says how far they part.
+
+OUTPUT is a .3dm with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels; beside it goes a page
+of pictures, OUTPUT with the suffix .pdf.
+
+examples:
+  compas-cgc solve roof.3dm -o solved.3dm --measure exact
+  compas-cgc mould solved.3dm -o moulds.3dm --size 1.25
+  compas-cgc mould solved.3dm -o moulds.3dm --curves Joints --material gfrp --thickness 8 --report moulds.json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Divide a solved surface into panels, and say on which moulds they are made and how they fit."
+    parser.epilog = _EPILOG
+    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="the .3dm file to write")
+    divided = parser.add_mutually_exclusive_group(required=True)
+    divided.add_argument("--size", type=float, metavar="L", help="width of the panels, nearly, in model units")
+    divided.add_argument("--count", type=int, metavar="N", help="panels to each region, nearly")
+    divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm")
+    parser.add_argument("--along", default="plan", metavar="plan|curvature", help="what the grid of panels follows (default: plan)")
+    parser.add_argument("--material", default="glass", metavar="|".join(MATERIALS), help="what the panels are of (default: glass)")
+    parser.add_argument("--thickness", type=float, default=6.0, metavar="MM", help="of the panels in mm (default: 6)")
+    parser.add_argument("--tolerance", type=float, default=0.0, metavar="MM", help="gap up to which panels of different K share a mould")
+    parser.add_argument(
+        "--target", action="append", default=[], metavar="[REGION=]K", help="Gaussian curvature, as for solve, where the file does not say"
+    )
+    parser.add_argument("--no-page", action="store_true", help="write no page of pictures")
+    parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    add_reading(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..fabrication import moulds
+    from ..fabrication import panels
+    from ..io import read_problem
+    from ..io.rhino import write_moulds
+
+    output = Path(arguments.output)
+    if output.suffix.lower() != ".3dm":
+        raise FileError(f"moulds are written as .3dm, not as {output.name!r}: change the suffix")
+    say = (lambda text: None) if arguments.quiet else print
+    read = read_problem(arguments.input, result=True, **reading(arguments))
+    for note in read.notes:
+        say(f"{arguments.input}: {note}")
+    problem = read.checked()
+    problem = with_targets(problem, arguments.target)
+    divided = panels(problem, arguments.size, count=arguments.count, curves=_curves(arguments), along=arguments.along)
+    report = moulds(problem, divided, material=arguments.material, thickness=arguments.thickness, tolerance=max(0.0, arguments.tolerance))
+    say(str(report))
+    page = _drawn(problem, report, arguments)
+    source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
+    write_moulds(output, problem, report, source=source)
+    written = [output]
+    if page is not None:
+        from ..plot import save
+
+        written.append(save(page, output.with_suffix(".pdf")))
+    if arguments.report:
+        written.append(_write_report(arguments, report))
+    for path in written:
+        say(f"wrote {path}")
+    return DONE
+
+
+def _curves(arguments: argparse.Namespace) -> Optional[Sequence[FloatArray]]:
+    if arguments.curves is None:
+        return None
+    if Path(arguments.input).suffix.lower() != ".3dm":
+        raise CGCError("--curves takes them from a layer of a .3dm file; give one, or --size or --count")
+    from ..io.rhino.read import read_curves
+
+    return read_curves(arguments.input, arguments.curves)
+
+
+def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespace) -> Optional[Figure]:
+    """Return the page of pictures, drawn before anything is written."""
+    if arguments.no_page:
+        return None
+    try:
+        from ..plot import moulds_figure
+
+        return moulds_figure(problem, report, f"{Path(arguments.input).stem}: moulds")
+    except CGCError as error:
+        raise CGCError(f"{error}; or leave the page out with --no-page") from None
+
+
+def _write_report(arguments: argparse.Namespace, report: MouldReport) -> Path:
+    from .._atomic_write import write_text
+    from .._version import __version__
+
+    record = {"version": __version__, "input": Path(arguments.input).name, **report.to_dict()}
+    write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    return Path(arguments.report)

@@ -1,0 +1,147 @@
+"""Write moulds and panels as a .3dm file: moulds, panels on them, panels in place, and labels, on layers of their own."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..._version import __version__
+from ...discrete.arrays import Faces
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import Vertices
+from ...fabrication.mould_report import Mould
+from ...fabrication.mould_report import MouldReport
+from ...fabrication.mould_report import PanelFit
+from ...fabrication.mould_surface import cap_mesh
+from ...meshing import boundary_loops
+from ...model.problem import PosesProblem
+from .archive import read_archive
+from .archive import write_archive
+from .meshes import mesh_from_arrays
+from .write import LayerWriter
+from .write import new_archive
+
+__all__ = ["MOULDS", "write_moulds"]
+
+MOULDS = "CGC Moulds"
+_COLOURS = ((232, 196, 143), (127, 166, 173), (207, 132, 101), (167, 181, 139), (141, 147, 181), (217, 165, 160))
+APART = 1.2  # distance of two panels on the sheet, against the width of the cap
+AWAY = 0.15  # of the moulds from the roof, against its size
+
+
+def write_moulds(
+    path: Union[str, os.PathLike],
+    mesh: PosesProblem,
+    report: MouldReport,
+    source: Union[str, os.PathLike, None] = None,
+    version: int = 7,
+) -> None:
+    """Write moulds and panels on the sublayers of ``CGC Moulds``, beside what a file holds.
+
+    ==================  ====================================================================================
+    Moulds              a mesh of each mould, beside the roof, its pole up, with its figures as user text
+    Outlines            the edges of all its panels on it
+    Panels on moulds    every panel as it lies on its mould, one beside the other
+    Panels in place     every panel in the roof, with its figures as user text
+    Labels              the names of the panels, at both places, and of the moulds
+    ==================  ====================================================================================
+
+    Parameters
+    ----------
+    path
+        The .3dm file; an older one is replaced when the new one is complete.
+    mesh
+        The surface that the report is on.
+    report
+        Of :func:`compas_cgc.fabrication.moulds`.
+    source
+        A .3dm file whose content stays, but for moulds written earlier.
+    version
+        7 or 8.
+
+    Raises
+    ------
+    FileError
+        If the source cannot be read or the file cannot be written.
+    """
+    problem = mesh.to_problem().without_dummies()
+    writer = LayerWriter(new_archive(problem) if source is None else read_archive(source))
+    writer.clear(MOULDS)
+    low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
+    corner = np.array([high[0] + AWAY * float(np.linalg.norm(high - low)), low[1], low[2]])
+    for mould in report.moulds:
+        own = [fit for fit in report.panels if fit.mould == mould.number]
+        colour = _COLOURS[(mould.number - 1) % len(_COLOURS)]
+        corner = corner + [0.0, _draw_mould(writer, mould, own, corner, colour), 0.0]
+        _draw_in_place(writer, problem.vertices, own, colour)
+    record = {"version": __version__, **report.to_dict()}
+    writer.document_text([("compas_cgc.moulds", json.dumps(record)), ("compas_cgc.moulds.report", str(report))])
+    write_archive(writer.archive, path, version)
+
+
+def _draw_mould(writer: LayerWriter, mould: Mould, panels: list[PanelFit], corner: FloatArray, colour: tuple) -> float:
+    """Draw a mould and its panels in rows from a corner (3,) on, and return the width of all that along y [L]."""
+    pitch = APART * 2.0 * mould.radius
+    middle = corner + [0.5 * pitch, 0.5 * pitch, 0.0]
+    vertices, faces = cap_mesh(mould.surface, mould.radius)
+    radius = mould.radius_of_curvature
+    figures = {"mould": str(mould.number), "K": repr(mould.K), "cap radius": repr(mould.radius), "panels": str(mould.panels)}
+    figures.update({} if radius is None else {"radius of curvature": repr(radius)})
+    on_moulds = writer.layer(f"{MOULDS}::Moulds", (90, 90, 90))
+    writer.mesh(mesh_from_arrays(vertices + middle, faces), writer.attributes(on_moulds, f"mould {mould.number}", figures))
+    on_labels = writer.layer(f"{MOULDS}::Labels", (40, 40, 40))
+    writer.dot(f"mould {mould.number}", middle + vertices[0], writer.attributes(on_labels, f"mould {mould.number}"))
+    on_outlines = writer.layer(f"{MOULDS}::Outlines", (20, 60, 160))
+    on_panels = writer.layer(f"{MOULDS}::Panels on moulds", (140, 110, 60))
+    columns = max(1, math.ceil(math.sqrt(2.0 * len(panels))))
+    for k, fit in enumerate(panels):
+        row, column = divmod(k, columns)
+        place = middle + [(column + 1) * pitch, row * pitch, 0.0]
+        attributes = writer.attributes(on_panels, fit.panel.name, _figures(fit), colour)
+        writer.mesh(mesh_from_arrays(fit.on_mould + place, fit.development.faces), attributes)
+        writer.dot(fit.panel.name, place + _middle(fit.on_mould), writer.attributes(on_labels, fit.panel.name))
+        for loop in boundary_loops(fit.development.faces):
+            line = fit.on_mould[np.append(loop, loop[0])] + middle
+            writer.polyline(line, writer.attributes(on_outlines, fit.panel.name))
+    return pitch * (math.ceil(len(panels) / columns) + 0.5)
+
+
+def _draw_in_place(writer: LayerWriter, vertices: Vertices, panels: list[PanelFit], colour: tuple) -> None:
+    on_place = writer.layer(f"{MOULDS}::Panels in place", (120, 120, 120))
+    on_labels = writer.layer(f"{MOULDS}::Labels", (40, 40, 40))
+    for fit in panels:
+        own = vertices[fit.development.vertices]
+        attributes = writer.attributes(on_place, fit.panel.name, _figures(fit), colour)
+        writer.mesh(mesh_from_arrays(own, _upright(fit, vertices)), attributes)
+        writer.dot(fit.panel.name, _middle(own), writer.attributes(on_labels, fit.panel.name))
+
+
+def _upright(fit: PanelFit, vertices: Vertices) -> Faces:
+    """Return the faces of a panel (m, 3), seen from above in place: those of hollow panels were turned over for the mould."""
+    faces = fit.development.faces
+    corners = vertices[fit.development.vertices[faces]]
+    up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].sum()
+    return faces if up >= 0.0 else faces[:, ::-1]
+
+
+def _middle(points: Vertices) -> FloatArray:
+    return points[np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))]
+
+
+def _figures(fit: PanelFit) -> dict[str, str]:
+    """Return the figures of a panel as user text."""
+    named: dict[str, Optional[float]] = {
+        "cap radius": fit.radius,
+        "gap mm": fit.gap,
+        "edge error": fit.edge_error,
+        "not bent misses mm": fit.rigid,
+        "change of curvature 1/m": fit.change,
+        "stress MPa": fit.stress,
+    }
+    values = {name: repr(value) for name, value in named.items() if value is not None}
+    return {"panel": fit.panel.name, "region": str(fit.panel.region), "mould": str(fit.mould), **values}

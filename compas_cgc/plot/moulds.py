@@ -1,0 +1,143 @@
+"""A page on moulds: the panels in plan with their moulds, all of them on each mould, how they miss it rigid, and what bending costs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
+from ..fabrication.mould_report import Mould
+from ..fabrication.mould_report import MouldReport
+from ..fabrication.mould_report import PanelFit
+from ..fabrication.mould_surface import cap_mesh
+from ..meshing import boundary_loops
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from .colours import INK
+from .colours import PALETTE
+from .output import matplotlib_module
+from .output import new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["moulds_figure"]
+
+PAGE = (11.7, 8.3)  # A4 [in]
+NAMED = 200  # panels up to which each is named
+SHOWN = 4  # moulds that are drawn
+
+
+def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> Figure:
+    """Return the page.
+
+    Parameters
+    ----------
+    mesh
+        The surface that the report is on.
+    report
+        Of :func:`compas_cgc.fabrication.moulds`.
+    title
+        Above it all.
+
+    Raises
+    ------
+    CGCError
+        If matplotlib is not installed.
+    """
+    problem = mesh.to_problem().without_dummies()
+    figure = new_figure(*PAGE)
+    figure.text(0.03, 0.965, title or "Moulds", fontsize=13, color=INK, va="top")
+    figure.text(0.03, 0.925, _wrapped(str(report)), fontsize=6.2, color=INK, va="top", family="monospace", linespacing=1.35)
+    plan = figure.add_axes((0.03, 0.06, 0.30, 0.52))
+    kinds = [PALETTE[(fit.mould - 1) % len(PALETTE)] for fit in report.panels]
+    _draw_plan(plan, problem, report, colours=kinds)
+    plan.set_title("panels, coloured by mould", fontsize=8)
+    misses = figure.add_axes((0.35, 0.06, 0.30, 0.52))
+    _draw_values(figure, misses, problem, report, [fit.rigid for fit in report.panels], "not bent it misses its place by [mm]")
+    stress = figure.add_axes((0.67, 0.06, 0.30, 0.52))
+    text = f"stress of bending, {report.thickness:g} mm {report.material.name} [MPa]"
+    _draw_values(figure, stress, problem, report, [fit.stress for fit in report.panels], text)
+    shown = report.moulds[:SHOWN]
+    side = min(0.28, 0.5 / len(shown))
+    for k, mould in enumerate(shown):
+        ax = figure.add_axes((0.98 - (len(shown) - k) * side, 0.65, side - 0.01, 0.28))
+        _draw_mould(ax, mould, [fit for fit in report.panels if fit.mould == mould.number])
+    return figure
+
+
+def _wrapped(text: str) -> str:
+    """Return lines of at most so many letters that they fit beside the moulds."""
+    from textwrap import wrap
+
+    lines = []
+    for line in text.splitlines():
+        indent = "  " if line.startswith(" ") else ""
+        lines += wrap(line, 84, initial_indent="", subsequent_indent=indent + "  ")
+    return "\n".join(lines)
+
+
+def _plan_of(problem: CGCProblem) -> FloatArray:
+    """Return the vertices on a sheet across the side that the surface faces (n, 2)."""
+    V, F = problem.vertices, problem.faces
+    up = (face_areas(V, F)[:, None] * face_normals(V, F)).sum(axis=0)
+    if abs(up[2]) >= 0.5 * np.linalg.norm(up):
+        return V[:, :2]
+    return np.column_stack([V @ np.cross([0.0, 0.0, 1.0], up / np.linalg.norm(up)), V[:, 2]])
+
+
+def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list) -> None:
+    sheet = _plan_of(problem)
+    collections, outlines = matplotlib_module("collections"), []
+    triangles, fill = [], []
+    for fit, colour in zip(report.panels, colours):
+        faces = problem.faces[fit.panel.faces]
+        triangles.append(sheet[faces])
+        fill += [colour] * len(faces)
+        outlines += [sheet[np.append(loop, loop[0])] for loop in boundary_loops(faces)]
+    ax.add_collection(collections.PolyCollection(np.concatenate(triangles), facecolors=fill, edgecolors=fill, linewidths=0.2))
+    ax.add_collection(collections.LineCollection(outlines, colors=INK, linewidths=0.4))
+    if len(report.panels) <= NAMED:
+        size = float(np.clip(60.0 / np.sqrt(len(report.panels)), 2.2, 8.0))
+        for fit, own in zip(report.panels, triangles):
+            x, y = own.reshape(-1, 2).mean(axis=0)
+            ax.text(x, y, fit.panel.name, fontsize=size, ha="center", va="center", color=INK, clip_on=True)
+    _tidy(ax)
+
+
+def _draw_values(figure: Figure, ax: Axes, problem: CGCProblem, report: MouldReport, values: list[Optional[float]], what: str) -> None:
+    known = [value for value in values if value is not None]
+    cm, colors = matplotlib_module("cm"), matplotlib_module("colors")
+    scale = cm.ScalarMappable(colors.Normalize(0.0, max(known, default=1.0) or 1.0), "YlOrRd")
+    _draw_plan(ax, problem, report, ["#b5b5b5" if value is None else scale.to_rgba(value) for value in values])
+    ax.set_title(what, fontsize=8)
+    bar = figure.colorbar(scale, ax=ax, orientation="horizontal", fraction=0.04, pad=0.02)
+    bar.ax.tick_params(labelsize=6)
+
+
+def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit]) -> None:
+    """Draw a mould from above with the outlines of all its panels."""
+    vertices, faces = cap_mesh(mould.surface, mould.radius)
+    collections = matplotlib_module("collections")
+    light = 0.75 + 0.25 * face_normals(vertices, faces) @ np.array([-0.5, 0.5, 0.707])
+    fill = np.clip(light, 0.0, 1.0)[:, None] * np.array(matplotlib_module("colors").to_rgb(PALETTE[(mould.number - 1) % len(PALETTE)]))
+    ax.add_collection(collections.PolyCollection(vertices[faces][:, :, :2], facecolors=fill, edgecolors=fill, linewidths=0.2))
+    lines: list[Any] = []
+    for fit in panels:
+        lines += [fit.on_mould[np.append(loop, loop[0])][:, :2] for loop in boundary_loops(fit.development.faces)]
+    ax.add_collection(collections.LineCollection(lines, colors=INK, linewidths=0.3))
+    ax.set_title(f"mould {mould.number}: {mould.kind}, K = {mould.K:.4g}", fontsize=7)
+    _tidy(ax)
+
+
+def _tidy(ax: Axes) -> None:
+    ax.autoscale()
+    ax.margins(0.02)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
