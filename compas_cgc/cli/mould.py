@@ -57,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--target", action="append", default=[], metavar="[REGION=]K", help="Gaussian curvature, as for solve, where the file does not say"
     )
+    parser.add_argument("--rough", action="store_true", help="take a surface that its verdict calls rough all the same")
     parser.add_argument("--no-page", action="store_true", help="write no page of pictures")
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
@@ -81,7 +82,14 @@ def run(arguments: argparse.Namespace) -> int:
     problem = read.checked()
     problem = with_targets(problem, arguments.target)
     divided = panels(problem, arguments.size, count=arguments.count, curves=_curves(arguments), along=arguments.along)
-    report = moulds(problem, divided, material=arguments.material, thickness=arguments.thickness, tolerance=max(0.0, arguments.tolerance))
+    report = moulds(
+        problem,
+        divided,
+        material=arguments.material,
+        thickness=arguments.thickness,
+        tolerance=max(0.0, arguments.tolerance),
+        rough=arguments.rough,
+    )
     say(str(report))
     page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None

@@ -10,7 +10,6 @@ from typing import Union
 
 import numpy as np
 
-from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.local_fits import LocalFits
@@ -19,6 +18,7 @@ from ..discrete.space_form import space_form_angle_sums
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.verdict import verdict
 from . import space_form
 from .caps import smallest_cap
 from .development import Development
@@ -39,8 +39,6 @@ __all__ = ["moulds"]
 
 SAME = 1e-9  # difference of two K, against the larger, that is none
 OPEN = 0.05  # gap, against the mean edge, from which a surface has not the curvature that its moulds have
-ROUGH = 0.3  # error of fitted curvatures in the middle, against K, from which a surface is crumpled
-FAINT = 0.1  # K, against the largest, below which errors are held against that
 TURNS = 24  # about the pole that are tried on a pseudosphere, whose directions differ
 
 
@@ -60,6 +58,7 @@ def moulds(
     thickness: float = 6.0,
     tolerance: float = 0.0,
     arc: Optional[bool] = None,
+    rough: bool = False,
 ) -> MouldReport:
     """Return the moulds that panels can be made on, and how each fits.
 
@@ -81,6 +80,8 @@ def moulds(
         Gap up to which panels of different K may share a mould [mm].
     arc
         Take edges for lengths along the moulds. Default: as the mesh fits better.
+    rough
+        Take a surface that its verdict calls rough all the same.
 
     Returns
     -------
@@ -105,8 +106,10 @@ def moulds(
         raise CGCError("there are no panels; divide the surface into some first")
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
-    fits = _fits(problem)
-    _refuse_rough(problem, fits)
+    found = None if rough else verdict(problem)
+    if found is not None and not found.fair:
+        raise CGCError(f"the surface is {found}; solve it better, or ask for moulds of a rough one")
+    fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
     by_arcs = _by_arcs(problem) if arc is None else arc
     pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]
     pieces = _shared(problem, pieces, 1e-3 * tolerance / unit, by_arcs)
@@ -141,26 +144,6 @@ def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[floa
     if high - low > SAME * max(abs(low), abs(high)):
         raise CGCError(f"panel {panel.name} has K̄ from {low:.4g} to {high:.4g}, a mould has but one; ask for one in every panel")
     return high
-
-
-def _fits(problem: CGCProblem) -> LocalFits:
-    return local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
-
-
-def _refuse_rough(problem: CGCProblem, fits: LocalFits) -> None:
-    """Refuse a surface whose curvature, smoothed over two rings, is not what was asked for."""
-    known = np.isfinite(fits.gaussian) & np.isfinite(problem.targets)
-    if not known.any():
-        return
-    targets = problem.targets[known]
-    largest = float(np.abs(targets).max())
-    least = FAINT * largest if largest else 1.0 / float(face_areas(problem.vertices, problem.faces).sum())
-    off = float(np.median(np.abs(fits.gaussian[known] - targets) / np.maximum(np.abs(targets), least)))
-    if off > ROUGH:
-        raise CGCError(
-            f"the surface is rough or not solved: polynomials fitted to it are {100 * off:.0f} % off the curvature asked for; "
-            "solve it first"
-        )
 
 
 def _by_arcs(problem: CGCProblem) -> bool:

@@ -112,7 +112,7 @@ def test_a_file_without_targets_takes_them_by_region(result, tmp_path, capsys):
     [
         (["--size", "0"], "the size of panels must be a positive length"),
         (["--size", "1", "--material", "cheese"], "there is no material 'cheese'"),
-        (["--size", "1", "--target", "1.0"], "rough or not solved"),
+        (["--size", "1", "--target", "1.0"], "the surface is rough"),
         (["--curves", "Nowhere"], "there are no curves on the layer 'Nowhere'"),
         (["--size", "1", "--along", "laths"], "along must be one of plan, curvature"),
         (["--size", "1", "--target", "wide"], "--target must be a number or REGION=NUMBER"),
@@ -131,7 +131,7 @@ def test_a_drawing_that_was_never_solved_and_other_suffixes_are_refused(tmp_path
     drawing = tmp_path / "roof.3dm"
     write_problem(drawing, nine_regions(9))
     assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.3dm"), "--size", "1"]) == 2
-    assert "rough or not solved" in capsys.readouterr().err
+    assert "the surface is rough" in capsys.readouterr().err
     assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.obj"), "--size", "1"]) == 2
     assert "moulds are written as .3dm, not as 'moulds.obj'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [drawing]
