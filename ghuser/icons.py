@@ -140,6 +140,14 @@ def history(pen):
     pen.line([(6 + x, 5 + 12.5 * (1 - math.exp(-x / 4))) for x in range(15)], TEAL, 2.2)
 
 
+def mould(pen):
+    """A panel lifted off its mould."""
+    pen.area([*arc(2.5, 21.5, 21, 9), (21.5, 21)], SAND)
+    outline = arc(2.5, 21.5, 21, 9)
+    pen.line([*outline, outline[0]])
+    pen.line([(x, y - 6.5) for x, y in outline[4:-4]], TEAL, 2.6)
+
+
 def sheet(pen):
     """Draw a sheet of paper."""
     outline = [(8, 2.5), (17, 2.5), (21.5, 7), (21.5, 21.5), (8, 21.5)]
@@ -184,6 +192,7 @@ ICONS = {
     "CGC_History": history,
     "CGC_Info": info,
     "CGC_Mesh": mesh,
+    "CGC_Mould": mould,
     "CGC_Read3dm": read_3dm,
     "CGC_Regions": regions,
     "CGC_Settings": settings,

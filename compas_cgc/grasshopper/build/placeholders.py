@@ -8,6 +8,7 @@ from typing import Any
 
 from ..._version import __version__
 from ...errors import FileError
+from ...fabrication import MATERIALS
 from ...model.result import STATUSES
 from ...solvers import Option
 from ...solvers.registry import METHODS
@@ -23,13 +24,17 @@ DEFAULT = re.compile(r" None: (.+?)\.(?= |$)")
 
 def placeholders() -> dict[str, str]:
     """Return the text for every placeholder."""
-    *names, last = map(repr, method_names())
     return {
         "version": __version__,
-        "methods": f"{', '.join(names)} or {last}",
+        "methods": _or(list(map(repr, method_names()))),
+        "materials": _or(list(MATERIALS)),
         "statuses": ", ".join(STATUSES),
         **{f"options.{name}": option_text(own) for name, own in options().items()},
     }
+
+
+def _or(names: list[str]) -> str:
+    return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
 def filled(source: Any) -> Any:

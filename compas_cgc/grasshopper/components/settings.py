@@ -33,6 +33,7 @@ def settings(
     nearness: Optional[float],
     smoothness: Optional[float],
     crease_stiffness: Optional[float],
+    measure: Optional[str] = None,
 ) -> SettingsOutputs:
     """Gather settings; what is not connected keeps its default."""
     made = settings_for(
@@ -45,6 +46,7 @@ def settings(
         nearness=nearness,
         smoothness=smoothness,
         crease_stiffness=crease_stiffness,
+        measure=measure.strip() if measure else None,
     )
     set_message(component, "" if made is None else method_of(made))
     return SettingsOutputs(made)

@@ -24,6 +24,19 @@ class Settings(Grasshopper.Kernel.GH_ScriptInstance):
         nearness: float,
         smoothness: float,
         crease_stiffness: float,
+        measure: str,
     ):
-        out = settings(ghenv.Component, method, steps, tolerance, s, delay, filter_radius, nearness, smoothness, crease_stiffness)  # noqa: F821
+        out = settings(
+            ghenv.Component,  # noqa: F821
+            method,
+            steps,
+            tolerance,
+            s,
+            delay,
+            filter_radius,
+            nearness,
+            smoothness,
+            crease_stiffness,
+            measure,
+        )
         return out.settings

@@ -166,6 +166,17 @@ def test_nine_regions_with_more_curvature_in_the_centre(canvas):
     assert len(errors) == len(opened.out(values, "History", "step")) and errors[-1] < errors[0]
 
 
+def test_panels_are_laid_onto_a_mould_for_each_curvature(canvas):
+    opened = canvas("moulds")
+    opened.set["run"] = [True]
+    values = opened.settle()
+    assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
+    assert len(opened.panel(values, "panels")) == 36 and len(opened.panel(values, "not bent it misses by [mm]")) == 36
+    assert len(opened.out(values, "Mould", "moulds")) == 2 and "36 panels on 2 moulds" in "".join(opened.panel(values, "report"))
+    opened.set["panels to a region"] = [1]
+    assert len(opened.panel(opened.settle(), "panels")) == 9
+
+
 def test_two_strategies_give_two_surfaces_side_by_side(canvas):
     opened = canvas("two_strategies")
     opened.set.update({"run": [True], "curvature K": [1.0]})

@@ -50,7 +50,7 @@ def test_a_component_tells_its_user_what_it_does(bundle):
 def test_names_guids_and_icons_tell_the_components_apart():
     for name in ("name", "guid", "icon", "code"):
         assert len({getattr(bundle, name) for bundle in BUNDLES.values()}) == len(BUNDLES)
-    names = "Server|CGC Mesh|Target|Constraints|Settings|Solve|Analyse|Regions|History|Read 3dm|Write 3dm|Example|Info"
+    names = "Server|CGC Mesh|Target|Constraints|Settings|Solve|Analyse|Regions|History|Read 3dm|Write 3dm|Example|Info|Mould"
     assert set(names.split("|")) <= {bundle.name for bundle in BUNDLES.values()}
 
 
@@ -142,7 +142,9 @@ def test_a_placeholder_that_there_is_not_is_named(tmp_path):
 
 def test_the_inputs_of_settings_are_those_of_the_table():
     inputs = {parameter.name: parameter for parameter in BUNDLES["CGC_Settings"].inputs}
-    assert list(inputs) == "method steps tolerance s delay filter_radius nearness smoothness crease_stiffness".split(), "saved canvases"
+    assert list(inputs) == "method steps tolerance s delay filter_radius nearness smoothness crease_stiffness measure".split(), (
+        "saved canvases"
+    )
     assert set(inputs) <= {"method", *options()}
     hints = {int: "int", float: "float", bool: "bool", str: "str"}
     for name, own in options().items():

@@ -89,6 +89,8 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Example", {"number": 9}, "number must be from 2 to 7, not 9"),
         ("Example", {"number": 4, "variant": "z"}, "has no variant 'z'"),
         ("Analyse", {"cgc_mesh": "NINE", "show": "k"}, "show must be one of K, H"),
+        ("Mould", {"cgc_mesh": "NINE", "size": 1.0, "count": 4}, "by one of size, count and curves"),
+        ("Mould", {"cgc_mesh": "NINE", "material": "cheese"}, "there is no material 'cheese'; there are glass"),
         ("Read3dm", {"path": "nowhere.3dm"}, "nowhere.3dm"),
         ("Write3dm", {"path": "a.xyz", "cgc_mesh": "NINE", "write": True}, ".xyz"),
     ],
@@ -260,6 +262,26 @@ def test_examples_of_the_paper(number, variant, vertices):
         assert out["cgc_mesh"].number_of_vertices() == vertices
     assert not any(problem.fatal for problem in out["cgc_mesh"].check())
     assert len(out["mesh"].Vertices) == len(out["cgc_mesh"].arrays()[0])
+
+
+def test_panels_of_a_sphere_lie_on_it_and_need_no_bending():
+    n = 12
+    u = np.linspace(-0.6, 0.6, n + 1)
+    m = n + 1
+    grid = [(x, y, np.sqrt(4 - x * x - y * y)) for x in u for y in u]
+    faces = [(i * m + j, (i + 1) * m + j, (i + 1) * m + j + 1, i * m + j + 1) for i in range(n) for j in range(n)]
+    mesh = place("Mesh").run(mesh=rhino_mesh(grid, faces))["cgc_mesh"]
+    mesh = place("Target").run(cgc_mesh=mesh, K=[0.25])["cgc_mesh"]
+    placed = place("Mould")
+    out = placed.run(cgc_mesh=mesh, size=0.4, aside=3.0)
+    assert not placed.said("Error") and placed.component.Message == "9 panels, 1 mould"
+    assert len(out["panels"]) == len(out["on_moulds"]) == len(out["names"]) == 9 and out["mould"] == [0] * 9
+    assert max(out["misses"]) < 1e-9 and "sphere of K = 0.25" in out["report"]
+    for panel, laid in zip(out["panels"], out["on_moulds"]):
+        assert [tuple(face) for face in panel.Faces] == [tuple(face) for face in laid.Faces]
+    low = min(p.X for p in out["moulds"][0].Vertices)
+    assert low == pytest.approx(0.6 + 3.0, abs=0.01)
+    assert placed.run(cgc_mesh=mesh)["names"] == ["0-1"]
 
 
 def test_files_there_and_back(tmp_path):

@@ -80,6 +80,37 @@ NINE_REGIONS = Definition(
     ),
 )
 
+MOULDS = Definition(
+    "moulds",
+    "Panels and their moulds",
+    "The nine regions again, solved so that they consist of the triangles of their moulds, divided into panels, each laid onto its mould.",
+    (
+        *_headline("Panels and their moulds", "1  Set run to True.   2  Choose how many panels.   3  Bake panels and moulds."),
+        Panel("number", "example", "4", size=(60, 40)),
+        Slider("around", "K around", 1.0, 0.2, 4.0, 2),
+        Slider("centre", "K in the centre", 2.0, 0.2, 6.0, 2),
+        Slider("region", "region of the centre", 4, 0, 8, 0),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("all", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "around"}),
+        Script("one", "CGC_Target", {"cgc_mesh": "all.cgc_mesh", "K": "centre", "region": "region"}),
+        ValueList("measure", "measure", ("exact", "exact-arc", "defect")),
+        Script("settings", "CGC_Settings", {"measure": "measure"}),
+        *SWITCHES,
+        _solving("one.cgc_mesh", "settings.settings"),
+        Slider("count", "panels to a region", 4, 1, 25, 0),
+        ValueList("material", "material", ("glass", "steel", "gfrp", "timber")),
+        Slider("thickness", "thickness in mm", 6.0, 1.0, 40.0, 1),
+        Script("mould", "CGC_Mould", {"cgc_mesh": "solve.cgc_mesh", "count": "count", "material": "material", "thickness": "thickness"}),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("names", "panels", source="mould.names", size=(80, 230)),
+        Panel("misses", "not bent it misses by [mm]", source="mould.misses", size=(160, 230)),
+        Panel("report", "report", source="mould.report", size=(520, 230)),
+        Group(
+            "ask", "what is asked", ("number", "around", "centre", "region", "example", "all", "one", "measure", "settings", "run", "reset")
+        ),
+    ),
+)
+
 TWO_STRATEGIES = Definition(
     "two_strategies",
     "Two strategies for creases",
@@ -177,4 +208,4 @@ HOPS_REGIONS = Definition(
     rhino=7,
 )
 
-EXAMPLES = (FIRST_DOME, NINE_REGIONS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)
+EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)

@@ -1,0 +1,87 @@
+"""Mould: panels of a solved surface, and the moulds that they are made on."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...fabrication import moulds
+from ...fabrication import panels
+from ...fabrication.mould_surface import cap_mesh
+from ...io.rhino.rhinocommon import curve_to_points
+from ...io.rhino.rhinocommon import mesh_from_arrays
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
+from ..runtime.geometry import document_units
+
+__all__ = ["MouldOutputs", "mould"]
+
+AWAY = 0.15  # of the moulds from the surface, against its size
+
+
+class MouldOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    panels: Optional[list]
+    on_moulds: Optional[list]
+    moulds: Optional[list]
+    names: Optional[list[str]]
+    mould: Optional[list[int]]
+    misses: Optional[list[float]]
+    change: Optional[list]
+    stress: Optional[list]
+    report: Optional[str]
+
+
+@reports_errors(MouldOutputs)
+def mould(
+    component: Any,
+    cgc_mesh: Any,
+    size: Optional[float],
+    count: Optional[int],
+    curves: Any,
+    along: Optional[str],
+    material: Optional[str],
+    thickness: Optional[float],
+    rough: Optional[bool],
+    aside: Optional[float],
+) -> MouldOutputs:
+    """Divide a surface into panels, and lay them onto as few moulds as there are curvatures."""
+    if cgc_mesh is None:
+        add_warning(component, "connect a solved CGC mesh")
+        return MouldOutputs(*[None] * len(MouldOutputs._fields))
+    problem = cgc_mesh.to_problem().without_dummies()
+    tolerance, _ = document_units()
+    lines = [curve_to_points(curve, tolerance) for curve in as_list(curves)]
+    if size is None and count is None and not lines:
+        count = 1
+    divided = panels(problem, size, count=count, curves=lines or None, along=along.strip() if along else "plan")
+    chosen = material.strip() if material else "glass"
+    report = moulds(problem, divided, material=chosen, thickness=6.0 if thickness is None else thickness, rough=bool(rough))
+    low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
+    away = AWAY * float(np.linalg.norm(high - low)) + high[0] if aside is None else high[0] + aside
+    places, shown = [], []
+    corner = np.array([away, low[1], low[2]])
+    for own in report.moulds:
+        # One mould above the other in plan, each with all its panels on it.
+        places.append(corner + own.radius)
+        vertices, faces = cap_mesh(own.surface, own.radius)
+        shown.append(mesh_from_arrays(vertices + places[-1], faces))
+        corner = corner + [0.0, 2.5 * own.radius, 0.0]
+    set_message(component, f"{len(divided)} panels, {len(shown)} mould{'' if len(shown) == 1 else 's'}")
+    return MouldOutputs(
+        [mesh_from_arrays(problem.vertices[fit.development.vertices], fit.development.faces) for fit in report.panels],
+        [mesh_from_arrays(fit.on_mould + places[fit.mould - 1], fit.development.faces) for fit in report.panels],
+        shown,
+        [fit.panel.name for fit in report.panels],
+        [fit.mould - 1 for fit in report.panels],
+        [fit.rigid for fit in report.panels],
+        [fit.change for fit in report.panels],
+        [fit.stress for fit in report.panels],
+        str(report),
+    )

@@ -1,0 +1,29 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Divide a surface into panels, and say on which moulds they are made and how they fit.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino
+import System
+
+from compas_cgc.grasshopper.components.mould import mould
+
+
+class Mould(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(
+        self,
+        cgc_mesh,
+        size: float,
+        count: int,
+        curves: System.Collections.Generic.List[Rhino.Geometry.Curve],
+        along: str,
+        material: str,
+        thickness: float,
+        rough: bool,
+        aside: float,
+    ):
+        out = mould(ghenv.Component, cgc_mesh, size, count, curves, along, material, thickness, rough, aside)  # noqa: F821
+        return out.panels, out.on_moulds, out.moulds, out.names, out.mould, out.misses, out.change, out.stress, out.report
