@@ -118,10 +118,12 @@ def _grid_cells(V: Vertices, F: Faces, at: FloatArray, size: Optional[float], co
     """Return the panel of every face (m,), from 0, by the coordinates of the vertices (n, 2)."""
     low, extent = at.min(axis=0), np.maximum(np.ptp(at, axis=0), np.finfo(float).tiny)
     if size is not None:
-        numbers = np.maximum(np.rint(extent / size), 1).astype(int).tolist()
+        numbers = [max(1, round(min(wide / size, 1e9))) for wide in extent.tolist()]
     else:
         first = max(1, round(math.sqrt((count or 1) * extent[0] / extent[1])))
         numbers = [first, max(1, round((count or 1) / first))]
+    if math.prod(numbers) > len(F):
+        raise CGCError(f"a region of {len(F)} triangles cannot be divided into {math.prod(numbers)} panels; ask for larger ones")
     middle = at[F].mean(axis=1)
     cell = np.zeros(len(F), np.int64)
     for axis, number in enumerate(numbers):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from ..._version import __version__
 from .formats import FORMATS
 from .mesh_files import KINDS
+from .moulds import MOULD_FORMATS
+from .moulds import MOULD_OPTIONS
 from .schemas import BYTES
 from .schemas import JOB
 from .schemas import METHODS
@@ -21,6 +23,7 @@ def description() -> dict:
     """Return the description of the job API."""
     job, model = "#/components/schemas/Job", "#/components/schemas/Model"
     result = {"200": {"description": "the result", "content": {kind: {} for kind in dict.fromkeys(FORMATS.values())}}}
+    moulds = {"200": {"description": "moulds and panels", "content": {kind: {} for kind in MOULD_FORMATS.values()}}}
     refusals = ("400", "401", "404", "409", "410", "413", "422", "429", "500", "504")
     return {
         "openapi": "3.1.0",
@@ -81,6 +84,14 @@ def description() -> dict:
                     **_operation("Return the result merged into a .3dm file", result, *refusals),
                     "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
                 },
+            },
+            "/api/v1/jobs/{id}/moulds": {
+                "parameters": [
+                    _ID,
+                    {"name": "format", "in": "query", "schema": {"enum": list(MOULD_FORMATS)}},
+                    *({"name": name, "in": "query", "schema": schema} for name, schema in MOULD_OPTIONS.items()),
+                ],
+                "get": _operation("Return the moulds that panels of the result are made on", moulds, *refusals),
             },
             "/api/v1/jobs/{id}/surface": {
                 "parameters": [_ID],

@@ -22,12 +22,16 @@ from ..errors import Busy
 from ..errors import Unprocessable
 from .blocking_calls import jobs
 from .blocking_calls import run_in_io_pool
+from .blocking_calls import run_in_worker
 from .decoding import read_json
 from .formats import FORMATS
 from .formats import encoded
 from .formats import merged_into
 from .mesh_files import KINDS
 from .methods import methods
+from .moulds import MOULD_FORMATS
+from .moulds import moulds_of
+from .moulds import read_mould_options
 from .openapi import description
 from .options import OPTIONS
 from .options import check_options
@@ -139,6 +143,20 @@ def result(id: str) -> Response:
     if name in KINDS:
         answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
     g.spent = {"encode": time.perf_counter() - started}
+    return answer
+
+
+@api.get("/api/v1/jobs/<id>/moulds")
+def moulds(id: str) -> Response:
+    """Divide the result of a job into panels, and return the moulds that they are made on."""
+    kind = request.args.get("format", "json")
+    if kind not in MOULD_FORMATS:
+        raise Unprocessable(f"'format' must be one of {', '.join(MOULD_FORMATS)}")
+    options = read_mould_options(request.args)
+    content = run_in_worker(moulds_of, jobs().result(id), options, kind, hint="ask for fewer panels, or use a coarser mesh")
+    answer = Response(content, mimetype=MOULD_FORMATS[kind])
+    if kind == "3dm":
+        answer.headers["Content-Disposition"] = 'attachment; filename="moulds.3dm"'
     return answer
 
 

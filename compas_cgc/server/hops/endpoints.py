@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Union
 
+from ...fabrication import MATERIALS
 from ...solvers.registry import METHODS
 from ...solvers.registry import method_names
 from ...solvers.registry import options
@@ -25,7 +26,12 @@ def _icon(path: str, colour: str = "#b5482f") -> str:
 
 
 MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
-OPTION_INPUTS = {"S": ("S", "s"), "Delay": ("D", "delay"), "Tolerance": ("T", "tolerance")}  # nickname and option
+OPTION_INPUTS = {
+    "S": ("S", "s"),
+    "Delay": ("D", "delay"),
+    "Tolerance": ("T", "tolerance"),
+    "Measure": ("Ms", "measure"),
+}  # nickname and option
 MESH = Input("Mesh", "M", "Mesh", "Start mesh; its normals point to where a surface of positive K rises.")
 K = Input("K", "K", "Number", "Gaussian curvature asked for, in 1 / (model unit)².", low=-1e9, high=1e9)
 SURFACE = Output("Mesh", "M", "Mesh", "Surface, coloured by the error of K: blue too small, red too large.")
@@ -51,12 +57,14 @@ def _method_input() -> Input:
 def _option_input(name: str, nickname: str, option: str) -> Input:
     own = options()[option]
     default = _default(own)
+    if own.kind is str:
+        return Input(name, nickname, "Text", f"{own.summary} One of {', '.join(own.choices)}. Defaults to {default}.", default=default)
     kind = "Integer" if own.kind is int else "Number"
     text = f"{own.summary} Defaults to {default:g}, which stands for the method's own."
     return Input(name, nickname, kind, text, default=default, low=own.low, high=own.high)
 
 
-def _default(option: Option) -> Union[float, int]:
+def _default(option: Option) -> Union[float, int, str]:
     """Return what Hops sends where nothing is connected, which it cannot leave out."""
     common = option.name in AutoSettings.options()
     return 0.0 if common else getattr(METHODS[owners(option.name)[0]].settings(), option.name)
@@ -112,6 +120,34 @@ def endpoints() -> dict[str, Endpoint]:
                 Output("K", "K", "Number", "Gaussian curvature of every vertex, 0 on the edge, in 1 / (model unit)²."),
                 Output("H", "H", "Number", "Mean curvature of every vertex, 0 on the edge, in 1 / (model unit)."),
                 Output("Info", "I", "Text", "Report."),
+            ),
+        ),
+        Endpoint(
+            "cgc/mould",
+            "CGC Mould",
+            "Divide a solved surface into panels, and lay them onto the moulds that they are made on.",
+            _icon("M3 20C3 11 21 11 21 20ZM7 8C10 4 14 4 17 8", "#2b7bba"),
+            (
+                MESH,
+                DRAWN_INPUTS[2],
+                DRAWN_INPUTS[3],
+                DRAWN_INPUTS[4],
+                Input("Count", "N", "Integer", "Panels to each region, nearly. Defaults to 4.", default=4, low=1, high=100_000),
+                Input(
+                    "Size", "W", "Number", "Width of the panels, instead of Count. Defaults to 0, which is by Count.", default=0.0, low=0.0
+                ),
+                Input("Along", "Al", "Text", "plan or curvature. Defaults to plan.", default="plan"),
+                Input("Material", "Ma", "Text", f"{', '.join(MATERIALS)}. Defaults to glass.", default="glass"),
+                Input("Thickness", "Th", "Number", "Thickness of the panels in mm. Defaults to 6.", default=6.0, low=0.0),
+            ),
+            (
+                Output("Panels", "P", "Mesh", "Panels in place."),
+                Output("OnMoulds", "O", "Mesh", "The panels as they lie on their moulds, whose poles are at the origin."),
+                Output("Moulds", "Mo", "Mesh", "The moulds, one for every K."),
+                Output("Mould", "I", "Integer", "Number of the mould of every panel, from 0."),
+                Output("Names", "Na", "Text", "Names of the panels, region and number."),
+                Output("Misses", "Mi", "Number", "By how much each panel misses its place if it is not bent, in mm."),
+                INFO,
             ),
         ),
         Endpoint(

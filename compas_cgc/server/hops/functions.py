@@ -14,6 +14,9 @@ from ...discrete import gaussian_curvature
 from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...fabrication import moulds
+from ...fabrication import panels
+from ...fabrication.mould_surface import cap_mesh
 from ...meshing import vertex_labels
 from ...model.checks import check
 from ...model.problem import CGCProblem
@@ -30,6 +33,7 @@ from .data_tree import read_values
 from .endpoints import endpoint
 from .inputs import dome_request
 from .inputs import solve_inputs_request
+from .inputs import surface_of
 
 __all__ = ["Reply", "run_function", "surface_values"]
 
@@ -111,7 +115,27 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
     return Reply(200, values, [], warnings, _spent(started, read, measured))
 
 
-FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse}
+def _mould(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
+    problem, notes = surface_of(inputs, context, limits)
+    read = time.perf_counter()
+    size = inputs["Size"] or None
+    divided = panels(problem, size, count=None if size else inputs["Count"], along=inputs["Along"])
+    report = moulds(problem, divided, material=inputs["Material"], thickness=inputs["Thickness"])
+    made = time.perf_counter()
+    panel_meshes = [mesh_text(problem.vertices[fit.development.vertices], fit.development.faces) for fit in report.panels]
+    values = [
+        entry("Panels", "Mesh", panel_meshes),
+        entry("OnMoulds", "Mesh", [mesh_text(fit.on_mould, fit.development.faces) for fit in report.panels]),
+        entry("Moulds", "Mesh", [mesh_text(*cap_mesh(mould.surface, mould.radius)) for mould in report.moulds]),
+        entry("Mould", "Integer", [fit.mould - 1 for fit in report.panels]),
+        entry("Names", "Text", [fit.panel.name for fit in report.panels]),
+        entry("Misses", "Number", [fit.rigid for fit in report.panels]),
+        entry("Info", "Text", ["\n".join([str(report), *notes])]),
+    ]
+    return Reply(200, values, [], [], _spent(started, read, made))
+
+
+FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, "cgc/mould": _mould}
 
 
 def surface_values(result: SolveResult, info: str) -> list[dict]:

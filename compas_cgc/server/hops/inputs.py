@@ -10,6 +10,7 @@ import numpy as np
 from ...io.reading import ReadProblem
 from ...io.rhino.assemble import assemble
 from ...io.rhino.sketch import Drawn
+from ...model.problem import CGCProblem
 from ..api.decoding import read_json
 from ..api.requests import SolveRequest
 from ..api.requests import solve_request
@@ -21,7 +22,7 @@ from .endpoints import endpoint
 from .geometry import read_curve
 from .geometry import read_mesh
 
-__all__ = ["dome_request", "read_hops_request", "solve_inputs_request"]
+__all__ = ["dome_request", "read_hops_request", "solve_inputs_request", "surface_of"]
 
 
 def read_hops_request(options: dict, body: bytes, limits: Limits) -> SolveRequest:
@@ -53,13 +54,31 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
     Unprocessable, CGCError
         With a sentence that names the input.
     """
+    _check_targets(inputs)
+    read = _assembled(inputs, context, limits)
+    return solve_request(read.checked(), _options(inputs), limits, _notes(read))
+
+
+def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
+    """Return a surface as it is, with the K that it is said to have, and notes on what was done to the input.
+
+    Raises
+    ------
+    Unprocessable, CGCError
+        With a sentence that names the input.
+    """
+    _check_targets(inputs)
+    read = _assembled(inputs, context, limits)
+    problem = read.checked()
+    return (problem if inputs["At"] else problem.with_targets(inputs["K"][0])), _notes(read)
+
+
+def _check_targets(inputs: Mapping[str, Any]) -> None:
     K, At = inputs["K"], inputs["At"]
     if At and len(At) != len(K):
         raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
-    read = _assembled(inputs, context, limits)
-    return solve_request(read.checked(), _options(inputs), limits, _notes(read))
 
 
 def _options(inputs: Mapping[str, Any]) -> dict:

@@ -35,7 +35,7 @@ from .protocol import uri_of
 __all__ = ["hops", "list_functions"]
 
 CACHE_SIZE = 64 * 2**20  # bytes of answers in the cache
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse")  # the same request has the same answer
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", "cgc/mould")  # the same request has the same answer
 
 hops = Blueprint("hops", __name__)
 

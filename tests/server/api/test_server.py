@@ -62,6 +62,33 @@ def finished(server, id):
     return server.client.poll(id)
 
 
+def test_the_moulds_of_a_result(server, tmp_path):
+    settings = {"measure": "exact"}
+    job = json.loads(post(server, request(8, targets=0.3, method="newton", settings=settings))[2])["id"]
+    path = f"/api/v1/jobs/{job}/moulds"
+    assert finished(server, job)["state"] == "succeeded"
+    status, _, content = ask(server, "GET", f"{path}?count=4&material=timber&thickness=12")
+    told = json.loads(content)
+    assert status == 200 and len(told["panels"]) == 4 and told["moulds"][0]["kind"] == "sphere" and "12 mm of timber" in told["text"]
+    assert all(panel["edge_error"] < 1e-11 for panel in told["panels"])
+    status, headers, content = ask(server, "GET", f"{path}?size=0.5&format=3dm")
+    assert status == 200 and "moulds.3dm" in headers["Content-Disposition"]
+    (tmp_path / "moulds.3dm").write_bytes(content)
+    assert "mould 1" in dots_of(tmp_path / "moulds.3dm")
+    for query, sentence in (
+        ("count=4&material=cheese", "there is no material 'cheese'"),
+        ("count=x", "'count' must be a whole number"),
+        ("size=1e-9", "cannot be divided"),
+        ("colour=red", "there is no option 'colour'"),
+        ("format=pdf", "'format' must be one of json, 3dm"),
+        ("rough=maybe", "'rough' must be true or false"),
+        ("along=laths", "along must be one of"),
+    ):
+        status, _, content = ask(server, "GET", f"{path}?{query}")
+        assert status == 422 and sentence in json.loads(content)["message"]
+    assert ask(server, "GET", "/api/v1/jobs/nowhere-to-be-found/moulds")[0] == 404
+
+
 def test_a_job_from_hand_in_to_every_format(server, tmp_path):
     status, headers, content = post(server, request(name="roof"))
     job = json.loads(content)

@@ -67,7 +67,7 @@ def test_the_functions_are_described(server, generation):
     status, kind, body = get(server.url + "/")
     listed = json.loads(body)
     assert isinstance(listed, list) and {entry["Uri"] for entry in listed} == {
-        f"/cgc/{name}" for name in ("dome", "solve", "flow", "analyse", "submit", "fetch")
+        f"/cgc/{name}" for name in ("dome", "solve", "flow", "analyse", "mould", "submit", "fetch")
     }
     for entry in listed:
         component = Hops(server.url + entry["Uri"], generation)
@@ -172,6 +172,21 @@ def test_an_analysis_gives_a_number_per_vertex(hops, comma):
     inner = (np.abs(np.column_stack([x, y])) < 0.99).all(axis=1)
     assert len(K) == len(H) == 169 and np.allclose(K[inner], 1 / 9, rtol=0.02) and np.allclose(np.abs(H[inner]), 1 / 3, rtol=0.02)
     assert len(outputs["Mesh"][0].VertexColors) == 169 and "region" in outputs["Info"][0]
+
+
+def test_a_dome_is_solved_exactly_and_laid_onto_its_sphere(hops):
+    status, outputs, errors, _ = hops("solve").solve(Mesh=sheet(), K=[0.02], Measure="exact", Method="newton")
+    assert (status, errors) == (200, []) and "in the exact measure" in outputs["Info"][0]
+    status, outputs, errors, _ = hops("mould").solve(Mesh=outputs["Mesh"][0], K=[0.02], Count=4, Material="steel", Thickness=3.0)
+    assert (status, errors) == (200, [])
+    assert len(outputs["Panels"]) == len(outputs["OnMoulds"]) == len(outputs["Names"]) == len(outputs["Misses"]) == 4
+    assert len(outputs["Moulds"]) == 1 and outputs["Mould"] == [0] * 4 and "3 mm of steel" in outputs["Info"][0]
+    for panel, laid in zip(outputs["Panels"], outputs["OnMoulds"]):
+        (V, F), (W, _) = arrays(panel), arrays(laid)
+        assert np.abs(np.linalg.norm(W + [0, 0, 50**0.5], axis=1) - 50**0.5).max() < 1e-9
+        for a, b in ((0, 1), (1, 2), (2, 0)):
+            here, there = (np.linalg.norm(P[F[:, a]] - P[F[:, b]], axis=1) for P in (W, V))
+            assert np.allclose(here, there, rtol=1e-9)
 
 
 def test_submit_and_fetch(hops):
