@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import Delaunay
 
 from compas_cgc import CGCMesh
+from compas_cgc import fabrication
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
 from compas_cgc.model.problem import CGCProblem
@@ -20,6 +21,7 @@ from compas_cgc.plot import View
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import draw_zebra
 from compas_cgc.plot import hero
+from compas_cgc.plot import moulds_figure
 from compas_cgc.plot import save
 from compas_cgc.solvers.run import solve
 
@@ -52,6 +54,22 @@ def roof() -> None:
     mesh, settings = example4(centre=4.0, around=1.0)
     problem = solve(mesh, settings=settings).problem
     save(hero(problem.vertices, problem.faces, problem.roles, problem.creases), DOCS / "images" / "nine_regions.png")
+
+
+def moulds() -> None:
+    """Draw panels and moulds of nine regions."""
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=36)
+    mesh.set_supports("corners")
+    for k in (12, 24):
+        mesh.set_creases([[k * 37 + j for j in range(37)], [i * 37 + k for i in range(37)]], add=True)
+    mesh.set_target(0.01)
+    mesh.set_target(-0.01, region=4)
+    problem = solve(mesh, method="projection", settings={"measure": "exact"}).problem
+    figure = moulds_figure(
+        problem, fabrication.moulds(problem, fabrication.panels(problem, 1.25)), "Panels of nine regions and their moulds"
+    )
+    figure.set_dpi(110)
+    save(figure, DOCS / "images" / "moulds.png")
 
 
 def convention() -> None:
@@ -181,5 +199,6 @@ def fairness() -> None:
 if __name__ == "__main__":
     fairness()
     convention()
+    moulds()
     reproduction()
     roof()

@@ -18,6 +18,8 @@ from .panelling import Panel
 
 __all__ = ["Mould", "MouldReport", "PanelFit"]
 
+STRAIN = 1e-3  # of a sheet pressed into double curvature, for comparison
+
 
 @dataclass(frozen=True)
 class Mould:
@@ -124,6 +126,9 @@ class MouldReport:
                 f"  bent they change curvature by {_spread(changes)} 1/m, {_spread(stresses)} MPa in {self.thickness:g} mm of "
                 f"{self.material.name}, {100 * part:.0f} % of its characteristic strength without any factor of safety"
             )
+        if mould.K:
+            wide = math.sqrt(24.0 * STRAIN / abs(mould.K))
+            lines.append(f"  flat sheets strained by {100 * STRAIN:g} % instead are at most {wide:.3g} wide, sqrt(24 strain / |K|)")
         return lines
 
 
