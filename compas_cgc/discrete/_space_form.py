@@ -62,10 +62,11 @@ def angle_sums(V: Vertices, F: Faces, K: PerVertex, arc: bool) -> PerVertex:
     for f in range(F.shape[0]):
         for x in range(3):
             v = F[f, x]
-            s0, s1, s2, _, _, _, D = sides(V, F, f, K[v], arc)
+            own = float(K[v])
+            s0, s1, s2, _, _, _, D = sides(V, F, f, own, arc)
             square = (s0, s1, s2)
             a, b, c = square[x], square[(x + 1) % 3], square[(x + 2) % 3]
-            total[v] += math.atan2(sine(a, b, c, D, K[v]), cosine(a, b, c, K[v]))
+            total[v] += math.atan2(sine(a, b, c, D, own), cosine(a, b, c, own))
     return total
 
 
@@ -115,7 +116,7 @@ def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, ar
     G = np.empty((3, 3))
     for f in range(F.shape[0]):
         for a in range(3):
-            if corner_derivatives(V, F, f, a, K[F[f, a]], arc, G):
+            if corner_derivatives(V, F, f, a, float(K[F[f, a]]), arc, G):
                 for b in range(3):
                     at = S[f, a, b]
                     if at >= 0:
@@ -131,7 +132,7 @@ def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vect
     G = np.empty((3, 3))
     for f in range(F.shape[0]):
         for a in range(3):
-            if corner_derivatives(V, F, f, a, K[F[f, a]], arc, G):
+            if corner_derivatives(V, F, f, a, float(K[F[f, a]]), arc, G):
                 for b in range(3):
                     at = S[f, a, b]
                     if at >= 0:

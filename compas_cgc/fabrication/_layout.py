@@ -68,7 +68,7 @@ def laid(V: Vertices, F: Faces, order: Indices, before: Indices, side: IntArray,
                 Q[i, i] = 1.0
         else:
             # Walk around the face before to the shared edge, over it, and around the own face back to corner 0.
-            g = before[f]
+            g = int(before[f])
             Q[:, :] = frames[g]
             triangle(V, F, g, K, arc, T)
             for x in range((side[f, 0] + 1) % 3):

@@ -130,7 +130,7 @@ def test_what_makes_no_sense_is_told_in_a_sentence_and_nothing_is_written(solved
 def test_a_drawing_that_was_never_solved_and_other_suffixes_are_refused(tmp_path, capsys):
     drawing = tmp_path / "roof.3dm"
     write_problem(drawing, nine_regions(9))
-    assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.3dm"), "--size", "1"]) == 2
+    assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.3dm"), "--size", "2.5"]) == 2
     assert "the surface is rough" in capsys.readouterr().err
     assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.obj"), "--size", "1"]) == 2
     assert "moulds are written as .3dm, not as 'moulds.obj'" in capsys.readouterr().err
