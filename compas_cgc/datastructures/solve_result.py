@@ -14,6 +14,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..meshing import Diagnostic
+from ..model.goals.kinds import Unknown
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.result import History
@@ -88,11 +89,13 @@ class SolveResult:
         remarks: Iterable[Diagnostic] = (),
     ) -> SolveResult:
         """Return the result of a solution of a problem."""
+        if solution.targets is not None:
+            problem = problem.with_targets(solution.targets)
         before = problem.without_dummies()
         real = before.with_vertices(solution.vertices[problem.roles != DUMMY])
         return cls(
             real,
-            *solution[1:-1],
+            *solution[1:8],
             settings=settings,
             drawn=drawn,
             remarks=tuple(remarks),
@@ -138,6 +141,10 @@ class SolveResult:
     def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
         mesh = drawn.with_coordinates(self.vertices)
         mesh.set_constraints(self.problem.constraints)
+        found = [own.regions for own in self.problem.constraints if isinstance(own, Unknown)]
+        for region, K in enumerate(self.problem.region_targets() if found else ()):
+            if K is not None and any(isinstance(regions, str) or region in regions for regions in found):
+                mesh.set_target(K, region=region)
         return mesh
 
     def to_problem(self) -> CGCProblem:

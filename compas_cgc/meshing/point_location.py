@@ -13,8 +13,9 @@ __all__ = ["closest_in_triangles", "face_at", "vertices_at"]
 
 
 def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray:
-    """Return the place nearest to a point (3,) in each of triangles (m, 3, 3) [L]: (m, 3)."""
+    """Return the place nearest to a point (3,), or to one of its own (m, 3), in each of triangles (m, 3, 3) [L]: (m, 3)."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    point = np.broadcast_to(point, a.shape)
     normal = np.cross(b - a, c - a)
     size2 = np.einsum("ij,ij->i", normal, normal)
     inside = size2 > 0
@@ -29,7 +30,7 @@ def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray
         best[nearer], gap[nearer] = place[nearer], distance[nearer]
         inside &= np.einsum("ij,ij->i", np.cross(along, point - p), normal) >= 0
     height = np.einsum("ij,ij->i", point - a, normal) / np.where(size2 > 0, size2, 1.0)
-    best[inside] = point - height[inside, None] * normal[inside]
+    best[inside] = point[inside] - height[inside, None] * normal[inside]
     return best
 
 

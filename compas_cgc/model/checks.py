@@ -17,6 +17,8 @@ from ..meshing import mesh_problems
 from ..meshing import vertex_labels
 from ..meshing.checks import listed
 from ..meshing.existence import plane_of
+from .goals.bound import unknown_regions
+from .goals.contradictions import goal_problems
 from .problem import CGCProblem
 from .problem import PosesProblem
 from .roles import FIXED
@@ -44,6 +46,10 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     except ProblemError as error:
         return [Diagnostic(text) for text in error.problems]
     names = problem.names
+    if len(problem.faces):
+        unmet = goal_problems(problem)
+        if unmet:
+            return [Diagnostic(text) for text in unmet]
     problems = mesh_problems(problem.vertices, problem.faces, *names)
     sound = not any(said.fatal for said in problems)
     problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
@@ -86,7 +92,7 @@ def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
 
 def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
-    asked = problem.asked
+    asked = problem.asked & ~_unknown(problem)
     missing = asked & np.isnan(problem.targets)
     wrong = asked & np.isinf(problem.targets)
     problems = []
@@ -100,6 +106,14 @@ def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     return problems
 
 
+def _unknown(problem: CGCProblem) -> np.ndarray:
+    """Return the vertices whose K is to be found (n,)."""
+    found = np.zeros(len(problem.vertices), bool)
+    for region in unknown_regions(problem):
+        found |= problem.region_vertices(region)
+    return found
+
+
 def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
     """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
     V, F, roles, names = problem.vertices, problem.faces, problem.roles, problem.names.vertices
@@ -107,6 +121,7 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
     belongs = vertex_labels(len(V), F, piece)
     loops = boundary_loops(F)
     creased = np.unique(belongs[problem.creases])
+    unknown = _unknown(problem)
     problems = []
     for p in range(piece.max(initial=-1) + 1):
         own = np.flatnonzero(belongs == p)
@@ -118,7 +133,7 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
         if not around:
             closed = "the mesh is closed; the only closed smooth surface of constant K is a sphere"
             problems.append(Diagnostic(closed, fatal=False))
-        targets = problem.targets[own[roles[own] == INTERNAL]]
+        targets = problem.targets[own[(roles[own] == INTERNAL) & ~unknown[own]]]
         if p in creased or not all((roles[loop] == FIXED).all() for loop in around) or not len(targets) or targets.min() <= 0:
             continue
         corners = F[piece == p]

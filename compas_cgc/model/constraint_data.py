@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Mapping
+from dataclasses import MISSING
 from dataclasses import fields
+from difflib import get_close_matches
 from typing import Any
 from typing import Callable
+from typing import Union
 
 import numpy as np
 
+from .constraints import CROWN
 from .constraints import AtHeight
 from .constraints import Constraint
 from .constraints import Fixed
@@ -20,17 +24,54 @@ from .constraints import OnLine
 from .constraints import OnPlane
 from .constraints import Proximity
 from .constraints import unit
+from .goals.kinds import ALL
+from .goals.kinds import FREE_EDGES
+from .goals.kinds import Above
+from .goals.kinds import Area
+from .goals.kinds import Below
+from .goals.kinds import Clearance
+from .goals.kinds import EdgeInPlan
+from .goals.kinds import Length
+from .goals.kinds import Level
+from .goals.kinds import NearPlane
+from .goals.kinds import OnSurface
+from .goals.kinds import Rise
+from .goals.kinds import Unknown
+from .goals.kinds import Volume
+from .goals.kinds import Within
 
 __all__ = ["KINDS", "as_constraints", "constraint_data", "constraint_of"]
 
-KINDS = {"plane": OnPlane, "height": AtHeight, "line": OnLine, "curve": OnCurve, "held": Fixed, "near": Proximity, "mirror": Mirror}
+KINDS = {
+    "plane": OnPlane,
+    "height": AtHeight,
+    "line": OnLine,
+    "curve": OnCurve,
+    "held": Fixed,
+    "near": Proximity,
+    "mirror": Mirror,
+    "rise": Rise,
+    "volume": Volume,
+    "area": Area,
+    "length": Length,
+    "edge in plan": EdgeInPlan,
+    "level": Level,
+    "surface": OnSurface,
+    "above": Above,
+    "below": Below,
+    "clearance": Clearance,
+    "within": Within,
+    "near plane": NearPlane,
+    "unknown": Unknown,
+}
 
 
 def constraint_data(constraint: Constraint) -> dict[str, Any]:
     """Return a constraint as ``{"kind": ..., ...}`` of plain lists and numbers, its fields by name."""
     kind = next(name for name, own in KINDS.items() if type(constraint) is own)
     values = {field.name: getattr(constraint, field.name) for field in fields(constraint)}
-    return {"kind": kind, **{name: value if isinstance(value, bool) else np.asarray(value).tolist() for name, value in values.items()}}
+    plain = {name: value if isinstance(value, bool) else np.asarray(value).tolist() for name, value in values.items()}
+    return {"kind": kind, **{name: value for name, value in plain.items() if value is not None}}
 
 
 def constraint_of(data: Mapping[str, Any]) -> Constraint:
@@ -43,17 +84,19 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
     """
     kind = data.get("kind") if isinstance(data, Mapping) else None
     if not isinstance(kind, str) or kind not in KINDS:
-        raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}")
-    known = {field.name: field for field in fields(KINDS[kind])}
+        near = get_close_matches(kind, KINDS, 1) if isinstance(kind, str) else []
+        meant = f"; {kind!r:.40} is none, did you mean {near[0]!r}" if near else ""
+        raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}")
+    own = fields(KINDS[kind])
+    known = {field.name: field for field in own}
     values = {name: value for name, value in data.items() if name != "kind"}
     unknown = [name for name in values if name not in known]
     if unknown:
         raise ValueError(f"a constraint of kind {kind} has no {unknown[0]!r:.40}; it has {', '.join(known)}")
-    try:
-        return KINDS[kind](**{name: _READERS[name](value, name) for name, value in values.items()})
-    except TypeError:
-        needed = ", ".join(known)
-        raise ValueError(f"a constraint of kind {kind} lacks a field; it has {needed}") from None
+    if any(field.name not in values and field.default is MISSING for field in own):
+        raise ValueError(f"a constraint of kind {kind} lacks a field; it has {', '.join(known)}")
+    readers = {**_READERS, **_OWN_READERS.get(kind, {})}
+    return KINDS[kind](**{name: readers[name](value, f"{name} of a constraint of kind {kind}") for name, value in values.items()})
 
 
 def as_constraints(given: object) -> tuple[Constraint, ...]:
@@ -70,37 +113,74 @@ def as_constraints(given: object) -> tuple[Constraint, ...]:
 
 def _number(value: object, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
-        raise ValueError(f"{name} of a constraint must be a finite number")
+        raise ValueError(f"{name} must be a finite number")
     return float(value)
 
 
 def _vertices(value: object, name: str) -> list[int]:
     if not isinstance(value, (list, tuple)) or not all(isinstance(v, numbers.Integral) and not isinstance(v, bool) for v in value):
-        raise ValueError("vertices of a constraint must be a list of vertices, counted from 0")
+        raise ValueError(f"{name} must be a list of vertices, counted from 0")
     return [int(v) for v in value]
+
+
+def _regions(value: object, name: str) -> Union[str, list[int]]:
+    return value if value == ALL else _vertices(value, f"{name}, where not 'all',".replace("vertices", "regions"))  # type: ignore[return-value]
+
+
+def _vertices_or(*words: str) -> Callable[[object, str], object]:
+    def read(value: object, name: str) -> object:
+        if isinstance(value, str) and value in words:
+            return value
+        if isinstance(value, str):
+            raise ValueError(f"{name} must be a list of vertices, counted from 0, or {' or '.join(map(repr, words))}, not {value!r:.40}")
+        return _vertices(value, name)
+
+    return read
 
 
 def _triple(value: object, name: str) -> list[float]:
     if not isinstance(value, (list, tuple)) or len(value) != 3:
-        raise ValueError(f"{name} of a constraint must be three numbers")
+        raise ValueError(f"{name} must be three numbers")
     return [_number(x, name) for x in value]
 
 
 def _direction(value: object, name: str) -> list[float]:
     vector = _triple(value, name)
-    unit(vector, f"{name} of a constraint")
+    unit(vector, name)
     return vector
 
 
 def _points(value: object, name: str) -> list[list[float]]:
     if not isinstance(value, (list, tuple)):
-        raise ValueError("points of a constraint must be a list of [x, y, z]")
+        raise ValueError(f"{name} must be a list of [x, y, z]")
     return [_triple(point, name) for point in value]
+
+
+def _plan(value: object, name: str) -> list[list[float]]:
+    if not isinstance(value, (list, tuple)) or not all(isinstance(point, (list, tuple)) and len(point) in (2, 3) for point in value):
+        raise ValueError(f"{name} must be a list of [x, y] or [x, y, z]")
+    return [[_number(x, name) for x in point] for point in value]
+
+
+def _where(value: object, name: str) -> object:
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return int(value)
+    if isinstance(value, (list, tuple)) and len(value) == 4 and all(isinstance(x, numbers.Real) for x in value):
+        return [_number(x, name) for x in value]
+    if isinstance(value, (list, tuple)):
+        return _plan(value, name)
+    raise ValueError(f"{name} must be the number of a region, a box [x0, y0, x1, y1] or a closed line [[x, y], ...]")
+
+
+def _triangles(value: object, name: str) -> list[list[int]]:
+    if not isinstance(value, (list, tuple)):
+        raise ValueError(f"{name} must be a list of triangles [a, b, c]")
+    return [_vertices(face, name) for face in value]
 
 
 def _truth(value: object, name: str) -> bool:
     if not isinstance(value, bool):
-        raise ValueError(f"{name} of a constraint must be true or false")
+        raise ValueError(f"{name} must be true or false")
     return value
 
 
@@ -110,7 +190,16 @@ _READERS: dict[str, Callable[[object, str], object]] = {
     "normal": _direction,
     "direction": _direction,
     "points": _points,
-    "height": _number,
-    "weight": _number,
+    "faces": _triangles,
+    "regions": _regions,
+    "where": _where,
     "closed": _truth,
+    **dict.fromkeys(("height", "weight", "rise", "volume", "level", "area", "length", "distance"), _number),
+}
+_OWN_READERS: dict[str, dict[str, Callable[[object, str], object]]] = {
+    "height": {"vertices": _vertices_or(CROWN)},
+    "level": {"vertices": _vertices_or(FREE_EDGES), "points": _plan},
+    "edge in plan": {"vertices": _vertices_or(FREE_EDGES), "points": _plan},
+    "within": {"vertices": _vertices_or(ALL), "points": _plan},
+    **{kind: {"vertices": _vertices_or(ALL)} for kind in ("above", "below", "near plane")},
 }

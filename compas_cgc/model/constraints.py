@@ -19,6 +19,7 @@ from ..meshing.closest_points import nearest_on_polyline
 from .frame import Frame
 
 __all__ = [
+    "CROWN",
     "AtHeight",
     "ClosestPoints",
     "Constraint",
@@ -33,6 +34,9 @@ __all__ = [
     "indices",
     "unit",
 ]
+
+
+CROWN = "crown"
 
 
 class ClosestPoints(NamedTuple):
@@ -56,7 +60,7 @@ class Constraint:
     def renumbered(self, index: IntArray) -> Constraint:
         """Return the same constraint where the vertices have other positions: `index` of each (n,), -1 where it is gone."""
         named = getattr(self, "vertices", None)
-        if named is None:
+        if named is None or isinstance(named, str):
             return self
         kept = index[np.asarray(named, dtype=np.int64)]
         changed: dict[str, Any] = {"vertices": kept[kept >= 0].tolist()}
@@ -94,12 +98,14 @@ class OnPlane(PositionConstraint):
 
 @dataclass(frozen=True)
 class AtHeight(PositionConstraint):
-    """Vertices at a height z [L]."""
+    """Vertices at a height z [L]: those named, or the ``"crown"``, the highest vertex of the surface, wherever it comes to be."""
 
-    vertices: Sequence[int]
+    vertices: Union[str, Sequence[int]]  # type: ignore[assignment]
     height: float
 
     def __post_init__(self) -> None:
+        if isinstance(self.vertices, str) and self.vertices != CROWN:
+            raise ValueError(f"vertices of a height must be a list of vertices or 'crown', not {self.vertices!r}")
         if not math.isfinite(self.height):
             raise ValueError(f"height must be a number, not {self.height!r}")
 
@@ -228,4 +234,6 @@ def check_indices(constraints: Sequence[Constraint], n: int) -> None:
         With a sentence that names the vertex.
     """
     for constraint in constraints:
-        indices(getattr(constraint, "vertices", ()), n)
+        named = getattr(constraint, "vertices", ())
+        if not isinstance(named, str):
+            indices(named, n)

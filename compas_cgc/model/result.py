@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 
@@ -62,3 +63,4 @@ class Solution(NamedTuple):
     history: History
     method: str = ""  # the method that was used
     measure: str = "defect"  # of K, by which the errors are told
+    targets: Optional[FloatArray] = None  # (n,) targets with those that were found, None where all were given [1/L^2]

@@ -34,4 +34,5 @@ def solve_carried(solver: Callable[..., Solution], problem: CGCProblem, settings
         return callback and callback(state._replace(vertices=state.vertices[:own]))
 
     solution = solver(with_dummy_ring(problem), settings=settings, callback=callback and told)
-    return solution._replace(vertices=solution.vertices[:own])
+    targets = None if solution.targets is None else solution.targets[:own]
+    return solution._replace(vertices=solution.vertices[:own], targets=targets)

@@ -14,7 +14,10 @@ from ..datastructures import CGCMesh
 from ..datastructures import SolveResult
 from ..model.checks import check
 from ..model.checks import refuse
+from ..model.constraint_data import as_constraints
 from ..model.constraints import Constraint
+from ..model.goals.bound import held_by_newton
+from ..model.goals.kinds import Unknown
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.recorder import Callback
@@ -35,7 +38,9 @@ def solve(
     *,
     method: str = "auto",
     settings: Union[Settings, Mapping[str, Any], None] = None,
-    constraints: Iterable[Constraint] = (),
+    constraints: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
+    goals: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
+    unknown: Union[str, Iterable[int]] = (),
     callback: Callback = None,
 ) -> SolveResult:
     """Return the surface whose Gaussian curvature is the target in every region.
@@ -61,8 +66,13 @@ def solve(
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
         by name; with ``"auto"`` settings of one method choose it.
     constraints
-        What is asked of vertices besides K, beyond what the problem holds itself. Vertices are
-        counted in the order of the mesh.
+        What is asked of vertices besides K, beyond what the problem holds itself, as values or as their plain data.
+        Vertices are counted in the order of the mesh.
+    goals
+        The same; a second place for what one calls goals, such as ``Rise(4)`` or ``{"kind": "rise", "rise": 4}``.
+    unknown
+        Numbers of regions whose K is not given, but found together with the surface; ``"all"`` for all of them. The problem
+        of the result carries the K that was found.
     callback
         Called with a :class:`~compas_cgc.model.result.SolveState` after every step; return
         True or raise ``StopIteration`` to cancel.
@@ -90,7 +100,9 @@ def solve(
     """
     chosen = _chosen(method, settings)
     posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
-    posed = posed.with_constraints(constraints)
+    regions = unknown if isinstance(unknown, str) else [int(region) for region in unknown]
+    found = [Unknown(regions)] if len(regions) else []
+    posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals), *found])
     _check_constraints(method if chosen is None else method_of(chosen), posed)
     diagnostics = check(posed)
     refuse(diagnostics)
@@ -113,6 +125,8 @@ def _chosen(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> 
 
 
 def _check_constraints(method: str, problem: CGCProblem) -> None:
+    if method == "newton" and held_by_newton(problem):
+        return
     if problem.constraints and method != "auto" and not METHODS[method].holds_constraints:
         able = " or ".join(repr(own.name) for own in METHODS.values() if own.holds_constraints)
         raise ValueError(f"only the method {able} holds constraints; use it, or 'auto' without settings of another method")

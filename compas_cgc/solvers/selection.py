@@ -12,6 +12,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..model.goals.bound import held_by_newton
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -65,6 +66,11 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
 
 def _choices(problem: CGCProblem) -> list[Choice]:
     targets = problem.targets[problem.asked]
+    if held_by_newton(problem):
+        return [
+            Choice("newton", "the whole edge is fixed, and one goal is asked for one unknown K"),
+            Choice("projection", "it moves vertices sideways too"),
+        ]
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():

@@ -18,6 +18,19 @@ from compas_cgc.model.constraints import OnCurve
 from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.constraints import OnPlane
 from compas_cgc.model.constraints import Proximity
+from compas_cgc.model.goals.kinds import Above
+from compas_cgc.model.goals.kinds import Area
+from compas_cgc.model.goals.kinds import Below
+from compas_cgc.model.goals.kinds import Clearance
+from compas_cgc.model.goals.kinds import EdgeInPlan
+from compas_cgc.model.goals.kinds import Length
+from compas_cgc.model.goals.kinds import Level
+from compas_cgc.model.goals.kinds import NearPlane
+from compas_cgc.model.goals.kinds import OnSurface
+from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.kinds import Unknown
+from compas_cgc.model.goals.kinds import Volume
+from compas_cgc.model.goals.kinds import Within
 
 EACH = [
     OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
@@ -27,6 +40,25 @@ EACH = [
     Fixed([8]),
     Proximity([9, 10], weight=100.0),
     Mirror([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
+    AtHeight("crown", 4.0),
+    Rise(4.0),
+    Volume(300.0),
+    Volume(300.0, level=0.5),
+    Area(250.0),
+    Length([1, 2, 3], 4.5),
+    EdgeInPlan(),
+    EdgeInPlan([1, 2], [[0.0, 0.0], [1.0, 0.0]], closed=True),
+    Level([1, 2]),
+    OnSurface([1], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0, 1, 2]]),
+    Above(2.5),
+    Below(2.5, [1, 2]),
+    Clearance([0.0, 0.0, 4.0, 3.0], 2.5),
+    Clearance(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), 2.5),
+    Clearance(3, 2.5),
+    Within([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]),
+    NearPlane([0.0, 0.0, 0.0], [0.0, 1.0, 0.0], 0.4),
+    Unknown([0, 2]),
+    Unknown("all"),
 ]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import replace
+from typing import Any
 from typing import Optional
 
 import numpy as np
@@ -10,6 +12,11 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...model.frame import Frame
+from ...model.goals.bound import Equation
+from ...model.goals.bound import bind
+from ...model.goals.bound import held_by_newton
+from ...model.goals.contradictions import refuse_impossible
+from ...model.goals.guess import guessed
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
@@ -17,11 +24,13 @@ from ...model.result import Solution
 from .globalization import Outcome
 from .globalization import exact_steps
 from .globalization import steps_of
+from .goal_seeking import steps_to_goal
 from .messages import message
 from .polishing import model_errors
 from .polishing import polished
 from .settings import NewtonSettings
 from .stages import Stages
+from .system import Step
 from .system import System
 
 __all__ = ["newton"]
@@ -62,11 +71,13 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         If K is asked for, but no target given.
     """
     settings = settings or NewtonSettings()
+    posed, problem = problem, guessed(problem)
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} is internal but has no target; give its region a K̄ or another role"])
     local, frame = problem.local()
     system = System(local, settings.backend)
+    sought = _goal(local, posed, settings.measure)
     start = here = best = system.measure(local.vertices)
     outcome: Outcome
 
@@ -74,13 +85,20 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         return _to_model(problem, frame, vertices)
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
-    run = steps_of(system, start, settings)
+    run: Generator[Step, None, Any] = steps_of(system, start, settings)
+    if sought is not None:
+        run = steps_to_goal(system, start, sought, settings)
     stages, met = Stages(system, settings.measure), None
     while True:
         try:
             step = next(run)
         except StopIteration as end:
-            outcome = end.value
+            outcome = end.value[:2]
+            if sought is not None:
+                system = end.value[2]
+                problem = replace(problem, targets=system.problem.targets / frame.scale**2)
+                here, best = system.measure(here.vertices), system.measure(best.vertices)
+                break
             if outcome[0] != "converged":
                 if met is not None and settings.measure == "auto":
                     # The layout of the mesh could not be told from its wrinkles.
@@ -108,14 +126,39 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     status, cause = outcome
     shape = best if status in ("stalled", "diverged", "infeasible") else here
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
-    measure = stages.measure_of(system)
+    measure = "defect" if sought is not None else stages.measure_of(system)
     if measure == "smooth":
         problem = replace(problem, targets=system.equations.targets / frame.scale**2)
     if status == "converged" and len(recorder):
         vertices = polished(system, problem, frame, vertices, measure)
     max_error = float(np.abs(model_errors(problem, vertices, measure)[1]).max(initial=0.0))
     sentence = message(status, cause, len(recorder), max_error, system, frame, system.dents(shape), measure)
-    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure)
+    targets = None if sought is None else problem.targets
+    if sought is not None:
+        K = float(problem.targets[problem.asked][0])
+        sentence += f"; K = {K:.6g} was found for {sought.name}"
+    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets)
+
+
+def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equation]:
+    """Return the goal that is the equation of the unknown K, None without any goals.
+
+    Raises
+    ------
+    ProblemError
+        If there is not one goal for one unknown K.
+    """
+    if not posed.constraints:
+        return None
+    refuse_impossible(posed)
+    if measure not in ("auto", "defect"):
+        raise ProblemError([f"the method newton finds K in the measure defect, not {measure}; leave it out, or use the method projection"])
+    goals = bind(local, posed.constraints)
+    if not held_by_newton(posed):
+        raise ProblemError(
+            ["the method newton takes one goal of the whole surface for one unknown K over fixed edges; use the method projection"]
+        )
+    return goals.equations[0]
 
 
 def _to_model(problem: CGCProblem, frame: Frame, vertices: FloatArray) -> FloatArray:

@@ -98,6 +98,11 @@ class Fairness:
         value = 0.5 * (dot(shape.ravel(), bent.ravel()) + dot(away.ravel(), pulled.ravel()))
         return value, (bent[self._columns] + pulled @ self.axes).ravel()
 
+    def second_derivative(self) -> sparse.csr_matrix:
+        """Return the second derivative of E by the coordinates of the vertices that may move (3c, 3c)."""
+        weights = (self.plan, self.plan, self.height)
+        return sum(sparse.kron(weight, np.outer(axis, axis)) for weight, axis in zip(weights, self.axes)).tocsr()
+
     def drawn(self) -> bool:
         """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""
         if not self._has_plan:

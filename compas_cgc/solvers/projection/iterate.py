@@ -11,6 +11,7 @@ from .vectors import norm
 
 __all__ = ["ON", "TINY", "Point"]
 
+OFF = 1e-10  # of a goal, in the local frame, that is not met
 ON = 1e-12  # distance from a constraint, in the local frame, that is rounding
 TINY = 1e-100  # area that keeps the error of a vertex without any a number
 
@@ -19,7 +20,7 @@ class Point(NamedTuple):
     """A shape with what is missing from what is asked of it."""
 
     vertices: FloatArray  # (n, 3)
-    residual: FloatArray  # (k,) defect_i - K̄_i A_i at the vertices with an equation [rad]
+    residual: FloatArray  # (k + g,) defect_i - K̄_i A_i at the vertices with an equation [rad], and what goals lack
     areas: FloatArray  # (k,) A_i
     gap: FloatArray  # (n,) distance from fulfilling the constraints
     merit: float  # norm of residuals and gaps, which the line search makes smaller
@@ -27,7 +28,12 @@ class Point(NamedTuple):
     @property
     def error(self) -> FloatArray:
         """|K - K̄| at the vertices with an equation (k,)."""
-        return np.abs(self.residual) / np.maximum(self.areas, TINY)
+        return np.abs(self.residual[: len(self.areas)]) / np.maximum(self.areas, TINY)
+
+    @property
+    def lacking(self) -> FloatArray:
+        """What goals of the whole surface lack, as a part of its size (g,)."""
+        return self.residual[len(self.areas) :]
 
     @property
     def max_error(self) -> float:
@@ -42,9 +48,9 @@ class Point(NamedTuple):
     @property
     def badness(self) -> tuple[bool, float]:
         """What to compare shapes by: constraints before curvature."""
-        return bool((self.gap > ON).any()), self.error_norm
+        return bool((self.gap > ON).any() or (np.abs(self.lacking) > OFF).any()), self.error_norm
 
     def fulfils(self, goal: float, floor: FloatArray) -> bool:
-        """Return whether everything is reached: |K - K̄| to the goal, or residuals to their floor (k,) [rad]."""
-        reached = np.abs(self.residual) <= np.maximum(goal * self.areas, floor)
+        """Return whether everything is reached: |K - K̄| to the goal, or residuals to their floor (k + g,) [rad]."""
+        reached = np.abs(self.residual) <= np.maximum(goal * np.append(self.areas, 0.0 * self.lacking), floor)
         return bool(reached.all()) and not self.badness[0]

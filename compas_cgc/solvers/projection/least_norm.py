@@ -13,11 +13,12 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
+from .found_curvature import CommonPart
 from .metric import Metric
 from .vectors import dot
 from .vectors import norm
 
-__all__ = ["Cheapest", "LeastNorm", "Preconditioner"]
+__all__ = ["Cheapest", "LeastNorm", "Preconditioner", "Rows"]
 
 FEW = 15  # rounds after which a preconditioner is made, or made anew
 EARLY = 5  # rounds after which their pace tells that far more than a few will be needed
@@ -33,8 +34,18 @@ class Cheapest(NamedTuple):
     """The cheapest move that fulfils linear equations, as far as it does."""
 
     move: FloatArray  # (q,) W⁻¹ Jᵀ y [L]
-    multipliers: FloatArray  # (k,) y
+    multipliers: FloatArray  # (k,) y, without what unknown K take up
     residual: FloatArray  # (k,) what is left of the right side [rad]
+
+
+class Rows:
+    """A matrix by its products."""
+
+    def __init__(self, shape: tuple[int, int], product: Callable[[FloatArray], FloatArray]):
+        self.shape, self._product = shape, product
+
+    def __matmul__(self, vector: FloatArray) -> FloatArray:
+        return self._product(vector)
 
 
 class LeastNorm:
@@ -57,6 +68,8 @@ class LeastNorm:
         where a preconditioner is made.
     preconditioner
         That of the step before.
+    common
+        Part of the right sides that unknown K take up, in which the equations are not asked.
     """
 
     def __init__(
@@ -65,9 +78,13 @@ class LeastNorm:
         metric: Metric,
         across: Callable[[], sparse.csr_matrix],
         preconditioner: Optional[Preconditioner] = None,
+        common: Optional[CommonPart] = None,
     ):
-        self.J, self.transposed, self.metric = J, J.T.tocsr(), metric
-        self._across = across
+        self.metric, self._sparse = metric, J
+        transposed = J.T.tocsr()
+        self.J: Rows = J if common is None else Rows(J.shape, lambda v: common.removed(J @ v))
+        self.transposed: Rows = transposed if common is None else Rows(transposed.shape, lambda y: transposed @ common.transposed(y))
+        self._common, self._across = common, across
         self.preconditioner = preconditioner
         self._own = False
         self._rows = _row_scaling(J)
@@ -85,21 +102,20 @@ class LeastNorm:
             Residual per equation that is small enough in any case [rad].
         """
         start = Cheapest(np.zeros(self.J.shape[1]), np.zeros(len(right)), right)
-        if not self.J.data.any():
+        if not self._sparse.data.any():
             return start
         goal = max(tolerance * norm(right), floor * math.sqrt(len(right)))
         part = EARLY / (FAR * FEW)
         hope = math.inf if self.preconditioner is not None else norm(right) ** (1.0 - part) * goal**part
         found = self._close(start, goal, MOST if self._own else FEW, hope)
-        if norm(found.residual) <= goal or self._own:
-            return found
-        try:
-            self.preconditioner = self._normal_moves()
-        except SingularMatrixError:
-            # Faces without area: what is found without it has to do.
-            return self._close(found, goal, FEW - EARLY)
-        self._own = True
-        return self._close(found, goal, MOST)
+        if norm(found.residual) > goal and not self._own:
+            try:
+                self.preconditioner = self._normal_moves()
+                self._own = True
+            except SingularMatrixError:
+                pass  # Faces without area: what is found without it has to do.
+            found = self._close(found, goal, MOST if self._own else FEW - EARLY)
+        return found if self._common is None else found._replace(multipliers=self._common.transposed(found.multipliers))
 
     def without_effect(self, gradient: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:
         """Return the part of the move ``W⁻¹ gradient`` that ``J`` does not see (q,), and the multipliers that do so (k,)."""
@@ -113,7 +129,7 @@ class LeastNorm:
     def _normal_moves(self) -> Preconditioner:
         """Return the inverse of the system for moves along the normals, by Woodbury's formula."""
         across = self._across()
-        normal = (self.J @ across).tocsr()
+        normal = (self._sparse @ across).tocsr()
         transposed = normal.T.tocsr()
         probe = np.cos(np.arange(self.J.shape[0], dtype=np.float64))
         weight = dot(probe, probe) / (SOFT * dot(probe, self.J @ self._solve(probe)))

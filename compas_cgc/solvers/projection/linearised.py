@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 from typing import Optional
+from typing import Union
 
 from ...discrete.arrays import FloatArray
+from .bordered import Bordered
 from .least_norm import LeastNorm
 from .least_norm import Preconditioner
 from .metric import Metric
@@ -23,7 +25,7 @@ class Kept(NamedTuple):
 class Linearised(NamedTuple):
     """What first derivatives say about moves from a shape; q of them are free, k equations are asked."""
 
-    solver: LeastNorm  # of J dz = b
+    solver: Union[LeastNorm, Bordered]  # of J dz = b
     onto: Optional[FloatArray]  # (3c,) fair move onto the constraints, None without any
     right: FloatArray  # (k,) what J dz has to be for the equations to be fulfilled [rad]
 

@@ -10,7 +10,7 @@ from ...discrete.arrays import FloatArray
 from .iterate import Point
 from .system import System
 
-__all__ = ["cause", "enclosed_negative", "message"]
+__all__ = ["blamed", "cause", "enclosed_negative", "found", "message"]
 
 ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
 
@@ -33,6 +33,9 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     """Return why nothing better than this was reached, and what to do about it."""
     if not len(system.columns):
         return "no vertex may move; free some"
+    unmet = blamed(point, system)
+    if unmet:
+        return unmet
     vertex = int(np.argmax(point.gap))
     if point.gap[vertex] > ASTRAY:
         return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
@@ -41,7 +44,39 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if not system.sound.all():
         a, b, c = system.faces[np.argmin(system.sound)].tolist()
         return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
+    names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
+    if names:
+        return f"the supports may not allow this curvature together with {_listed(names)}; ask for less, or choose another K̄"
     return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
+
+
+def blamed(point: Point, system: System) -> str:
+    """Return which goals are not met, empty where all are."""
+    unmet = [own.name for own, lack in zip(system.goals.equations, point.lacking) if abs(lack) > ASTRAY]
+    for side in system.goals.sides:
+        at = side.candidates(point.vertices)
+        if len(at) and side.goal.slack(point.vertices[at])[0].min() < -ASTRAY:
+            unmet.append(side.name)
+    if not unmet:
+        return ""
+    if len(unmet) > 1:
+        return f"{_listed(unmet)} cannot be met together here; take one of them away, or ask for less of one"
+    return f"{unmet[0]} cannot be met with this curvature and these supports; ask for less, or let K be found (unknown)"
+
+
+def found(targets: list[float], regions: list[int], goals: int) -> str:
+    """Return what is to be said of K that was found: `targets` [1/L^2] of some regions, for so many goals."""
+    if len(regions) == 1:
+        said = f"K = {targets[0]:.6g} was found for region {regions[0]}"
+    else:
+        said = f"K from {min(targets):.4g} to {max(targets):.4g} was found for {len(regions)} regions"
+    if goals < len(regions):
+        said += ", the fairest" + (" that the goals leave open" if goals else ", as no goal asks for another")
+    return said
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
 def enclosed_negative(system: System, targets: FloatArray) -> bool:

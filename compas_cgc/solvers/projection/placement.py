@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
@@ -17,6 +18,7 @@ from ...model.constraints import Constraint
 from ...model.constraints import Fixed
 from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
+from ...model.goals.kinds import Level
 from ...model.problem import CGCProblem
 from .symmetry import Image
 
@@ -74,6 +76,9 @@ class Places:
         self.movable = movable
         self.constraints = [(indices(constraint.vertices, n), constraint) for constraint in constraints]
         self.symmetries = symmetries
+        self._always = self.constraints
+        # A level edge that is bound besides, to a height, is level without being one.
+        self.rings = [at for at, constraint in self.constraints if isinstance(constraint, Level) and movable[at].all()]
         self.trivial = not constraints and len(symmetries) == 1
         self.head = np.arange(n)
         self.turn, self.shift = np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3))
@@ -82,6 +87,18 @@ class Places:
             later = image.to[new]
             self.head[later], self.turn[later], self.shift[later] = new, image.turn, image.shift
         self._refuse_astray()
+
+    def holding(self, more: Sequence[PositionConstraint]) -> Places:
+        """Return the same places with more constraints, instead of those that were held so before."""
+        places = copy.copy(self)
+        n = len(self.start)
+        places.constraints = [*self._always, *((indices(constraint.vertices, n), constraint) for constraint in more)]
+        places.trivial = not places.constraints and len(self.symmetries) == 1
+        return places
+
+    def symmetric_vectors(self, vectors: FloatArray) -> FloatArray:
+        """Return vectors (n, 3) averaged over the symmetries."""
+        return np.mean([vectors[image.to] @ image.turn for image in self.symmetries], axis=0)
 
     def gap(self, vertices: FloatArray) -> FloatArray:
         """Return how far every vertex of a shape (n, 3) is from fulfilling its constraints (n,)."""
@@ -99,20 +116,36 @@ class Places:
             return Freedoms(None, np.repeat(columns, 3), None)
         goal = self._symmetric(vertices)
         free, direction, shift = self._solve(*self._conditions(goal), goal)
+        for ring in self.rings:
+            shift[ring, 2] += goal[ring, 2].mean() - goal[ring, 2]
         goal = self._from_heads(goal + shift)
         heads = self.head[columns]
         live = np.zeros(len(vertices), bool)
         live[heads] = True
-        number = np.full(free.shape, -1)
         owned = free & live[:, None]
-        number[owned] = np.arange(np.count_nonzero(owned))
+        number = self._numbered(owned, direction)
+        count = int(number.max(initial=-1)) + 1
         place, k = np.nonzero(free[heads])
         moves = np.einsum("pxy,py->px", self.turn[columns[place]], direction[heads[place], :, k])
         rows = 3 * place[:, None] + np.arange(3)
         columns_of = np.repeat(number[heads[place], k], 3)
-        shape = (3 * len(columns), int(np.count_nonzero(owned)))
-        basis = sparse.csr_matrix((moves.ravel(), (rows.ravel(), columns_of)), shape=shape)
-        return Freedoms(basis, np.nonzero(owned)[0], (goal - vertices)[columns])
+        basis = sparse.csr_matrix((moves.ravel(), (rows.ravel(), columns_of)), shape=(3 * len(columns), count))
+        owner = np.empty(count, dtype=np.int64)
+        owner[number[owned][::-1]] = np.nonzero(owned)[0][::-1]
+        return Freedoms(basis, owner, (goal - vertices)[columns])
+
+    def _numbered(self, owned: NDArray[np.bool_], direction: FloatArray) -> IntArray:
+        """Return the number of every free direction (n, 3), -1 of others; the upright ones of a level edge are made one."""
+        number = np.full(owned.shape, -1)
+        number[owned] = np.arange(np.count_nonzero(owned))
+        for ring in self.rings:
+            vertex, k = np.nonzero(owned[ring])
+            at = ring[vertex]
+            direction[at, :, k] *= np.where(direction[at, 2, k] < 0.0, -1.0, 1.0)[:, None]
+            number[at, k] = number[at[:1], k[:1]] if len(at) else -1
+        if self.rings:
+            number[owned] = np.unique(number[owned], return_inverse=True)[1]
+        return number
 
     def _symmetric(self, vertices: FloatArray) -> FloatArray:
         """Return the nearest symmetric shape (n, 3)."""

@@ -10,16 +10,27 @@ from numpy.typing import ArrayLike
 
 from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import EXACT
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
+from ...model.goals.bound import bind
+from ...model.goals.bound import unknown_regions
+from ...model.goals.contradictions import refuse_impossible
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from .energy import energy_meter
+from .found_curvature import FoundCurvature
+from .goal_seeking import goal_ways
+from ...model.goals.guess import guessed
+from .iterate import Point
+from .limits import limit
 from .messages import cause
+from .messages import found
 from .messages import message
 from .settings import AUTO
 from .settings import ProjectionSettings
@@ -61,10 +72,13 @@ class Projector:
     def __init__(self, problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None):
         if not len(problem.faces):
             raise MeshError("the mesh has no faces")
-        self.problem = problem
         self.settings = settings or ProjectionSettings()
-        self._local, self._frame = problem.local()
-        self._system = System(self._local, self.settings)
+        if self.settings.measure in EXACT and unknown_regions(problem):
+            raise ProblemError([f"K is not found in the measure {self.settings.measure}; find it in the measure defect, then ask for it here"])
+        self.problem = guessed(problem)
+        self._local, self._frame = self.problem.local()
+        self._system = System(self._local, self.settings, bind(self._local, problem.constraints))
+        refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
 
     def solve(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None, *, callback: Callback = None) -> Solution:
@@ -99,16 +113,18 @@ class Projector:
         energy = energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
-        best = start
+        best, used = start, equations
         measure = "defect" if settings.measure == AUTO else settings.measure
         status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        for taken in ways(system, equations, drawn, settings, vertices is not None) if status == "stalled" else ():
+        way = goal_ways if system.goals.whole or isinstance(equations, FoundCurvature) else ways
+        for taken in way(system, equations, drawn, settings, vertices is not None) if status == "stalled" else ():
             here = system.at(taken.vertices, taken.equations or asked)
             best = min(best, here, key=lambda point: point.badness)
+            used = taken.equations or equations
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
                 status, best = "converged", here
@@ -125,16 +141,37 @@ class Projector:
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
             status, why = "infeasible", asked.complaint(best.vertices)
         max_error = best.max_error / scale2
+        sentence = message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, measure)
+        targets = self._found(best, used, local.targets)
+        if targets is not None:
+            regions = unknown_regions(self.problem)
+            own = [float(targets[self.problem.region_vertices(region)][0]) for region in regions]
+            sentence += "; " + found(own, regions, len(system.goals.equations) + len(system.goals.places) + len(system.goals.sides))
         return Solution(
             self._to_model(best.vertices),
             status,
-            message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, measure),
+            sentence,
             len(recorder),
             recorder.seconds,
             max_error,
             recorder.history,
             measure=measure,
+            targets=targets,
         )
+
+    def _found(self, point: Point, equations: CurvatureEquations, guess: FloatArray) -> Optional[FloatArray]:
+        """Return the targets with those that were found (n,) [1/L^2], None where all were given."""
+        if not isinstance(equations, FoundCurvature):
+            return None
+        own = equations.rows[equations.group >= 0]
+        targets = self.problem.targets.copy()
+        # What the smooth measure adds to the targets for the layout of the mesh is no part of K.
+        reached = (equations.targets_of(point.vertices) - equations.targets + guess) / self._frame.scale**2
+        for region in unknown_regions(self.problem):
+            within = self.problem.region_vertices(region)
+            rows = own[within[own]]
+            targets[within] = reached[rows[0]] if len(rows) else np.nan
+        return targets
 
     def _posed(self, targets: Optional[ArrayLike], vertices: Optional[ArrayLike]) -> CGCProblem:
         """Return the local problem with other targets and another shape."""
@@ -202,4 +239,8 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     doi:10.1145/2601097.2601213. Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for
     inextensible surfaces*, doi:10.2312/SGP/SGP06/227-230.
     """
-    return Projector(problem, settings=settings).solve(callback=callback)
+    solution = Projector(problem, settings=settings).solve(callback=callback)
+    if solution.status != "stalled" or not bind(problem).whole:
+        return solution
+    had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))
+    return solution if had is None else solution._replace(status="infeasible", message=f"infeasible{solution.message[7:]}; {had}")

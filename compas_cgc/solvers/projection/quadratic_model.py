@@ -111,7 +111,7 @@ class QuadraticModel:
 
     def _bend(self, move: FloatArray) -> FloatArray:
         moves = self._system.full(self._linear.expanded(move))
-        change = self._equations.curvature_along(self._point.vertices, self._weights, moves)
+        change = self._system.curvature_along(self._equations, self._point.vertices, self._weights, moves)
         return self._linear.reduced(change[self._system.columns].ravel())
 
     def _to_edge(self, step: FloatArray, direction: FloatArray, turned: FloatArray, radius: float) -> float:

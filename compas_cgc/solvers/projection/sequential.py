@@ -36,6 +36,7 @@ class Reached(NamedTuple):
 
     point: Point
     multipliers: FloatArray  # (l,) of the leading equations
+    system: Optional[System] = None  # with the vertices that touch their sides there, where goals say that they shall keep to some
 
 
 class _Step(NamedTuple):
@@ -66,7 +67,8 @@ def approach(system: System, equations: CurvatureEquations, start: Point, most: 
     Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5.
     """
     here, multipliers, weight, kept, tired = start, np.zeros(len(system.leading)), 0.0, None, 0
-    for _ in range(most):
+    for done in range(most):
+        system = system.renewed(here, equations, multipliers if done else None)
         linear = system.linearised(here, equations, kept)
         kept = linear.kept
         energy, gradient = system.fairness.energy(here.vertices)
@@ -86,7 +88,7 @@ def approach(system: System, equations: CurvatureEquations, start: Point, most: 
             break
         if length == 1.0 and step.square <= CALM * energy and system.missing(here, equations) <= NEAR:
             break
-    return Reached(here, multipliers)
+    return Reached(here, multipliers, system)
 
 
 def _step(system: System, linear: Linearised, gradient: FloatArray, multipliers: FloatArray) -> _Step:

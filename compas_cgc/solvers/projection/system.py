@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Optional
 
@@ -15,12 +16,18 @@ from ...discrete import face_areas
 from ...discrete import vertex_areas
 from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
 from ...model.constraints import Mirror
-from ...model.constraints import PositionConstraint
+from ...model.goals.bound import BoundGoals
+from ...model.goals.bound import bind
+from ...model.goals.bound import unknown_regions
 from ...model.problem import CGCProblem
+from .bordered import Bordered
+from .contact import Contact
 from .fairness import Fairness
+from .found_curvature import FoundCurvature
 from .initial_guess import flat_share
 from .iterate import TINY
 from .iterate import Point
@@ -31,6 +38,7 @@ from .placement import Places
 from .placement import movable_vertices
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .symmetry import Image
 from .symmetry import images
 from .symmetry import keep_faces
 from .vectors import norm
@@ -43,6 +51,8 @@ STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is
 FLAT_SHARE = 0.5  # of a drawing, from which its heights mean nothing
 RELAXING = 2  # times that drawn heights are let go
 SETTLING = 5  # moves that bring a shape onto curved constraints
+FINEST = 1e-8  # residual of multipliers
+MET = 1e-13  # of a goal of the whole surface, as a part of its size, that is rounding
 
 
 class System:
@@ -54,6 +64,10 @@ class System:
         The problem in its local frame.
     settings
         Parameters.
+    goals
+        What constraints ask for. Default: what they say in the local frame.
+    found
+        Whether K is found where the problem says that it is unknown; else it is taken as given.
 
     Raises
     ------
@@ -61,7 +75,8 @@ class System:
         If a constraint cannot be.
     """
 
-    def __init__(self, problem: CGCProblem, settings: ProjectionSettings):
+    def __init__(self, problem: CGCProblem, settings: ProjectionSettings, goals: Optional[BoundGoals] = None, found: bool = True):
+        self.goals = bind(problem) if goals is None else goals
         V, F, constraints = problem.vertices, problem.faces, problem.constraints
         self.faces = np.ascontiguousarray(F[problem.real_faces])
         areas = face_areas(V, self.faces)
@@ -75,13 +90,14 @@ class System:
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
         symmetries = images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
-        self.places = Places(
-            V, movable, [constraint for constraint in constraints if isinstance(constraint, PositionConstraint)], symmetries
-        )
+        self.places = Places(V, movable, self.goals.places, symmetries)
+        self.contact = Contact.none(self.goals.sides, movable, edges[:, :2])
         # Mirrored equations say the same twice, which makes the systems singular.
-        self.leading = np.arange(len(self.rows))
+        leading = np.arange(len(self.rows))
         if len(symmetries) > 1 and keep_faces(F, symmetries):
-            self.leading = np.unique(self.places.head[self.rows], return_index=True)[1]
+            leading = np.unique(self.places.head[self.rows], return_index=True)[1]
+        self._own_leading = leading
+        self.leading = np.concatenate([leading, len(self.rows) + np.arange(len(self.goals.equations))])
 
         def fairness(keep: str, rest: FloatArray, smoother: float = 1.0) -> Fairness:
             own = replace(settings, keep=keep, smoothness=smoother * settings.smoothness)
@@ -98,9 +114,14 @@ class System:
             # The drawn heights are not kept, so they must not count in what bending means either.
             for _ in range(RELAXING if self.fairness.bends() else 0):
                 self.fairness = fairness(self.keep, self.fairness.relaxed())
-        self._equations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
+        self._equations: CurvatureEquations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
+        group = _groups(problem, unknown_regions(problem) if found else [], symmetries)[self.rows]
+        if (group >= 0).any():
+            group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
+            self._equations = FoundCurvature(F, problem.targets, self.rows, self.columns, group, leading)
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
-        self.floor: FloatArray = EPS * (8.0 + 2.0 * valence.astype(np.float64))  # rounding of a sum of angles (k,) [rad]
+        # Rounding of a sum of angles [rad], and of goals (k + g,).
+        self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
 
     def equations(self, targets: FloatArray) -> CurvatureEquations:
         """Return the equations for targets (n,)."""
@@ -114,10 +135,67 @@ class System:
         system.keep, system.fairness = keep, self._fairness(keep, self.places.start, smoother)
         return system
 
+    def without_goals(self, keep_contact: bool = False) -> System:
+        """Return the same system without the goals of the whole surface, and without sides to keep to unless contact is kept."""
+        system = copy.copy(self)
+        system.goals = self.goals._replace(equations=(), sides=self.goals.sides if keep_contact else ())
+        if not keep_contact:
+            system.contact = Contact.none((), self.places.movable, self.contact.edges)
+            system.places = self.places.holding(())
+        system.leading, system.floor = self._own_leading, self.floor[: len(self.rows)]
+        return system
+
+    def renewed(self, point: Point, equations: CurvatureEquations, multipliers: Optional[FloatArray]) -> System:
+        """Return the system with the vertices that touch their sides at a shape, for the multipliers (l,) of the leading equations."""
+        if not self.goals.sides:
+            return self
+        force = None if multipliers is None else self.force(point, equations, multipliers)
+        contact = self.contact.renewed(point.vertices, force)
+        system = copy.copy(self)
+        system.contact = contact
+        if not contact.same(self.contact):
+            system.places = self.places.holding(contact.constraints())
+        return system
+
+    def touching(self, point: Point, equations: CurvatureEquations) -> System:
+        """Return the system with the vertices of a finished shape that touch their sides and press against them."""
+        if not self.goals.sides:
+            return self
+        system = copy.copy(self)
+        system.contact = self.contact.at(point.vertices)
+        system.places = self.places.holding(system.contact.constraints())
+        linear = system.linearised(point, equations)
+        energy = system.fairness.energy(point.vertices)[1]
+        multipliers = linear.solver.without_effect(-linear.reduced(energy), FINEST)[1]
+        return system.renewed(point, equations, multipliers)
+
+    def force(self, point: Point, equations: CurvatureEquations, multipliers: FloatArray) -> FloatArray:
+        """Return the gradient of the Lagrangian at a shape (n, 3), for the multipliers (l,) of the leading equations."""
+        k, weights = len(self.rows), self.spread(multipliers)
+        gradient = self.full(self.fairness.energy(point.vertices)[1] + self.jacobian(point, equations).T @ weights[:k])
+        for row, weight in zip(self._goal_rows(point.vertices), weights[k:]):
+            gradient = gradient + weight * row
+        if len(self.places.symmetries) > 1:
+            gradient = self.places.symmetric_vectors(gradient)
+        return gradient
+
+    def curvature_along(self, equations: CurvatureEquations, vertices: FloatArray, weights: FloatArray, moves: FloatArray) -> FloatArray:
+        """Return how the gradient of the equations weighed by (k + g,) changes along a move (n, 3)."""
+        k = len(self.rows)
+        change = equations.curvature_along(vertices, weights[:k], moves)
+        for equation, weight in zip(self.goals.equations, weights[k:]):
+            change = change + weight / self.size**equation.power * equation.curvature_along(vertices, moves)
+        return change
+
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
         """Return what is missing at a shape (n, 3)."""
         residual, areas = equations.measure(vertices)
+        if self.goals.equations:
+            lacking = [(own.value(vertices) - own.wanted) / self.size**own.power for own in self.goals.equations]
+            residual = np.append(residual, lacking)
         gap = self.places.gap(vertices)
+        if self.goals.sides:
+            gap = np.maximum(gap, self.contact.crossed(vertices))
         return Point(vertices, residual, areas, gap, math.hypot(norm(residual), norm(gap) / self.size))
 
     def wanted(self, point: Point, equations: CurvatureEquations) -> FloatArray:
@@ -135,17 +213,25 @@ class System:
         """Return the equations about a shape; what was kept from another shape is used where it fits."""
         freedoms = self.places.freedoms(point.vertices)
         metric, basis = self.fairness.metric(freedoms), freedoms.basis
-        J, onto, right = self._jacobian(point, equations), None, -point.residual
+        J, onto, right = self.jacobian(point, equations), None, -point.residual
+        leading = self._own_leading
+        common = equations.common(point.areas, leading) if isinstance(equations, FoundCurvature) else None
+        dense = np.array([row[self.columns].ravel() for row in self._goal_rows(point.vertices)]).reshape(-1, 3 * len(self.columns))
         if basis is not None:
             onto = self.fairness.fairest(freedoms)
-            right = (right - J @ onto)[self.leading]
-            J = (J[self.leading] @ basis).tocsr()
+            right = right - np.concatenate([J @ onto, dense @ onto])
+            J = (J[leading] @ basis).tocsr()
+            dense = np.ascontiguousarray((basis.T @ dense.T).T)
+        right = right[self.leading]
+        if common is not None:
+            right = np.concatenate([common.removed(right[: len(leading)]), right[len(leading) :]])
 
         def across() -> sparse.csr_matrix:
             return freedoms.across(vertex_normals(point.vertices, self.faces)[self.columns].ravel())
 
         preconditioner = kept.preconditioner if kept is not None and kept.metric is metric else None
-        return Linearised(LeastNorm(J, metric, across, preconditioner), onto, right)
+        sparse = LeastNorm(J, metric, across, preconditioner, common)
+        return Linearised(Bordered(sparse, dense) if len(dense) else sparse, onto, right)
 
     def step(self, point: Point, equations: CurvatureEquations, tolerance: float, kept: Optional[Kept]) -> tuple[FloatArray, Kept]:
         """Return the least-norm step (n, 3), and what to keep for the next one."""
@@ -154,8 +240,8 @@ class System:
         return self.full(linear.landing(found.move)), linear.kept
 
     def spread(self, leading: FloatArray) -> FloatArray:
-        """Return the values (k,) of all equations for those (l,) of the leading ones, zero for the others."""
-        values = np.zeros(len(self.rows))
+        """Return the values (k + g,) of all equations for those (l,) of the leading ones, zero for the others."""
+        values = np.zeros(len(self.rows) + len(self.goals.equations))
         values[self.leading] = leading
         return values
 
@@ -174,18 +260,36 @@ class System:
         return np.einsum("ij,ij->i", np.take(normals, left, axis=0), np.take(normals, right, axis=0))
 
     def rounding(self, point: Point, equations: CurvatureEquations) -> FloatArray:
-        """Return what rounding of the angles and of the coordinates leaves of the residuals (k,) [rad]."""
-        slope = np.asarray(abs(self._jacobian(point, equations)).sum(axis=1)).ravel()
+        """Return what rounding of the angles and of the coordinates leaves of the residuals (k + g,) [rad]."""
+        slope = np.asarray(abs(self.jacobian(point, equations)).sum(axis=1)).ravel()
+        slope = np.append(slope, np.full(len(self.goals.equations), MET / EPS))
         return self.floor + EPS * slope * np.abs(point.vertices[self.columns]).max(initial=0.0)
 
-    def _jacobian(self, point: Point, equations: CurvatureEquations) -> sparse.csr_matrix:
+    def jacobian(self, point: Point, equations: CurvatureEquations) -> sparse.csr_matrix:
+        """Return the derivatives of the residuals by the coordinates that may move (k, 3c)."""
         J = equations.jacobian(point.vertices)
         # What a face without area says of the angles around it means nothing.
         J.data[~(np.abs(J.data) < STEEPEST / self.size)] = 0.0
         return J
+
+    def _goal_rows(self, vertices: FloatArray) -> list[FloatArray]:
+        """Return the derivatives (n, 3) of what goals of the whole surface lack."""
+        return [own.gradient(vertices) / self.size**own.power for own in self.goals.equations]
 
     def full(self, move: FloatArray) -> FloatArray:
         """Return the move of all vertices (n, 3) for one of those that may move (3c,)."""
         full = np.zeros((len(self.places.start), 3))
         full[self.columns] = move.reshape(-1, 3)
         return full
+
+
+def _groups(problem: CGCProblem, unknown: list[int], symmetries: Sequence[Image]) -> IntArray:
+    """Return the number of the unknown K at every vertex, -1 where it is given (n,); regions that are images share theirs."""
+    group = np.full(len(problem.vertices), -1)
+    for number, region in enumerate(unknown):
+        group[problem.region_vertices(region) & (group < 0)] = number
+    for image in symmetries[1:]:
+        both = (group >= 0) & (group[image.to] >= 0)
+        for one, other in np.unique(np.column_stack([group, group[image.to]])[both], axis=0).tolist():
+            group[group == max(one, other)] = min(one, other)
+    return group

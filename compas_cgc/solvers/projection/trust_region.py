@@ -47,9 +47,11 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
     ----------
     Conn, Gould and Toint, *Trust-Region Methods*, doi:10.1137/1.9780898719857.
     """
-    here, multipliers = reached
+    here, multipliers = reached.point, reached.multipliers
+    system = reached.system or system
     radius, kept = 0.0, None
     for _ in range(MOST):
+        system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
         model = QuadraticModel(system, equations, linear, here, multipliers)
         kept = linear.kept
@@ -63,22 +65,29 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
             ratio = 0.0
             if there is not None and step.promised > 0.0:
                 ratio = (model.lagrangian(here) - model.lagrangian(there)) / step.promised
-                if ratio < LITTLE and not (step.inside and step.length <= ROUNDING * scale):
+                small = step.length <= ROUNDING * scale or (step.promised <= POINTLESS * model.energy and _nearer(system, equations, here, there))
+                if ratio < LITTLE and not (step.inside and small):
                     there = None
             if there is not None:
                 break
             radius = SHRINK * min(radius, step.length)
             if not radius > SETTLED * scale:
-                return Reached(here, multipliers)
+                return Reached(here, multipliers, system)
         if ratio > WELL and not step.inside:
             radius *= GROW
         moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size
         here, multipliers = there, step.multipliers
         settled = step.inside and moved * max(step.left, moved) <= SETTLED
+        settled = settled and system.renewed(here, equations, multipliers).contact.same(system.contact)
         yield Taken(here.vertices, 1.0, trials, settled)
         if settled or (trials > 1 and step.promised <= POINTLESS * model.energy):
             break
-    return Reached(here, multipliers)
+    return Reached(here, multipliers, system)
+
+
+def _nearer(system: System, equations: CurvatureEquations, here: Point, there: Point) -> bool:
+    """Return whether a shape is much nearer to the equations than another: what it gains there hides how its energy changes."""
+    return system.missing(there, equations) <= 0.5 * system.missing(here, equations)
 
 
 def _returned(system: System, equations: CurvatureEquations, linear: Linearised, here: Point, move: np.ndarray) -> Optional[Point]:

@@ -1,0 +1,287 @@
+"""Goals bound to a problem: equations of the whole surface, places of vertices and sides that they keep to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete import boundary_vertices
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import ProblemError
+from ...meshing import boundary_loops
+from ...meshing.in_outline import vertices_over
+from ..constraints import CROWN
+from ..constraints import AtHeight
+from ..constraints import Constraint
+from ..constraints import PositionConstraint
+from ..constraints import indices
+from ..problem import CGCProblem
+from ..roles import FIXED
+from ..roles import FREE
+from . import measures
+from .kinds import ALL
+from .kinds import Area
+from .kinds import Bound
+from .kinds import Clearance
+from .kinds import EdgeInPlan
+from .kinds import Length
+from .kinds import Level
+from .kinds import Rise
+from .kinds import Unknown
+from .kinds import Volume
+from .names import goal_name
+
+__all__ = ["BoundGoals", "Equation", "Side", "bind", "held_by_newton", "support_height", "unknown_regions"]
+
+STEP = 1e-5  # of a difference quotient, in the local frame
+
+
+class Equation(NamedTuple):
+    """One number of the whole surface that is asked for."""
+
+    name: str  # the goal in words
+    wanted: float
+    power: int  # of a length, that the number is
+    value: Callable[[FloatArray], float]  # of a shape (n, 3)
+    gradient: Callable[[FloatArray], FloatArray]  # by the vertices (n, 3)
+
+    def curvature_along(self, vertices: FloatArray, moves: FloatArray) -> FloatArray:
+        """Return how the gradient changes along a move (n, 3)."""
+        size = float(np.abs(moves).max(initial=0.0))
+        if size == 0.0:
+            return np.zeros_like(vertices)
+        step = STEP / size
+        return (self.gradient(vertices + step * moves) - self.gradient(vertices - step * moves)) / (2.0 * step)
+
+
+class Side(NamedTuple):
+    """Vertices that keep to one side of something."""
+
+    name: str  # the goal in words
+    goal: Bound
+    candidates: Callable[[FloatArray], IntArray]  # which do, of a shape (n, 3)
+
+
+class BoundGoals(NamedTuple):
+    """What the constraints of a problem ask for, sorted by how it is met."""
+
+    equations: tuple[Equation, ...]
+    places: tuple[PositionConstraint, ...]
+    sides: tuple[Side, ...]
+
+    @property
+    def whole(self) -> bool:
+        """Whether there is more than places of vertices."""
+        return bool(self.equations or self.sides)
+
+
+def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> BoundGoals:
+    """Return the goals of a problem with all that they need of it.
+
+    Parameters
+    ----------
+    problem
+        The problem, in any frame.
+    named
+        Its constraints in the units that sentences shall speak of. Default: its own.
+
+    Raises
+    ------
+    ProblemError
+        If a goal names what is not there.
+    """
+    equations: list[Equation] = []
+    places: list[PositionConstraint] = []
+    sides: list[Side] = []
+    for goal, shown in zip(problem.constraints, problem.constraints if named is None else named):
+        name = goal_name(shown)
+        if isinstance(goal, EdgeInPlan):
+            places += _sheets(problem, goal, name)
+        elif isinstance(goal, Level):
+            places += _rings(problem, goal, name)
+        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+            equations.append(_crown(name, goal.height, 1.0))
+        elif isinstance(goal, PositionConstraint):
+            places.append(goal)
+        elif isinstance(goal, Rise):
+            equations.append(_crown(name, support_height(problem) + goal.rise, 1.0 if goal.rise > 0.0 else -1.0))
+        elif isinstance(goal, (Volume, Area, Length)):
+            equations.append(_whole(problem, goal, name))
+        elif isinstance(goal, Bound):
+            sides.append(Side(name, goal, _candidates(problem, goal)))
+    return BoundGoals(tuple(equations), tuple(places), tuple(sides))
+
+
+def unknown_regions(problem: CGCProblem) -> list[int]:
+    """Return the regions whose K is to be found, by their numbers.
+
+    Raises
+    ------
+    ProblemError
+        If there is no such region.
+    """
+    wanted = [own.regions for own in problem.constraints if isinstance(own, Unknown)]
+    if not wanted:
+        return []
+    count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
+    found: set[int] = set()
+    for regions in wanted:
+        numbers = range(count) if isinstance(regions, str) else [int(region) for region in regions]
+        lost = [region for region in numbers if not 0 <= region < count]
+        if lost:
+            mend = f"name regions from 0 to {count - 1}, or 'all'"
+            raise ProblemError([f"the goal of unknown K names region {lost[0]}, but the mesh has {count}; {mend}"])
+        found.update(numbers)
+    return sorted(found)
+
+
+def support_height(problem: CGCProblem) -> float:
+    """Return the mean height of the supports [L].
+
+    Raises
+    ------
+    ProblemError
+        If there are none.
+    """
+    fixed = problem.vertices[problem.roles == FIXED]
+    if not len(fixed):
+        raise ProblemError(["a rise or a volume is told from the supports, and the mesh has none; fix vertices, or give a level"])
+    return float(fixed[:, 2].mean())
+
+
+def _crown(name: str, wanted: float, side: float) -> Equation:
+    """Return the equation of the highest vertex, or of the lowest for side -1."""
+
+    def highest(vertices: FloatArray) -> int:
+        return int(np.argmax(side * vertices[:, 2]))
+
+    def gradient(vertices: FloatArray) -> FloatArray:
+        result = np.zeros_like(vertices)
+        result[highest(vertices), 2] = 1.0
+        return result
+
+    return Equation(name, wanted, 1, lambda vertices: float(vertices[highest(vertices), 2]), gradient)
+
+
+def _whole(problem: CGCProblem, goal: Constraint, name: str) -> Equation:
+    faces = problem.faces[problem.real_faces]
+    if isinstance(goal, Volume):
+        level = support_height(problem) if goal.level is None else goal.level
+        return Equation(
+            name,
+            goal.volume,
+            3,
+            lambda vertices: measures.volume(vertices, faces, level),
+            lambda vertices: measures.volume_gradient(vertices, faces, level),
+        )
+    if isinstance(goal, Area):
+        return Equation(
+            name,
+            goal.area,
+            2,
+            lambda vertices: measures.area(vertices, faces),
+            lambda vertices: measures.area_gradient(vertices, faces),
+        )
+    assert isinstance(goal, Length)
+    path = np.asarray(goal.vertices, dtype=np.int64)
+    return Equation(
+        name,
+        goal.length,
+        1,
+        lambda vertices: measures.length(vertices, path),
+        lambda vertices: measures.length_gradient(vertices, path),
+    )
+
+
+def _candidates(problem: CGCProblem, goal: Bound) -> Callable[[FloatArray], IntArray]:
+    """Return a function that tells which vertices of a shape keep to a side."""
+    movable = problem.movable
+    faces = problem.faces[problem.real_faces]
+    if isinstance(goal, Clearance):
+        if isinstance(goal.where, (int, np.integer)):
+            at = np.flatnonzero(problem.region_vertices(int(goal.where)) | _on_region(problem, int(goal.where)))
+            return _always(at[movable[at]])
+        outline = goal.outline()
+
+        def over(vertices: FloatArray) -> IntArray:
+            within, reaching = vertices_over(vertices, faces, outline)
+            return np.union1d(within, reaching[movable[reaching]])
+
+        return over
+    vertices = getattr(goal, "vertices", ALL)
+    at = np.flatnonzero(movable) if isinstance(vertices, str) else indices(vertices, len(movable))
+    return _always(at)
+
+
+def _always(at: IntArray) -> Callable[[FloatArray], IntArray]:
+    return lambda vertices: at
+
+
+def _on_region(problem: CGCProblem, region: int) -> np.ndarray:
+    inside = np.zeros(len(problem.vertices), bool)
+    inside[problem.faces[problem.regions() == region]] = True
+    return inside
+
+
+def _rings(problem: CGCProblem, goal: Level, name: str) -> list[PositionConstraint]:
+    """Return a level edge for every edge that it means."""
+    if not isinstance(goal.vertices, str):
+        order = np.unique(np.asarray(goal.vertices, dtype=np.int64), return_index=True)
+        points = problem.vertices if goal.points is None else np.asarray(goal.points, dtype=np.float64)
+        return [replace(goal, vertices=order[0].tolist(), points=points[order[0] if goal.points is None else order[1]])]
+    runs = [np.sort(path[problem.roles[path] == FREE]) for path, _ in _free_edges(problem)]
+    if not runs:
+        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or leave the goal out"])
+    return [replace(goal, vertices=path.tolist(), points=problem.vertices[path]) for path in runs]
+
+
+def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionConstraint]:
+    """Return an edge in plan for every line of the drawing that its vertices follow."""
+    if isinstance(goal.vertices, str):
+        paths = [(path, closed) for path, closed in _free_edges(problem)]
+    else:
+        paths = [(np.asarray(goal.vertices, dtype=np.int64), goal.closed)]
+    if isinstance(goal.vertices, str) and not paths:
+        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or leave the goal out"])
+    found = []
+    for path, closed in paths:
+        line = problem.vertices[path] if goal.points is None else goal.points
+        free = path[problem.roles[path] != FIXED]
+        if len(free):
+            found.append(replace(goal, vertices=free.tolist(), points=line, closed=closed))
+    return found
+
+
+def _free_edges(problem: CGCProblem) -> list[tuple[IntArray, bool]]:
+    """Return the runs of free vertices along the rims, each with the vertices that it ends at, and whether it is closed."""
+    runs: list[tuple[IntArray, bool]] = []
+    for loop in boundary_loops(problem.faces[problem.real_faces]):
+        rim = np.asarray(loop, dtype=np.int64)
+        held = np.flatnonzero(problem.roles[rim] != FREE)
+        if not len(held):
+            runs.append((rim, True))
+            continue
+        rim = np.roll(rim, -held[0])
+        stops = [*np.flatnonzero(problem.roles[rim] != FREE).tolist(), len(rim)]
+        around = np.append(rim, rim[0])
+        runs += [(around[a : b + 1], False) for a, b in zip(stops, stops[1:]) if b > a + 1]
+    return runs
+
+
+def held_by_newton(problem: CGCProblem) -> bool:
+    """Return whether one goal of the whole surface is asked for one unknown K > 0 over fixed edges, and nothing besides."""
+    kinds = (Rise, Volume, Area, Length, Unknown)
+    mine = [own for own in problem.constraints if isinstance(own, kinds) or (isinstance(own, AtHeight) and own.vertices == CROWN)]
+    goals = [own for own in mine if not isinstance(own, Unknown)]
+    rim = boundary_vertices(problem.vertices, problem.faces)
+    held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
+    targets = problem.targets[problem.asked]
+    upwards = not (targets < 0).any() and all(own.rise > 0 for own in goals if isinstance(own, Rise))
+    whole = len(mine) == len(problem.constraints) and len(goals) == 1 and len(mine) > 1
+    return whole and held and upwards and not len(problem.creases) and len(unknown_regions(problem)) == 1

@@ -1,0 +1,217 @@
+"""Goals that cannot be met together, or at all, told before a solve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...discrete import boundary_vertices
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import ProblemError
+from ..constraints import AtHeight
+from ..constraints import Constraint
+from ..constraints import indices
+from ..problem import CGCProblem
+from ..roles import FIXED
+from .bound import bind
+from .bound import support_height
+from .bound import unknown_regions
+from .kinds import Above
+from .kinds import Area
+from .kinds import Below
+from .kinds import Clearance
+from .kinds import EdgeInPlan
+from .kinds import Length
+from .kinds import Level
+from .kinds import NearPlane
+from .kinds import Rise
+from .kinds import Unknown
+from .kinds import Volume
+from .names import goal_name
+
+__all__ = ["goal_problems", "refuse_impossible"]
+
+LARGE = 50.0  # length, against the size of the mesh, that must be in other units
+SLIGHT = 5e-4  # rise, against the size of the mesh, that must be in other units
+SAME = 1e-9  # difference, against the size of the mesh, that is none
+
+
+class _Level(NamedTuple):
+    """How high vertices have to be at least or at most, and what says so."""
+
+    height: float
+    name: str
+
+
+def refuse_impossible(problem: CGCProblem) -> None:
+    """Refuse goals that contradict each other or the drawing.
+
+    Raises
+    ------
+    ProblemError
+        With a sentence for each that names the goals and the mend.
+    """
+    found = goal_problems(problem)
+    if found:
+        raise ProblemError(found)
+
+
+def goal_problems(problem: CGCProblem) -> list[str]:
+    """Return what keeps goals from being met: a sentence for each that names the goals and the mend."""
+    if not problem.constraints:
+        return []
+    try:
+        unknown_regions(problem)
+        found = [*_empty(problem), *_out_of_scale(problem)]
+        if found:
+            return found
+        bind(problem)
+        found = [*_pairs(problem), *_levels(problem), *_held(problem), *_too_small(problem)]
+    except ProblemError as error:
+        return error.problems
+    return list(dict.fromkeys(found))
+
+
+def _empty(problem: CGCProblem) -> Iterator[str]:
+    """Tell goals that are about nothing."""
+    count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
+    for goal in problem.constraints:
+        if isinstance(goal, Unknown) and not isinstance(goal.regions, str) and not len(goal.regions):
+            yield f"{goal_name(goal)} names no region; name regions from 0 to {count - 1}, or 'all', or leave it out"
+        elif isinstance(goal, Clearance):
+            where = goal.where
+            if isinstance(where, (int, np.integer)):
+                if not 0 <= where < count:
+                    yield f"{goal_name(goal)} is over region {where}, but the mesh has {count}; name one from 0 to {count - 1}"
+            elif not len(bind(_only(problem, goal)).sides[0].candidates(problem.vertices)):
+                yield f"{goal_name(goal)} is over a place where the mesh has nothing; move the place under the mesh, in the drawing's units"
+        elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, AtHeight)) and not isinstance(goal.vertices, str):
+            if not len(goal.vertices):
+                yield f"{goal_name(goal)} names no vertices; name some, or leave it out"
+
+
+def _only(problem: CGCProblem, goal: Constraint) -> CGCProblem:
+    return problem.with_constraints([goal], add=False)
+
+
+def _size(problem: CGCProblem) -> float:
+    return float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+
+
+def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
+    """Tell numbers in other units than those of the drawing."""
+    size, middle = _size(problem), float(problem.vertices[:, 2].mean())
+    mend = "give it in the units of the drawing"
+    for goal in problem.constraints:
+        length = {
+            Rise: lambda: abs(goal.rise),  # noqa: B023
+            AtHeight: lambda: abs(goal.height - middle),  # noqa: B023
+            Above: lambda: goal.height - middle,  # noqa: B023
+            Below: lambda: middle - goal.height,  # noqa: B023
+            Clearance: lambda: goal.height - middle,  # noqa: B023
+            Volume: lambda: goal.volume ** (1 / 3),  # noqa: B023
+            Area: lambda: goal.area**0.5,  # noqa: B023
+            Length: lambda: goal.length,  # noqa: B023
+        }.get(type(goal))
+        far = length() if length is not None else 0.0
+        if far > LARGE * size:
+            yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.4g}; {mend}"
+        elif isinstance(goal, Rise) and far < SLIGHT * size:
+            yield f"{goal_name(goal)} is nothing beside the size of the mesh, {size:.4g}; {mend}"
+
+
+def _pairs(problem: CGCProblem) -> Iterator[str]:
+    """Tell two numbers for one thing."""
+    size = _size(problem)
+    seen: dict[object, tuple[float, str]] = {}
+    for goal in problem.constraints:
+        key: object
+        if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+            key, value = "crown", goal.height
+        elif isinstance(goal, Rise):
+            key, value = ("crown" if goal.rise > 0 else "bottom"), support_height(problem) + goal.rise
+        elif isinstance(goal, Volume):
+            key, value = ("volume", goal.level), goal.volume / size**2
+        elif isinstance(goal, Area):
+            key, value = "area", goal.area / size
+        elif isinstance(goal, Length):
+            key, value = ("length", tuple(goal.vertices)), goal.length
+        else:
+            continue
+        if key in seen and abs(seen[key][0] - value) > SAME * size:
+            yield f"{seen[key][1]} and {goal_name(goal)} contradict each other; take one of them away"
+        seen[key] = (value, goal_name(goal))
+
+
+def _levels(problem: CGCProblem) -> Iterator[str]:
+    """Tell heights that leave no room between them, vertex by vertex and under the crown."""
+    n, rounding = len(problem.vertices), SAME * _size(problem)
+    low, high = [_Level(-np.inf, "")] * n, [_Level(np.inf, "")] * n
+    crown = _Level(np.inf, "")
+    for goal in problem.constraints:
+        own = _Level(getattr(goal, "height", np.nan), goal_name(goal))
+        if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+            crown = min(crown, own)
+        elif isinstance(goal, Rise) and goal.rise > 0:
+            crown = min(crown, own._replace(height=support_height(problem) + goal.rise))
+        elif isinstance(goal, (AtHeight, Above, Below, Clearance)):
+            for vertex in _about(problem, goal):
+                if not isinstance(goal, Below):
+                    low[vertex] = max(low[vertex], own)
+                if not isinstance(goal, (Above, Clearance)):
+                    high[vertex] = min(high[vertex], own)
+    for vertex in range(n):
+        one, other = low[vertex], high[vertex]
+        both_given = one.name.startswith("the height") and other.name.startswith("the height")
+        if one.height > other.height + rounding and not both_given:
+            yield f"{one.name} and {other.name} contradict each other at vertex {vertex}; take one of them away"
+            return
+    top = max(low, default=_Level(-np.inf, ""))
+    if top.height > crown.height + rounding:
+        yield f"{top.name} and {crown.name} contradict each other; take one of them away"
+    fixed = np.flatnonzero(problem.roles == FIXED)
+    if len(fixed) and np.isfinite(crown.height):
+        highest = int(fixed[np.argmax(problem.vertices[fixed, 2])])
+        if problem.vertices[highest, 2] > crown.height + rounding:
+            yield f"{crown.name} lies below the support at vertex {highest}, which is {problem.vertices[highest, 2]:.4g} high; ask for more"
+
+
+def _about(problem: CGCProblem, goal: Constraint) -> IntArray:
+    if isinstance(goal, AtHeight):
+        return indices(goal.vertices, len(problem.vertices))
+    return bind(_only(problem, goal)).sides[0].candidates(problem.vertices)
+
+
+def _held(problem: CGCProblem) -> Iterator[str]:
+    """Tell supports on the wrong side of something."""
+    rounding = SAME * _size(problem)
+    for side in bind(problem).sides:
+        at = side.candidates(problem.vertices)
+        fixed = at[problem.roles[at] == FIXED]
+        if not len(fixed):
+            continue
+        slack: FloatArray = side.goal.slack(problem.vertices[fixed])[0]
+        if slack.min() < -rounding:
+            vertex = int(fixed[np.argmin(slack)])
+            yield f"{side.name} cannot be kept at vertex {vertex}, a support {-slack.min():.4g} on the wrong side; free it, or leave it out"
+
+
+def _too_small(problem: CGCProblem) -> Iterator[str]:
+    """Tell areas and lengths that a fixed edge or fixed ends do not allow."""
+    faces = problem.faces[problem.real_faces]
+    rim = boundary_vertices(problem.vertices, faces)
+    for goal in problem.constraints:
+        if isinstance(goal, Area) and rim.any() and (problem.roles[rim] == FIXED).all():
+            a, b, c = (problem.vertices[faces[:, k]] for k in range(3))
+            least = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a).sum(axis=0)))
+            if goal.area <= least * (1.0 + SAME):
+                yield f"{goal_name(goal)} is no more than the {least:.6g} that the fixed edge encloses; ask for more"
+        elif isinstance(goal, Length):
+            first, last = problem.vertices[goal.vertices[0]], problem.vertices[goal.vertices[-1]]
+            ends = problem.roles[[goal.vertices[0], goal.vertices[-1]]]
+            least = float(np.linalg.norm(last - first))
+            if (ends == FIXED).all() and goal.length < least:
+                yield f"{goal_name(goal)} is shorter than the way between its fixed ends, {least:.6g}; ask for more"

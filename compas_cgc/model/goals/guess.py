@@ -1,0 +1,77 @@
+"""A first guess of K where it is to be found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ...discrete import face_areas
+from ...discrete import face_normals
+from ..constraints import CROWN
+from ..constraints import AtHeight
+from .bound import support_height
+from .bound import unknown_regions
+from .kinds import Above
+from .kinds import Area
+from .kinds import Clearance
+from .kinds import Length
+from .kinds import Rise
+from .kinds import Volume
+from ..problem import CGCProblem
+from ..roles import FIXED
+from .measures import length
+
+__all__ = ["guessed"]
+
+LOW = 0.1  # rise of a dome of which nothing is known, against its radius
+FULL = 1.6  # rise of a dome, against its volume over its plan
+
+
+def guessed(problem: CGCProblem) -> CGCProblem:
+    """Return a problem with a guess where K is unknown: that of the spherical cap as high as the goals say, else what is given."""
+    unknown = unknown_regions(problem)
+    if not unknown:
+        return problem
+    targets = problem.targets.copy()
+    K = _cap(problem)
+    for region in unknown:
+        own = problem.region_vertices(region)
+        given = targets[own & np.isfinite(targets)]
+        sign = -1.0 if len(given) and given.mean() < 0.0 else 1.0
+        if K > 0.0:
+            targets[own] = sign * K
+        targets[own & ~np.isfinite(targets)] = given.mean() if len(given) else 0.0
+    return replace(problem, targets=targets)
+
+
+def _cap(problem: CGCProblem) -> float:
+    """Return K of the cap over the plan that is as high as asked, zero where no goal says how high."""
+    faces = problem.faces[problem.real_faces]
+    plan = float(np.abs((face_normals(problem.vertices, faces)[:, 2] * face_areas(problem.vertices, faces)).sum()))
+    if plan <= 0.0 or not (problem.roles == FIXED).any():
+        return 0.0
+    base, rises = support_height(problem), [0.0]
+    for goal in problem.constraints:
+        if isinstance(goal, Rise):
+            rises.append(abs(goal.rise))
+        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str) and goal.vertices == CROWN:
+            rises.append(abs(goal.height - base))
+        elif isinstance(goal, Volume):
+            level = base if goal.level is None else goal.level
+            rises.append(FULL * max(0.0, goal.volume / plan - (base - level)))
+        elif isinstance(goal, Area):
+            rises.append(math.sqrt(max(0.0, goal.area - plan) / math.pi))
+        elif isinstance(goal, Length):
+            flat = length(problem.vertices * [1.0, 1.0, 0.0], np.asarray(goal.vertices))
+            rises.append(math.sqrt(0.375 * flat * max(0.0, goal.length - flat)))
+        elif isinstance(goal, (AtHeight, Above, Clearance)):
+            rises.append(abs(goal.height - base))
+    radius = math.sqrt(plan / math.pi)
+    return _cap_curvature(max(rises) or LOW * radius, radius) if len(rises) > 1 else 0.0
+
+
+def _cap_curvature(rise: float, radius: float) -> float:
+    return (2.0 * rise / (rise**2 + radius**2)) ** 2
+

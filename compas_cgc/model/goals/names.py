@@ -1,0 +1,48 @@
+"""Goals in words, for sentences."""
+
+from __future__ import annotations
+
+from ..constraints import AtHeight
+from ..constraints import Constraint
+from .kinds import Above
+from .kinds import Area
+from .kinds import Below
+from .kinds import Clearance
+from .kinds import EdgeInPlan
+from .kinds import Length
+from .kinds import Level
+from .kinds import NearPlane
+from .kinds import OnSurface
+from .kinds import Rise
+from .kinds import Unknown
+from .kinds import Volume
+from .kinds import Within
+
+__all__ = ["goal_name"]
+
+
+def goal_name(goal: Constraint) -> str:
+    """Return a goal in words, with its number in the units that it is in."""
+    if isinstance(goal, AtHeight):
+        return f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
+    numbers = {
+        Rise: ("rise", "rise"),
+        Volume: ("volume", "volume"),
+        Area: ("area", "area"),
+        Length: ("length", "length of a path"),
+        Above: ("height", "lowest height"),
+        Below: ("height", "greatest height"),
+        Clearance: ("height", "clearance"),
+        NearPlane: ("distance", "distance from a plane"),
+    }
+    for kind, (field, word) in numbers.items():
+        if isinstance(goal, kind):
+            return f"the {word} {getattr(goal, field):.6g}"
+    words = {
+        EdgeInPlan: "the edge in plan",
+        Level: "the level edge",
+        OnSurface: "the place on a surface",
+        Within: "the line to stay within",
+        Unknown: "the unknown K",
+    }
+    return next((word for kind, word in words.items() if isinstance(goal, kind)), f"the constraint {type(goal).__name__}")

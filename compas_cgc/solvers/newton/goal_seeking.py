@@ -1,0 +1,102 @@
+"""Newton's method with one K as an unknown, and one goal of the whole surface as the equation for it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import replace
+from typing import Optional
+
+import numpy as np
+
+from ...linalg import SingularMatrixError
+from ...model.goals.bound import Equation
+from .elliptic import elliptic_steps
+from .settings import NewtonSettings
+from .system import Shape
+from .system import Step
+from .system import System
+
+__all__ = ["Sought", "steps_to_goal", "with_curvature"]
+
+MOST = 30  # steps
+ARMIJO = 1e-4  # part of the expected decrease that a step must bring
+MET = 1e-13  # of a goal, in the local frame, that is rounding
+LARGEST = 0.5  # change of K in a step, as a part of it
+
+Sought = tuple[str, str, System]  # status, what was noticed, and the system with the K that was found
+
+
+def with_curvature(system: System, K: float) -> System:
+    """Return the same system for another K everywhere."""
+    other = System.__new__(System)
+    other.__dict__.update(system.__dict__)
+    targets = np.full(len(system.problem.targets), K)
+    other.problem = replace(system.problem, targets=targets)
+    other.targets = targets[system.asked]
+    other.scale = other.problem.target_scale
+    other.equations = type(system.equations).__new__(type(system.equations))
+    other.equations.__dict__.update({**system.equations.__dict__, "targets": targets})
+    return other
+
+
+def steps_to_goal(system: System, start: Shape, goal: Equation, settings: NewtonSettings) -> Generator[Step, None, Sought]:
+    r"""Yield steps to the shape and the K that meet the goal c; return how they ended, and the system with that K.
+
+    After elliptic steps for the guessed K every step solves
+
+    .. math:: \begin{pmatrix} J & -A \\ \nabla c & 0 \end{pmatrix} \begin{pmatrix} du \\ dK \end{pmatrix}
+              = \begin{pmatrix} -r \\ h - c \end{pmatrix}
+
+    by two solutions of one factorisation.
+    """
+    shape = start
+    try:
+        for step in elliptic_steps(system, start, settings.anisotropy):
+            shape = step.shape
+            yield step
+        K = float(system.targets[0])
+        for _ in range(MOST):
+            own = with_curvature(system, K)
+            shape = own.measure(shape.vertices)
+            if own.meets(shape, settings.tolerance) and abs(goal.value(shape.vertices) - goal.wanted) <= MET:
+                return "converged", "", own
+            found = _step(own, shape, K, goal, settings.shortest)
+            if found is None:
+                return "stalled", "target", own
+            step, K = found
+            shape = step.shape
+            yield step
+    except SingularMatrixError:
+        return "stalled", "singular", system
+    return "stalled", "target", with_curvature(system, K)
+
+
+def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: float) -> Optional[tuple[Step, float]]:
+    """Return the first of the halved steps that lessens what is missing and keeps what is convex so, and its K."""
+    factor = system.solver.factorise(system.equations.jacobian(shape.vertices, shape.normal))
+    both = factor.solve(np.column_stack([-shape.residual, shape.area]))
+    slope = np.einsum("ij,ij->i", goal.gradient(shape.vertices)[system.asked], shape.normal)
+    short = goal.wanted - goal.value(shape.vertices)
+    answer = float(slope @ both[:, 1])
+    if answer == 0.0 or not np.isfinite(answer):
+        return None
+    change = (short - float(slope @ both[:, 0])) / answer
+    change = float(np.clip(change, -LARGEST * abs(K), LARGEST * abs(K)))
+    move = both[:, 0] + change * both[:, 1]
+    before = _missing(system, shape, goal)
+    convex = (system.targets > 0) & (shape.mean > 0)
+    length, trials = 1.0, 1
+    while length >= shortest:
+        other = with_curvature(system, K + length * change)
+        there = other.moved(shape, length * move, shape.normal)
+        # Near the end a step is rounding; there it has only to do no harm.
+        if _missing(other, there, goal) <= max((1 - ARMIJO * length) * before, MET) and (there.mean[convex] > 0).all():
+            return Step(there, length, trials), K + length * change
+        length, trials = length / 2, trials + 1
+    return None
+
+
+def _missing(system: System, shape: Shape, goal: Equation) -> float:
+    """Return the norm of what is missing, of defects and of the goal."""
+    return float(np.hypot(np.linalg.norm(shape.residual), goal.value(shape.vertices) - goal.wanted))
+

@@ -1,0 +1,104 @@
+"""The most that can be had of a goal that cannot be met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields
+from dataclasses import replace
+from typing import Any
+from typing import Optional
+
+from ...model.constraints import CROWN
+from ...model.constraints import AtHeight
+from ...model.constraints import Constraint
+from ...model.goals.bound import bind
+from ...model.goals.bound import support_height
+from ...model.goals.kinds import Above
+from ...model.goals.kinds import Area
+from ...model.goals.kinds import Below
+from ...model.goals.kinds import Bound
+from ...model.goals.kinds import Clearance
+from ...model.goals.kinds import Length
+from ...model.goals.kinds import NearPlane
+from ...model.goals.kinds import Rise
+from ...model.goals.kinds import Volume
+from ...model.goals.names import goal_name
+from ...model.problem import CGCProblem
+from ...model.result import Solution
+
+__all__ = ["limit"]
+
+KINDS = (AtHeight, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
+HALVINGS = 6
+
+Solve = Callable[[CGCProblem], Solution]
+
+
+def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str]:
+    """Return a sentence on how much can be had of the first goal that a solution misses, None where that cannot be told.
+
+    The surface without the goal is solved first; between what it has and what is asked for the most that can be met is
+    looked for by halving.
+
+    Parameters
+    ----------
+    problem
+        With its goals.
+    solution
+        That did not meet them.
+    solve
+        Solves a problem without coming back here.
+    """
+    missed = _missed(problem, solution)
+    if missed is None:
+        return None
+    goal, number = problem.constraints[missed], _number(problem.constraints[missed])
+    without = problem.with_constraints(problem.constraints[:missed] + problem.constraints[missed + 1 :], add=False)
+    free = solve(without)
+    if free.status != "converged":
+        return f"without {goal_name(goal)} the rest cannot be met either"
+    had = _had(problem, goal, free)
+    met, most = had, float(getattr(goal, number))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (met + most)
+        tried = list(problem.constraints)
+        changed: dict[str, Any] = {number: middle}
+        tried[missed] = replace(goal, **changed)
+        if solve(problem.with_constraints(tried, add=False)).status == "converged":
+            met = middle
+        else:
+            most = middle
+    return f"of {goal_name(goal)} about {met:.4g} can be had"
+
+
+def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:
+    """Return the place among the constraints of the goal with a number that is missed, or else of the first such goal."""
+    able = [place for place, goal in enumerate(problem.constraints) if _able(goal)]
+    for place in able:
+        goal = problem.constraints[place]
+        had, wanted = _had(problem, goal, solution), float(getattr(goal, _number(goal)))
+        short = wanted - had if not isinstance(goal, (Below, NearPlane)) else had - wanted
+        if (short if isinstance(goal, Bound) else abs(short)) > 1e-6 * max(abs(wanted), abs(had)):
+            return place
+    return able[0] if able else None
+
+
+def _able(goal: Constraint) -> bool:
+    if isinstance(goal, AtHeight):
+        return goal.vertices == CROWN if isinstance(goal.vertices, str) else False
+    return isinstance(goal, KINDS)
+
+
+def _number(goal: Constraint) -> str:
+    return next(field.name for field in fields(goal) if field.name in ("rise", "volume", "area", "length", "height", "distance"))
+
+
+def _had(problem: CGCProblem, goal: Constraint, solution: Solution) -> float:
+    """Return what a solution has of what a goal asks for."""
+    goals = bind(problem.with_constraints([goal], add=False))
+    number = float(getattr(goal, _number(goal)))
+    if goals.equations:
+        value = goals.equations[0].value(solution.vertices)
+        return value - support_height(problem) if isinstance(goal, Rise) else value
+    slack = float(goals.sides[0].goal.slack(solution.vertices[goals.sides[0].candidates(problem.vertices)])[0].min(initial=0.0))
+    return number - slack if isinstance(goal, (Below, NearPlane)) else number + slack

@@ -1,0 +1,187 @@
+"""What a little more K does to a solved surface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+
+from ..datastructures import SolveResult
+from ..discrete import vertex_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.jacobian import CurvatureEquations
+from ..discrete.space_form import EXACT
+from ..errors import ProblemError
+from ..linalg import factorise
+from ..model.goals import measures
+from ..model.goals.bound import bind
+from ..model.goals.bound import support_height
+from ..model.problem import CGCProblem
+from ..model.roles import FIXED
+from .projection.settings import ProjectionSettings
+
+__all__ = ["Sensitivity", "sensitivity"]
+
+# Of units that files name: a smaller one that designers speak of, and how many of it make one.
+_SMALLER = {"Meters": ("mm", 1e3), "Centimeters": ("mm", 10.0), "Millimeters": ("mm", 1.0), "Feet": ("in", 12.0), "Inches": ("in", 1.0)}
+NEARER = 3  # Newton's steps to the very fairest surface, near which a solve ends
+STILL, AWAY = 1e-10, 1e-2  # steps, in the local frame, that are none, and that lead elsewhere
+NONE = 1e-12  # change, against the size of the surface, that is none
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Derivatives of a solved surface by the K of its regions.
+
+    Parameters
+    ----------
+    regions
+        ``(r,)`` numbers of the regions in which K is asked.
+    targets
+        ``(r,)`` their K [1/L^2].
+    moves
+        ``(r, n, 3)`` dx/dK of every vertex [L^3].
+    height
+        ``(r,)`` dz/dK of the highest vertex [L^3].
+    volume
+        ``(r,)`` dV/dK of the volume over the mean height of the supports [L^5].
+    area
+        ``(r,)`` dA/dK of the area [L^4].
+    units
+        Unit system of the drawing, None where it has none.
+    """
+
+    regions: tuple[int, ...]
+    targets: FloatArray
+    moves: FloatArray
+    height: FloatArray
+    volume: FloatArray
+    area: FloatArray
+    size: float
+    units: Optional[str] = None
+
+    def sentences(self) -> list[str]:
+        """Return a sentence for every region, such as ``1 % more K in region 0 lifts the crown by 12 mm``."""
+        return [self._sentence(number) for number in range(len(self.regions))]
+
+    def __str__(self) -> str:
+        return "; ".join(self.sentences())
+
+    def to_dict(self) -> dict:
+        """Return the derivatives by region without those of single vertices, ready for JSON."""
+        columns = {name: getattr(self, name).tolist() for name in ("targets", "height", "volume", "area")}
+        return {"regions": list(self.regions), **columns, "sentences": self.sentences()}
+
+    def _sentence(self, number: int) -> str:
+        K = float(self.targets[number])
+        more = 0.01 * abs(K) if K else 0.01 / self.size**2
+        what = "1 % more K" if K > 0 else "1 % more negative K" if K < 0 else f"{more:.3g} more K"
+        lift = float(self.height[number]) * (-more if K < 0 else more)
+        where = "" if len(self.regions) == 1 else f" in region {self.regions[number]}"
+        if abs(lift) <= NONE * self.size:
+            return f"{what}{where} leaves the crown where it is"
+        unit, factor = _SMALLER.get(self.units or "", ("", 1.0))
+        amount = f"{abs(lift) * factor:.3g} {unit}".rstrip() if unit else f"{abs(lift):.3g}"
+        return f"{what}{where} {'lifts' if lift > 0 else 'lowers'} the crown by {amount}"
+
+
+def sensitivity(result: SolveResult) -> Sensitivity:
+    r"""Return the derivatives of a solved surface, of its height, volume and area by the K of every region.
+
+    Of the fairest surface they follow from its optimality system,
+
+    .. math:: \begin{pmatrix} H & J^T \\ J & 0 \end{pmatrix} \begin{pmatrix} dx \\ d\lambda \end{pmatrix}
+              = \begin{pmatrix} \lambda_i \nabla A_i \\ A_i \end{pmatrix} dK,
+
+    factorised once for all regions, with H the second derivative of the Lagrangian, that of the angles and areas
+    included; of a surface by Newton's method from moves along its normals. Constraints of places are held, with the
+    vertices that touch a side; goals of the whole surface go on pushing as they do, but their numbers are let go.
+
+    Parameters
+    ----------
+    result
+        A converged result of the method ``projection`` or ``newton``.
+
+    Raises
+    ------
+    ProblemError
+        If the result is not converged, or of another method.
+
+    References
+    ----------
+    Fiacco, *Introduction to Sensitivity and Stability Analysis in Nonlinear Programming*, 1983, chapter 3.
+    """
+    if not result.converged:
+        raise ProblemError([f"the surface is {result.status}, not converged; only of one that meets its K there are derivatives by K"])
+    if result.method not in ("projection", "newton"):
+        raise ProblemError([f"there are no derivatives of a surface by the method {result.method}; solve it by projection or newton"])
+    problem = result.problem
+    label = problem.regions()
+    numbers = [region for region in range(int(label.max(initial=-1)) + 1) if (problem.region_vertices(region) & problem.asked).any()]
+    groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in numbers}
+    found = _by_newton(problem, groups) if result.method == "newton" else _by_projection(result, groups)
+    moves = np.array([found[region] for region in numbers]).reshape(-1, len(problem.vertices), 3)
+    x, faces = problem.vertices, problem.faces
+    level = support_height(problem) if (problem.roles == FIXED).any() else 0.0
+    top = int(np.argmax(x[:, 2]))
+    return Sensitivity(
+        tuple(numbers),
+        np.array([float(problem.targets[groups[region]].mean()) for region in numbers]),
+        moves,
+        moves[:, top, 2],
+        np.einsum("rnx,nx->r", moves, measures.volume_gradient(x, faces, level)),
+        np.einsum("rnx,nx->r", moves, measures.area_gradient(x, faces)),
+        float(np.sqrt(measures.area(x, faces))),
+        problem.drawing.units,
+    )
+
+
+def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
+    """Return dx/dK by region, with every vertex moving along its normal."""
+    local, frame = problem.local()
+    asked = np.flatnonzero(local.asked)
+    equations = CurvatureEquations(local.faces, local.targets, asked, asked)
+    normals = vertex_normals(local.vertices, local.faces)[asked]
+    areas = equations.measure(local.vertices)[1]
+    factor = factorise(equations.jacobian(local.vertices, normals))
+    found = {}
+    for region, own in groups.items():
+        moves = np.zeros_like(local.vertices)
+        moves[asked] = factor.solve(np.where(np.isin(asked, own), areas, 0.0))[:, None] * normals
+        found[region] = moves * frame.scale**3
+    return found
+
+
+def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
+    """Return dx/dK by region of the fairest surface."""
+    from .projection.measure import smooth_equations
+    from .projection.optimality import optimality
+    from .projection.system import System
+
+    if result.start is None:
+        raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
+    settings = result.settings if isinstance(result.settings, ProjectionSettings) else ProjectionSettings()
+    if settings.measure in EXACT:
+        raise ProblemError([f"there are no derivatives in the measure {settings.measure}; solve in the measure defect or smooth"])
+    posed = result.problem.with_vertices(result.start)
+    local, frame = posed.local()
+    goals = bind(local, posed.constraints)
+    system = System(local, settings, goals, found=False)
+    equations = system.equations(local.targets)
+    vertices = frame.to_local(result.vertices)
+    if settings.measure == "smooth":
+        equations = smooth_equations(system, equations, vertices)
+    point = system.at(vertices, equations)
+    system = system.touching(point, equations)
+    for _ in range(NEARER):
+        solved = optimality(system, point, equations)
+        step = solved.correction(equations)
+        if not float(np.abs(step).max(initial=0.0)) > STILL or not float(np.abs(step).max(initial=0.0)) < AWAY:
+            break
+        point = system.at(point.vertices + step, equations)
+    position = np.full(len(vertices), -1)
+    position[system.rows] = np.arange(len(system.rows))
+    rows = {region: position[own][position[own] >= 0] for region, own in groups.items()}
+    return {region: solved.moves(own) * frame.scale**3 for region, own in rows.items()}

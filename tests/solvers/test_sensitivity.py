@@ -1,0 +1,115 @@
+"""Derivatives of solved surfaces by K, against central differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.errors import ProblemError
+from compas_cgc.model.goals.bound import bind
+from compas_cgc.model.goals.kinds import Clearance
+from compas_cgc.model.goals.kinds import EdgeInPlan
+from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.measures import area
+from compas_cgc.model.goals.measures import volume
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.problem import Drawing
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
+from compas_cgc.solvers.projection.optimality import optimality
+from compas_cgc.solvers.projection.settings import ProjectionSettings
+from compas_cgc.solvers.projection.system import System
+from compas_cgc.solvers.run import solve
+from compas_cgc.solvers.sensitivity import sensitivity
+
+from ..support import shapes
+
+
+def roof(held: bool, n: int = 12, target: float = 0.004, creased: bool = False) -> CGCProblem:
+    vertices, faces = shapes.grid(n, 15.0)
+    rim = boundary_vertices(vertices, faces)
+    # Mixed areas have a kink at right angles, and so have their derivatives.
+    vertices[~rim, :2] += np.random.default_rng(5).uniform(-0.1, 0.1, (np.count_nonzero(~rim), 2))
+    roles = np.where(rim, FIXED if held else FREE, INTERNAL)
+    roles[[0, n, (n + 1) ** 2 - 1, n * (n + 1)]] = FIXED
+    problem = CGCProblem(vertices, faces, roles, target)
+    line = [np.flatnonzero(np.arange((n + 1) ** 2) // (n + 1) == n // 2).tolist()]
+    return problem.with_creases(line) if creased else problem
+
+
+def fairest(result, targets) -> np.ndarray:
+    """Return the fairest surface near to a result for other targets, to rounding, by Newton's method on its optimality."""
+    posed = replace(result.problem.with_vertices(result.start), targets=targets)
+    local, frame = posed.local()
+    system = System(local, ProjectionSettings(), bind(local), found=False)
+    equations = system.equations(local.targets)
+    point = system.at(frame.to_local(result.vertices), equations)
+    system = system.touching(point, equations)
+    for _ in range(4):
+        step = optimality(system, point, equations).correction(equations)
+        point = system.at(point.vertices + step, equations)
+    assert np.abs(step).max() < 1e-11
+    return frame.to_model(point.vertices)
+
+
+def central(result, region: int, part: float = 1e-4) -> np.ndarray:
+    own = result.problem.region_vertices(region)
+    K = result.problem.targets
+    by = part * np.abs(K[own]).max()
+    if result.method == "newton":
+        ahead, behind = (solve(replace(result.problem, targets=K + sign * by * own), method="newton").vertices for sign in (1, -1))
+    else:
+        ahead, behind = (fairest(result, K + sign * by * own) for sign in (1, -1))
+    return (ahead - behind) / (2 * by)
+
+
+@pytest.mark.parametrize(
+    "problem, goals",
+    [
+        (roof(held=True), []),
+        (roof(held=False), []),
+        (roof(held=False, creased=True), []),
+        (roof(held=False), [EdgeInPlan(), Clearance((5.5, 0, 9.5, 3), 2.2)]),
+    ],
+    ids=["newton", "corners", "two regions", "edges and a gate"],
+)
+def test_against_central_differences(problem, goals):
+    result = solve(problem, goals=goals)
+    assert result.converged
+    found = sensitivity(result)
+    x, faces, top = result.vertices, result.faces, int(np.argmax(result.vertices[:, 2]))
+    for number, region in enumerate(found.regions):
+        difference = central(result, region)
+        assert np.abs(found.moves[number] - difference).max() <= 1e-6 * np.abs(difference).max()
+        assert found.height[number] == pytest.approx(difference[top, 2], rel=1e-6)
+        step = 1e-4 * difference * np.abs(found.targets[number])
+        for own, measured in ((found.volume, lambda v: volume(v, faces, 0.0)), (found.area, lambda v: area(v, faces))):
+            slope = (measured(x + step) - measured(x - step)) / (2e-4 * np.abs(found.targets[number]))
+            assert own[number] == pytest.approx(slope, rel=1e-5)
+
+
+def test_the_sentence_says_it_in_the_units_of_the_drawing():
+    problem = replace(roof(held=True), drawing=Drawing("roof", "Meters"))
+    found = sensitivity(solve(problem))
+    lift = 0.01 * found.targets[0] * found.height[0] * 1000
+    assert str(found) == f"1 % more K lifts the crown by {lift:.3g} mm" and 5 < lift < 100
+    two = sensitivity(solve(roof(held=False, creased=True))).sentences()
+    assert len(two) == 2 and "in region 1 lifts the crown by" in two[1]
+
+
+def test_where_k_was_found_too():
+    found = sensitivity(solve(roof(held=True), goals=[Rise(3.0)], unknown=[0]))
+    assert found.height[0] > 0 and found.to_dict()["regions"] == [0]
+    assert sensitivity(solve(roof(held=False), goals=[Rise(3.0)], unknown=[0])).moves.shape == (1, 169, 3)
+
+
+def test_of_what_there_are_no_derivatives():
+    flow = solve(roof(held=True, n=6), method="flow")
+    with pytest.raises(ProblemError, match="no derivatives of a surface by the method flow"):
+        sensitivity(flow)
+    with pytest.raises(ProblemError, match="step_limit, not converged"):
+        sensitivity(solve(roof(held=False, n=6), settings={"steps": 1}))
