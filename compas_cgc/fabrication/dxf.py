@@ -1,0 +1,53 @@
+"""DXF by ezdxf: every digit of the coordinates is kept."""
+
+from __future__ import annotations
+
+import os
+from typing import Union
+
+from .._atomic_write import replacing
+from ..errors import CGCError
+from .drawing import LAYERS
+from .drawing import Drawing
+
+__all__ = ["write_dxf"]
+
+_UNITS = {"Inches": 1, "Feet": 2, "Millimeters": 4, "Centimeters": 5, "Meters": 6, "Kilometers": 7, "Yards": 10}  # $INSUNITS
+
+
+def write_dxf(path: Union[str, os.PathLike], drawing: Drawing) -> None:
+    """Write a drawing as DXF R2010: closed outlines as LWPOLYLINE on the layer OUTLINE, anticlockwise, holes clockwise.
+
+    Parameters
+    ----------
+    path
+        The file; an older one is replaced when the new one is complete.
+    drawing
+        What :func:`compas_cgc.fabrication.drawing.draw_sheets` gave.
+
+    Raises
+    ------
+    CGCError
+        If ezdxf is not installed, or finds a fault in what is written.
+    """
+    try:
+        import ezdxf
+        from ezdxf import colors
+        from ezdxf.enums import TextEntityAlignment
+    except ImportError:
+        raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
+    document = ezdxf.new("R2010", units=_UNITS.get(drawing.units or "Meters", 0))
+    for name, colour in LAYERS.items():
+        document.layers.add(name, true_color=colors.rgb2int(colour))
+    space = document.modelspace()
+    for line in drawing.lines:
+        space.add_lwpolyline(line.points.tolist(), close=line.closed, dxfattribs={"layer": line.layer})
+    for text in drawing.texts:
+        if text.height > 0:
+            entity = space.add_text(text.text, height=text.height, dxfattribs={"layer": text.layer})
+            entity.set_placement(tuple(text.place.tolist()), align=TextEntityAlignment.MIDDLE_CENTER)
+    faults = document.audit().errors
+    if faults:
+        raise CGCError(f"the DXF would have {len(faults)} faults, the first: {faults[0].message}")
+    with replacing(path) as temporary:
+        document.saveas(temporary)

@@ -1,0 +1,140 @@
+"""Flattening panels of K other than 0 with the least distortion, and how wide a panel may be."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..discrete import face_areas
+from ..discrete import mesh_arrays
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import PerFace
+from ..discrete.arrays import Vertices
+from ..errors import CGCError
+from ..meshing import boundary_loops
+from .plane_layout import flat_triangles
+
+__all__ = ["Flattening", "flatten", "strain_of_width", "widest_panel"]
+
+
+class Flattening(NamedTuple):
+    """A curved panel in the plane."""
+
+    plane: FloatArray  # (n, 2) vertices in the plane [L]
+    strains: FloatArray  # (m, 2) principal strains of every face, from space to the plane, the larger first
+    directions: FloatArray  # (m, 2) unit vector of the larger one in the plane
+
+    @property
+    def largest(self) -> float:
+        """Largest strain, stretched or compressed."""
+        return float(np.abs(self.strains).max(initial=0.0))
+
+
+def widest_panel(K: float, strain: float) -> float:
+    """Return the width of a square panel that flattens with no more than a strain: ``w = sqrt(24 strain / |K|)`` [L].
+
+    The strain across a strip of constant K that keeps its lengths along the middle is ``K w^2 / 8`` at the edges; shared
+    out between middle and edges, and between both directions, it is a third of that.
+
+    Parameters
+    ----------
+    K
+        Gaussian curvature [1/L^2].
+    strain
+        Largest strain, such as 0.002.
+
+    Returns
+    -------
+    float
+        Infinite where K is 0.
+    """
+    return math.sqrt(24.0 * strain / abs(K)) if K else math.inf
+
+
+def strain_of_width(K: float, width: float) -> float:
+    """Return the largest strain of a square panel flattened: ``|K| w^2 / 24``, see :func:`widest_panel`."""
+    return abs(K) * width * width / 24.0
+
+
+def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
+    """Lay a curved panel in the plane by a least-squares conformal map, scaled to share out stretch and compression.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices of a disk.
+
+    Returns
+    -------
+    Flattening
+        With the area of the panel, its length along x, normals up.
+
+    Raises
+    ------
+    CGCError
+        If the panel is closed or has a hole, or libigl is not installed.
+
+    References
+    ----------
+    Levy, Petitjean, Ray, Maillot, doi:10.1145/566654.566590.
+    """
+    V, F = mesh_arrays(vertices, faces)
+    used, corners = np.unique(F, return_inverse=True)
+    own, own_faces = V[used], corners.reshape(-1, 3).astype(np.int64)
+    loops = boundary_loops(own_faces)
+    if len(loops) != 1:
+        raise CGCError(f"a panel with {len(loops)} open edges does not flatten; cut it so that it has one")
+    plane = np.zeros((len(V), 2))
+    plane[used] = _scaled(own, own_faces, _conformal(own, own_faces, loops[0]))
+    strains, directions = principal_strains(V, F, plane[F])
+    return Flattening(plane, strains, directions)
+
+
+def principal_strains(vertices: Vertices, faces: Faces, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the principal strains (m, 2) of faces whose corners lie in the plane (m, 3, 2), and the larger one's direction there."""
+    flat = flat_triangles(vertices, faces)
+    own = np.stack([flat.real, flat.imag], axis=2)
+    before = np.stack([own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]], axis=2)
+    after = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
+    stretch = np.linalg.svd(after @ np.linalg.inv(before))
+    return stretch.S - 1.0, stretch.U[:, :, 0]
+
+
+def _conformal(V: Vertices, F: Faces, loop: np.ndarray) -> FloatArray:
+    try:
+        import igl
+    except ImportError:
+        raise CGCError("flattening panels of K other than 0 needs libigl; install compas_cgc[fabrication]") from None
+    # Two vertices have to be held: those farthest apart on the open edge.
+    start = loop[np.argmax(np.linalg.norm(V[loop] - V[loop].mean(axis=0), axis=1))]
+    end = loop[np.argmax(np.linalg.norm(V[loop] - V[start], axis=1))]
+    held = np.array([start, end], dtype=np.int64)
+    targets = np.array([[0.0, 0.0], [float(np.linalg.norm(V[end] - V[start])), 0.0]])
+    # Versions before 2.6 tell besides whether it went well.
+    found = igl.lscm(V, F, held, targets)
+    plane = next(part for part in found if isinstance(part, np.ndarray) and part.shape == (len(V), 2))
+    return np.ascontiguousarray(plane, dtype=np.float64)
+
+
+def _scaled(V: Vertices, F: Faces, plane: FloatArray) -> FloatArray:
+    """Return places so that the largest stretch is as large as the largest compression, normals up."""
+    corners = plane[F]
+    ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    if (ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() < 0:
+        plane = plane * [1.0, -1.0]
+        corners = plane[F]
+    stretch = principal_strains(V, F, corners)[0] + 1.0
+    scale = 2.0 / (stretch.max() + stretch.min())
+    return (plane - plane.mean(axis=0)) * scale
+
+
+def area_change(vertices: Vertices, faces: Faces, corners: FloatArray) -> PerFace:
+    """Return the area of every face in the plane, as corners (m, 3, 2), against that in space, less one (m,)."""
+    ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]) / face_areas(vertices, faces) - 1.0

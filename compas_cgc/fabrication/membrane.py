@@ -1,0 +1,392 @@
+"""Membrane forces of surfaces of constant K, and a discrete state in balance.
+
+The cofactor of the shape operator S has no divergence on any surface, so ``N = p / (2 K) cof S`` balances a uniform
+pressure p wherever K is constant and not 0: ``N1 = p k2 / (2 K)`` and ``N2 = p k1 / (2 K)`` along the principal
+directions. Its discrete counterpart is a force ``p fold / (2 K)`` in every edge (Schläfli's formula).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from ..discrete import edge_faces
+from ..discrete import face_areas
+from ..discrete import face_normals
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.arrays import PerFace
+from ..discrete.arrays import Vectors
+from ..discrete.arrays import Vertices
+from ..errors import CGCError
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from ..model.roles import FIXED
+from .plane_layout import among
+from .shape_operators import principal_curvatures
+from .shape_operators import shape_operators
+
+__all__ = ["EdgeLoads", "MembraneState", "membrane"]
+
+FLAT = 1e-9  # K against one over the area, below which a region counts as flat
+BALANCED = 1e-9  # out of balance, against the load, of a state that is none
+LIFT = 1e-13  # of the diagonal, against bars that hold nothing
+
+
+class EdgeLoads(NamedTuple):
+    """What regions ask of the lines around them."""
+
+    edges: Edges  # (e, 2) along open edges and creases
+    kind: IntArray  # (e,) 0 support, 1 crease, 2 free edge
+    load: Vectors  # (e, 3) force of the surface on the line, for each length of it [F/L]
+
+
+@dataclass(frozen=True, eq=False)
+class MembraneState:
+    """Forces in a surface under a load, tension positive."""
+
+    problem: CGCProblem
+    pressure: float  # along the normals [F/L^2]
+    weight: float  # downwards, for each area of the surface [F/L^2]
+    forces: FloatArray  # (m, 2) N1 and N2 of every face, N1 the larger [F/L]
+    directions: FloatArray  # (m, 2, 3) unit vectors of N1 and N2
+    edges: Edges  # (b, 2) edges inside of regions
+    edge_forces: FloatArray  # (b,) force in each, in balance [F]
+    reactions: Vectors  # (n, 3) force on the surface at vertices around regions, 0 elsewhere [F]
+    edge_loads: EdgeLoads
+    out_of_balance: float  # of the forces by the formula, median over the vertices, against the load; NaN with weight
+    correction: float  # change of the edge forces that brings balance, against them; NaN with weight
+    imbalance: float  # of the balanced state, against the load
+    remarks: tuple[str, ...]
+
+    @property
+    def load(self) -> Vectors:
+        """Load at every vertex (n, 3) [F]."""
+        return nodal_load(self.problem.vertices, self.problem.faces, self.pressure, self.weight)
+
+    def summary(self) -> str:
+        """Return the forces in lines."""
+        N1, N2 = self.forces.T
+        lines = [f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}, tension positive"]
+        for kind, name in enumerate(("supports", "creases", "free edges")):
+            load = np.linalg.norm(self.edge_loads.load[self.edge_loads.kind == kind], axis=1)
+            if len(load):
+                lines.append(f"line load on {name}: up to {load.max():.4g}, median {np.median(load):.4g}")
+        if np.isfinite(self.out_of_balance):
+            lines.append(f"the formula is out of balance by {self.out_of_balance:.2g} of the load, put right by {100 * self.correction:.2g} % of the forces")
+        lines.append(f"balanced to {self.imbalance:.1g} of the load")
+        return "\n".join([*lines, *self.remarks])
+
+    __str__ = summary
+
+
+def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, edge_beams: bool = True) -> MembraneState:
+    """Return the membrane forces of a solved surface, and edge forces that balance its load exactly.
+
+    Parameters
+    ----------
+    surface
+        A problem, a mesh, or what has ``to_problem()``, of one target K for each region.
+    pressure
+        Along the normals, positive when it pushes outwards [F/L^2].
+    weight
+        For each area of the surface, along -z [F/L^2].
+    edge_beams
+        Whether free edges have beams that take the forces of the surface. Without, the surface has to be in balance
+        without them, which few are.
+
+    Returns
+    -------
+    MembraneState
+
+    Raises
+    ------
+    CGCError
+        If there is no such state: no load, a region of K = 0, no support or beam around a region, a free edge that
+        cannot be left unloaded.
+    """
+    problem = surface.to_problem().without_dummies()
+    if pressure == 0.0 and weight == 0.0:
+        raise CGCError("there is no load; give a pressure, a weight or both")
+    V, F = problem.vertices, problem.faces
+    targets = problem.region_targets()
+    _check(problem, targets)
+    label = problem.regions()
+    bars, on = _bars(problem)
+    curvature = np.array([0.0 if K is None else K for K in targets])
+    folds = _folds(V, F, bars)
+    start = pressure * folds / (2.0 * curvature[label[bars[:, 2]]])
+    load = nodal_load(V, F, pressure, weight)
+    inner = np.ones(len(V), bool)
+    inner[np.unique(on.edges)] = False
+    # Without beams the vertices along free edges have to balance too.
+    free = np.zeros(len(V), bool)
+    free[np.unique(on.edges[on.kind == 2])] = True
+    free[np.unique(on.edges[on.kind != 2])] = False
+    balanced = inner | (free & (not edge_beams))
+    if not edge_beams:
+        rim = on.edges[on.kind == 2]
+        bars, start = np.vstack([bars, _rim_bars(F, rim)]), np.r_[start, np.zeros(len(rim))]
+    forces, before, after = _in_balance(V, F, bars, start, load, balanced)
+    size = _size(load)
+    if after > BALANCED:
+        raise CGCError(_no_state(after, edge_beams))
+    tensors = _smeared(V, F, bars, forces)
+    if weight == 0.0:
+        tensors = _by_formula(problem, label, curvature, pressure)
+    values, vectors = _principal(tensors, face_normals(V, F))
+    pull = _pull(V, bars, forces)
+    reactions = np.where((~balanced)[:, None], -(pull + load), 0.0)
+    own_load = _edge_loads(V, F, on, tensors)
+    small = float(np.median(np.linalg.norm(before[inner], axis=1)) / size) if weight == 0.0 else float("nan")
+    changed = float(np.linalg.norm(forces - start) / np.linalg.norm(start)) if weight == 0.0 else float("nan")
+    return MembraneState(
+        problem,
+        pressure,
+        weight,
+        values,
+        vectors,
+        bars[:, :2],
+        forces,
+        reactions,
+        own_load,
+        small,
+        changed,
+        after,
+        _remarks(own_load, edge_beams),
+    )
+
+
+def nodal_load(V: Vertices, F: Faces, pressure: float, weight: float) -> Vectors:
+    """Return the load at every vertex: a third of that on each face around it (n, 3) [F]."""
+    area = face_areas(V, F)[:, None]
+    each = (pressure * face_normals(V, F) - np.array([0.0, 0.0, weight])) * area / 3.0
+    return np.column_stack([np.bincount(F.ravel(), np.repeat(each[:, axis], 3), len(V)) for axis in range(3)])
+
+
+# ----------------------------------------------------------------------
+# What there is
+# ----------------------------------------------------------------------
+
+
+def _check(problem: CGCProblem, targets: list[Optional[float]]) -> None:
+    if not targets:
+        raise CGCError("there are no faces to carry a load; give a mesh with some")
+    label, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
+    for region, K in enumerate(targets):
+        if K is None:
+            raise CGCError(f"region {region} has no one target K; the forces follow from one, so set it and solve first")
+        if abs(K) * areas[label == region].sum() < FLAT:
+            raise CGCError(
+                f"region {region} has K = 0, where curvature alone does not tell the forces: they follow from how its edges are held; "
+                "export the mesh for finite elements, or give the region a little curvature"
+            )
+
+
+def _bars(problem: CGCProblem) -> tuple[Edges, EdgeLoads]:
+    """Return the edges inside of regions with their faces (b, 4), and those around regions."""
+    V, F = problem.vertices, problem.faces
+    edges = edge_faces(F)
+    around = (edges[:, 3] < 0) | among(edges[:, :2], problem.creases, len(V))
+    rim = edges[around]
+    fixed = problem.roles == FIXED
+    held = fixed[rim[:, :2]].all(axis=1)
+    kind = np.where(held, 0, np.where(rim[:, 3] >= 0, 1, 2))
+    return edges[~around], EdgeLoads(rim[:, :2], kind, np.zeros((len(rim), 3)))
+
+
+def _rim_bars(F: Faces, rim: Edges) -> Edges:
+    edges = edge_faces(F)
+    return edges[among(edges[:, :2], rim, int(F.max()) + 1)]
+
+
+def _folds(V: Vertices, F: Faces, bars: Edges) -> FloatArray:
+    """Return the angle over every edge, positive where convex [rad] (b,)."""
+    u, v, left, right = bars.T
+    normals = face_normals(V, F)
+    along = V[v] - V[u]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    sine = np.einsum("ij,ij->i", np.cross(normals[left], normals[right]), along)
+    return np.arctan2(sine, np.einsum("ij,ij->i", normals[left], normals[right]))
+
+
+# ----------------------------------------------------------------------
+# Balance
+# ----------------------------------------------------------------------
+
+
+def _pull(V: Vertices, bars: Edges, forces: FloatArray) -> Vectors:
+    """Return the sum of edge forces at every vertex (n, 3) [F]."""
+    u, v = bars[:, 0], bars[:, 1]
+    along = V[v] - V[u]
+    each = forces[:, None] * along / np.linalg.norm(along, axis=1, keepdims=True)
+    return np.column_stack([np.bincount(u, each[:, k], len(V)) - np.bincount(v, each[:, k], len(V)) for k in range(3)])
+
+
+def _size(load: Vectors) -> float:
+    """Return what loads are large or small against: the mean over vertices [F]."""
+    return float(np.linalg.norm(load, axis=1).mean())
+
+
+def _in_balance(
+    V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vectors, balanced: Mask
+) -> tuple[FloatArray, Vectors, float]:
+    """Return the edge forces in balance nearest to those at the start, what these leave, and the largest rest against the load.
+
+    Nearest in energy: of an edge that stands for a strip of the surface, force squared times length over the strip's width.
+    """
+    u, v = bars[:, 0], bars[:, 1]
+    vector = V[v] - V[u]
+    length = np.linalg.norm(vector, axis=1)
+    areas = np.r_[face_areas(V, F), 0.0]
+    strip = (areas[bars[:, 2]] + areas[bars[:, 3]]) / length**2
+    row = np.full(len(V), -1)
+    row[balanced] = np.arange(balanced.sum())
+    along = vector / length[:, None]
+    entries = []
+    for node, sign in ((u, 1.0), (v, -1.0)):
+        kept = np.flatnonzero(row[node] >= 0)
+        for axis in range(3):
+            entries.append((3 * row[node[kept]] + axis, kept, sign * along[kept, axis]))
+    rows, columns, values = (np.concatenate(part) for part in zip(*entries))
+    A = sparse.csr_matrix((values, (rows, columns)), shape=(3 * int(balanced.sum()), len(bars)))
+    wanted = load[balanced].ravel()
+    forces = start.copy()
+    before = np.zeros_like(load)
+    before[balanced] = (A @ forces + wanted).reshape(-1, 3)
+    if not len(wanted):
+        return forces, before, 0.0
+    M = (A @ sparse.diags(strip) @ A.T).tocsc()
+    factor = splu(M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0], format="csc"), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    size = float(np.linalg.norm(load, axis=1).mean())
+    rest = np.inf
+    for _ in range(20):
+        missing = A @ forces + wanted
+        largest = float(np.abs(missing).max()) / size
+        if largest < 1e-14 or largest > 0.5 * rest:
+            break
+        rest = largest
+        forces = forces - strip * (A.T @ factor.solve(missing))
+    rest = float(np.linalg.norm((A @ forces + wanted).reshape(-1, 3), axis=1).max()) / size
+    return forces, before, rest
+
+
+def _no_state(rest: float, edge_beams: bool) -> str:
+    if not edge_beams:
+        return (
+            f"no membrane state leaves the free edges unloaded ({rest:.2g} of the load stays): give them edge beams, "
+            "or support them; their line loads come with edge_beams=True"
+        )
+    return (
+        f"no membrane state carries this load ({rest:.2g} of it stays): hold the surface along all of its edge, or leave the load to "
+        "finite elements with bending"
+    )
+
+
+# ----------------------------------------------------------------------
+# Fields
+# ----------------------------------------------------------------------
+
+
+def _by_formula(problem: CGCProblem, label: IntArray, curvature: FloatArray, pressure: float) -> FloatArray:
+    """Return N = p / (2 K) cof S of every face, of shape operators fitted region by region (m, 3, 3)."""
+    V, F = problem.vertices, problem.faces
+    tensors = np.zeros((len(F), 3, 3))
+    normals = face_normals(V, F)
+    for region, K in enumerate(curvature.tolist()):
+        own = np.flatnonzero(label == region)
+        S = shape_operators(V, F[own])
+        known = np.isfinite(S[:, 0, 0])
+        S = np.where(known[:, None, None], S, 0.0)
+        count = np.maximum(known[F[own]].sum(axis=1), 1)
+        mean = S[F[own]].sum(axis=1) / count[:, None, None]
+        plane = np.eye(3) - normals[own, :, None] * normals[own, None, :]
+        mean = plane @ mean @ plane
+        trace = np.trace(mean, axis1=1, axis2=2)
+        tensors[own] = pressure / (2.0 * K) * (trace[:, None, None] * plane - mean)
+    return tensors
+
+
+def _smeared(V: Vertices, F: Faces, bars: Edges, forces: FloatArray) -> FloatArray:
+    """Return the stress that edge forces stand for: shared out to the faces, and evened out over the rings of vertices (m, 3, 3)."""
+    u, v, left, right = bars.T
+    vector = V[v] - V[u]
+    length = np.linalg.norm(vector, axis=1)
+    # Edges at the rim belong to one face.
+    share = np.where(right >= 0, 0.5, 1.0)
+    each = (share * forces / length)[:, None, None] * vector[:, :, None] * vector[:, None, :]
+    sums = np.zeros((len(F), 3, 3))
+    np.add.at(sums, left, each)
+    np.add.at(sums, right[right >= 0], each[right >= 0])
+    areas = face_areas(V, F)
+    label = _regions_of(F, bars)
+    # Rings within a region only.
+    corner = np.unique(np.column_stack([np.repeat(label, 3), F.ravel()]), axis=0, return_inverse=True)[1].reshape(-1, 3)
+    count = int(corner.max()) + 1
+    at_vertex, area = np.zeros((count, 3, 3)), np.zeros(count)
+    for k in range(3):
+        np.add.at(at_vertex, corner[:, k], sums)
+        np.add.at(area, corner[:, k], areas)
+    mean = (at_vertex / area[:, None, None])[corner].mean(axis=1)
+    normals = face_normals(V, F)
+    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    return plane @ mean @ plane
+
+
+def _regions_of(F: Faces, bars: Edges) -> IntArray:
+    from scipy.sparse.csgraph import connected_components
+
+    inside = bars[bars[:, 3] >= 0]
+    graph = sparse.coo_matrix((np.ones(len(inside), np.int8), (inside[:, 2], inside[:, 3])), shape=(len(F), len(F)))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def _principal(tensors: FloatArray, normals: Vectors) -> tuple[FloatArray, FloatArray]:
+    found = principal_curvatures(tensors, normals)
+    return np.column_stack([found.larger, found.smaller]), np.stack([found.larger_direction, found.smaller_direction], axis=1)
+
+
+def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, tensors: FloatArray) -> EdgeLoads:
+    """Return the force of the surface on the lines around regions: -N nu, of both sides of a crease."""
+    edges = edge_faces(F)
+    edges = edges[among(edges[:, :2], on.edges, len(V))]
+    normals = face_normals(V, F)
+    along = V[edges[:, 1]] - V[edges[:, 0]]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    load = np.zeros((len(edges), 3))
+    for side, sign in ((2, 1.0), (3, -1.0)):
+        face = edges[:, side]
+        outward = sign * np.cross(along, normals[face])
+        load += np.where((face >= 0)[:, None], -np.einsum("eij,ej->ei", tensors[face], outward), 0.0)
+    return EdgeLoads(edges[:, :2], on.kind, load)
+
+
+def _remarks(loads: EdgeLoads, edge_beams: bool) -> tuple[str, ...]:
+    free = np.linalg.norm(loads.load[loads.kind == 2], axis=1)
+    creases = np.linalg.norm(loads.load[loads.kind == 1], axis=1)
+    remarks = []
+    if len(free) and edge_beams:
+        remarks.append(f"free edges need an edge beam for a line load of up to {free.max():.4g}; a membrane alone does not leave them unloaded")
+    if len(creases):
+        remarks.append(f"creases have to carry line loads of up to {creases.max():.4g} to the supports")
+    return tuple(remarks)
+
+
+def stress_at_vertices(state: MembraneState) -> FloatArray:
+    """Return N of every vertex in space, the mean over its faces by area (n, 3, 3) [F/L]."""
+    V, F = state.problem.vertices, state.problem.faces
+    areas: PerFace = face_areas(V, F)
+    tensors = np.einsum("mk,mki,mkj->mij", state.forces, state.directions, state.directions)
+    total, area = np.zeros((len(V), 3, 3)), np.zeros(len(V))
+    for k in range(3):
+        np.add.at(total, F[:, k], tensors * areas[:, None, None])
+        np.add.at(area, F[:, k], areas)
+    return total / np.maximum(area, np.finfo(float).tiny)[:, None, None]

@@ -1,0 +1,182 @@
+"""A surface with the place of every face in the plane, cut into pieces without losing how they fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from dataclasses import replace
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.arrays import Vertices
+
+__all__ = ["CREASE", "CUT", "EDGE", "FREE", "SEAM", "SIDES", "Patchwork", "split_piece"]
+
+# What a side of a face is, from what a cut draws on a face to what bounds the surface.
+SIDES = ("none", "fold", "cut", "seam", "crease", "edge")
+NONE, EDGE, CUT, SEAM, CREASE, FREE = range(len(SIDES))
+
+
+@dataclass(frozen=True)
+class Patchwork:
+    """A mesh whose faces lie in the plane by pieces.
+
+    Neighbours share their nodes wherever one of them is cut, so the two sides of every seam are the same edges.
+    """
+
+    space: Vertices  # (n, 3) nodes on the surface [L]
+    names: IntArray  # (n,) numbers of the nodes, the mesh's where they are its vertices
+    faces: Faces  # (m, 3) nodes
+    plane: FloatArray  # (m, 3, 2) place of every corner [L]
+    side: IntArray  # (m, 3) what the side from a corner to the next one is, in SIDES
+    piece: IntArray  # (m,) piece of every face
+    region: IntArray  # (m,) region of every face
+    parent: IntArray  # (m,) face of the mesh that it is, or is a part of
+
+    def size(self) -> float:
+        """Return the largest distance along an axis in the plane [L]."""
+        return float(np.ptp(self.plane.reshape(-1, 2), axis=0).max(initial=0.0))
+
+
+def mates(faces: Faces) -> IntArray:
+    """Return for every side of faces (m, 3) the number of the same edge's other side, 3 x face + corner, or -1 (m, 3)."""
+    u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    n = int(faces.max(initial=0)) + 1
+    key = np.minimum(u, v) * n + np.maximum(u, v)
+    order = np.argsort(key, kind="stable")
+    same = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    mate = np.full(len(key), -1)
+    mate[order[same]], mate[order[same + 1]] = order[same + 1], order[same]
+    return mate.reshape(-1, 3)
+
+
+def outline_sides(patchwork: Patchwork) -> Mask:
+    """Tell which sides bound their piece (m, 3)."""
+    mate = mates(patchwork.faces)
+    other = np.where(mate >= 0, patchwork.piece[mate // 3], -1)
+    return (patchwork.side >= SEAM) | (other != patchwork.piece[:, None])
+
+
+def connected_pieces(patchwork: Patchwork) -> Patchwork:
+    """Number the pieces anew, each connected part of one by itself, in the order of their first faces."""
+    mate = mates(patchwork.faces)
+    within = np.argwhere(~outline_sides(patchwork))
+    m = len(patchwork.faces)
+    graph = sparse.coo_matrix((np.ones(len(within), np.int8), (within[:, 0], mate[within[:, 0], within[:, 1]] // 3)), shape=(m, m))
+    _, label = connected_components(graph, directed=False)
+    _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return replace(patchwork, piece=rank[inverse.ravel()])
+
+
+def split_piece(patchwork: Patchwork, piece: int, normal: FloatArray, level: float, tolerance: float) -> Patchwork:
+    """Cut a piece along a straight line in its plane.
+
+    Faces of other pieces get the nodes too where the line meets an edge that they share.
+
+    Parameters
+    ----------
+    patchwork
+        The surface.
+    piece
+        Number of the piece.
+    normal, level
+        The line ``x @ normal = level``, with a unit normal (2,).
+    tolerance
+        Distance from the line below which a node lies on it [L].
+
+    Returns
+    -------
+    Patchwork
+        The part beyond the line is a new piece, with the next free number.
+    """
+    own = patchwork
+    while True:
+        inside = own.piece == piece
+        place = np.sign(_heights(own.plane, normal, level, tolerance))
+        crossing = (place * np.roll(place, -1, axis=1) < 0) & inside[:, None]
+        if not crossing.any():
+            break
+        own = _with_nodes(own, crossing, own.plane @ normal - level)
+    middle = _heights(own.plane, normal, level, tolerance).sum(axis=1)
+    beyond = inside & (middle > 0)
+    labels = np.where(beyond, own.piece.max() + 1, own.piece)
+    # Edges along the line, between its two sides, are cuts from now on.
+    mate = mates(own.faces)
+    parted = (mate >= 0) & (labels[mate // 3] != labels[:, None]) & (own.piece[mate // 3] == own.piece[:, None]) & (own.side < SEAM)
+    return replace(own, piece=labels, side=np.where(parted, CUT, own.side))
+
+
+def _heights(plane: FloatArray, normal: FloatArray, level: float, tolerance: float) -> FloatArray:
+    height = plane @ normal - level
+    return np.where(np.abs(height) <= tolerance, 0.0, height)
+
+
+def _with_nodes(own: Patchwork, crossing: Mask, height: FloatArray) -> Patchwork:
+    """Put a node on every edge with a crossing side, where that side's height is zero, and divide all faces beside it."""
+    n = len(own.space)
+    ahead = np.roll(own.faces, -1, axis=1)
+    low, high = np.minimum(own.faces, ahead), np.maximum(own.faces, ahead)
+    key = low * n + high
+    start, end = height, np.roll(height, -1, axis=1)
+    chosen, first = np.unique(key[crossing], return_index=True)
+    a, b = start[crossing][first], end[crossing][first]
+    forward = own.faces[crossing][first] == low[crossing][first]
+    share = np.where(forward, a / np.where(forward, a - b, 1.0), b / np.where(forward, 1.0, b - a))
+    tail, head = chosen // n, chosen % n
+    nodes = (1.0 - share)[:, None] * own.space[tail] + share[:, None] * own.space[head]
+    at = np.minimum(np.searchsorted(chosen, key), len(chosen) - 1)
+    split = chosen[at] == key
+    new = np.where(split, n + at, -1)
+    # From the lower node in both faces, so that a straight edge gets the same place from both sides.
+    here, there = own.plane, np.roll(own.plane, -1, axis=1)
+    onward = (own.faces == low)[..., None]
+    begin, finish = np.where(onward, here, there), np.where(onward, there, here)
+    part = share[at][..., None]
+    middles = (1.0 - part) * begin + part * finish
+    names = np.r_[own.names, own.names.max(initial=-1) + 1 + np.arange(len(nodes))]
+    pieces = [_divided(own, new, middles, count) for count in range(4)]
+    owner = np.concatenate([piece[0] for piece in pieces])
+    order = np.argsort(owner, kind="stable")
+    faces, plane, side = (np.concatenate([piece[k] for piece in pieces])[order] for k in (1, 2, 3))
+    owner = owner[order]
+    return Patchwork(np.vstack([own.space, nodes]), names, faces, plane, side, own.piece[owner], own.region[owner], own.parent[owner])
+
+
+# For faces with so many split sides, turned so that these come first: corners of the parts, 0-2 being corners and 3-5
+# the middles of the sides after them, and where their sides lie on sides of the face (-1: inside).
+_PARTS = {
+    0: (((0, 1, 2), (0, 1, 2)),),
+    1: (((0, 3, 2), (0, -1, 2)), ((3, 1, 2), (0, 1, -1))),
+    2: (((3, 1, 4), (0, 1, -1)), ((0, 3, 4), (0, -1, -1)), ((0, 4, 2), (-1, 1, 2))),
+    3: (((0, 3, 5), (0, -1, 2)), ((3, 1, 4), (0, 1, -1)), ((4, 2, 5), (1, 2, -1)), ((3, 4, 5), (-1, -1, -1))),
+}
+
+
+def _divided(own: Patchwork, new: IntArray, middles: FloatArray, count: int) -> tuple[IntArray, IntArray, FloatArray, IntArray]:
+    """Return the parts of the faces with `count` split sides: face they come from, nodes, places, sides."""
+    chosen = np.flatnonzero((new >= 0).sum(axis=1) == count)
+    split = new[chosen] >= 0
+    # The side that the split ones begin with.
+    turn = np.argmax(split & ~np.roll(split, 1, axis=1), axis=1) if count in (1, 2) else np.zeros(len(chosen), np.int64)
+    around = (turn[:, None] + np.arange(3)) % 3
+
+    def turned(values: np.ndarray) -> np.ndarray:
+        return np.take_along_axis(values[chosen], around if values.ndim == 2 else around[..., None], axis=1)
+
+    nodes = np.hstack([turned(own.faces), turned(new)])
+    places = np.hstack([turned(own.plane), turned(middles)])
+    sides = np.hstack([turned(own.side), np.full((len(chosen), 1), NONE)])
+    parts = _PARTS[count]
+    return (
+        np.tile(chosen, len(parts)),
+        np.concatenate([nodes[:, list(corners)] for corners, _ in parts]),
+        np.concatenate([places[:, list(corners)] for corners, _ in parts]),
+        np.concatenate([sides[:, list(lines)] for _, lines in parts]),
+    )

@@ -1,0 +1,151 @@
+"""Pieces: a surface in the plane cut by straight lines until every piece lies within a sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from numba import njit
+from scipy.spatial import ConvexHull
+from scipy.spatial import QhullError
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from .patchwork import Patchwork
+from .patchwork import connected_pieces
+from .patchwork import outline_sides
+from .patchwork import split_piece
+
+__all__ = ["Box", "best_box", "cut_to_fit"]
+
+SNAP = 1e-9  # of a piece's size: a node so near to a cut lies on it
+MOST_PIECES = 5000
+
+
+class Box(NamedTuple):
+    """The rectangle around points, turned as suits a sheet."""
+
+    along: FloatArray  # (2,) unit vector of its length
+    length: float  # along it [L]
+    width: float  # across [L]
+    parts: float  # sheets that it would take at least
+
+
+def best_box(points: FloatArray, sheet: tuple[float, float]) -> Box:
+    """Return the rectangle around points (k, 2) [L] that takes the fewest sheets of a length and a width, of these the smallest."""
+    hull = points[_hull(points)]
+    ahead = np.roll(hull, -1, axis=0) - hull
+    angle = np.unique(np.round(np.r_[0.0, np.arctan2(ahead[:, 1], ahead[:, 0])] % (np.pi / 2), 9))
+    boxes = []
+    for along in np.column_stack([np.cos(angle), np.sin(angle)]):
+        x, y = np.ptp(hull @ along), np.ptp(hull @ [-along[1], along[0]])
+        for axis, length, width in ((along, x, y), (np.array([-along[1], along[0]]), y, x)):
+            parts = np.ceil(length / sheet[0]) * np.ceil(width / sheet[1])
+            boxes.append(Box(axis, float(length), float(width), float(parts)))
+    return min(boxes, key=lambda box: (box.parts, round(box.length * box.width, 9)))
+
+
+def cut_to_fit(
+    patchwork: Patchwork, sheet: tuple[float, float], too_wide: Optional[Callable[[int, Patchwork], bool]] = None
+) -> Patchwork:
+    """Cut pieces by straight lines until each lies within a sheet, and does not lie over itself.
+
+    Parameters
+    ----------
+    patchwork
+        The surface; its pieces may have any size.
+    sheet
+        Length and width [L].
+    too_wide
+        Tells of a piece that fits whether it has to be cut all the same.
+
+    Returns
+    -------
+    Patchwork
+
+    Raises
+    ------
+    ValueError
+        If the sheet is so small that thousands of pieces would come of it.
+    """
+    own = connected_pieces(patchwork)
+    done: set[int] = set()
+    while True:
+        open_ = [piece for piece in range(int(own.piece.max()) + 1) if piece not in done]
+        if not open_:
+            return connected_pieces(own)
+        for piece in open_:
+            box = best_box(own.plane[own.piece == piece].reshape(-1, 2), sheet)
+            if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(piece, own)):
+                done.add(piece)
+                continue
+            if own.piece.max() > MOST_PIECES:
+                raise ValueError(f"more than {MOST_PIECES} pieces would come of a sheet of {sheet[0]:g} x {sheet[1]:g}; give a larger one")
+            own = _parted(_halved(own, piece, box, sheet), piece)
+
+
+def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> Patchwork:
+    """Cut a piece across the direction in which it takes more sheets."""
+    length, width = box.length / sheet[0], box.width / sheet[1]
+    normal = box.along if length >= width else np.array([-box.along[1], box.along[0]])
+    count = max(2, int(np.ceil(max(length, width) - 1e-12)))
+    height = own.plane[own.piece == piece] @ normal
+    level = height.min() + np.ptp(height) * (count // 2) / count
+    return split_piece(own, piece, normal, level, SNAP * float(np.ptp(height)))
+
+
+def _parted(own: Patchwork, piece: int) -> Patchwork:
+    """Number the connected parts of a piece, and of what was cut off it, without touching other numbers."""
+    parts = connected_pieces(own).piece
+    labels = own.piece.copy()
+    free = int(labels.max()) + 1
+    for old in (piece, free - 1):
+        for part in np.unique(parts[own.piece == old])[1:]:
+            labels[parts == part] = free
+            free += 1
+    return replace(own, piece=labels)
+
+
+def overlaps(own: Patchwork, piece: int) -> bool:
+    """Tell whether the outline of a piece crosses itself in the plane."""
+    inside = own.piece == piece
+    out = outline_sides(own) & inside[:, None]
+    start, end = own.plane[out], np.roll(own.plane, -1, axis=1)[out]
+    order = np.argsort(np.minimum(start[:, 0], end[:, 0]), kind="stable")
+    return bool(_crossing(start[order], end[order], SNAP * float(np.ptp(start, axis=0).max())))
+
+
+def _hull(points: FloatArray) -> IntArray:
+    try:
+        return ConvexHull(points).vertices.astype(np.int64)
+    except QhullError:
+        return np.arange(len(points))
+
+
+@njit(cache=True)
+def _crossing(start: FloatArray, end: FloatArray, tolerance: float) -> bool:
+    """Tell whether two of the segments (k, 2), sorted by their smaller x, cross by more than a tolerance [L]."""
+    for i in range(len(start)):
+        a0, a1, b0, b1 = start[i, 0], start[i, 1], end[i, 0], end[i, 1]
+        right = max(a0, b0)
+        one = np.hypot(b0 - a0, b1 - a1)
+        for j in range(i + 1, len(start)):
+            p0, p1, q0, q1 = start[j, 0], start[j, 1], end[j, 0], end[j, 1]
+            if min(p0, q0) > right:
+                break
+            if max(p1, q1) < min(a1, b1) or min(p1, q1) > max(a1, b1):
+                continue
+            two = np.hypot(q0 - p0, q1 - p1)
+            if one == 0.0 or two == 0.0:
+                continue
+            p = ((b0 - a0) * (p1 - a1) - (b1 - a1) * (p0 - a0)) / one
+            q = ((b0 - a0) * (q1 - a1) - (b1 - a1) * (q0 - a0)) / one
+            a = ((q0 - p0) * (a1 - p1) - (q1 - p1) * (a0 - p0)) / two
+            b = ((q0 - p0) * (b1 - p1) - (q1 - p1) * (b0 - p0)) / two
+            apart = min(abs(p), abs(q), abs(a), abs(b)) > tolerance
+            if apart and p * q < 0.0 and a * b < 0.0:
+                return True
+    return False

@@ -1,0 +1,50 @@
+"""SVG: the sheets in their units, for laser cutters and browsers."""
+
+from __future__ import annotations
+
+import os
+from typing import Union
+
+from .._atomic_write import write_text
+from .drawing import LAYERS
+from .drawing import Drawing
+
+__all__ = ["svg_text", "write_svg"]
+
+_UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Inches": "in"}
+_IN_MM = {"Meters": 1000.0, "Kilometers": 1e6, "Feet": 304.8, "Yards": 914.4}
+
+
+def write_svg(path: Union[str, os.PathLike], drawing: Drawing) -> None:
+    """Write a drawing as SVG, in the place of an older file when it is complete."""
+    write_text(path, svg_text(drawing))
+
+
+def svg_text(drawing: Drawing) -> str:
+    """Return a drawing as SVG with a group for every layer; lengths are those of the drawing."""
+    width, height = drawing.size
+    top = 0.02 * max(width, height)
+    units = drawing.units or "Meters"
+    scale, suffix = (1.0, _UNITS[units]) if units in _UNITS else (_IN_MM.get(units, 1000.0), "mm")
+    stroke = 5e-4 * max(width, height) / max(1.0, (len(drawing.lines) / 200) ** 0.5)
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * scale:.9g}{suffix}" height="{(height + top) * scale:.9g}{suffix}" '
+        f'viewBox="0 0 {width!r} {height + top!r}">'
+    ]
+    for layer, colour in LAYERS.items():
+        paint = "#{:02x}{:02x}{:02x}".format(*colour)
+        lines.append(f'<g id="{layer}" fill="none" stroke="{paint}" stroke-width="{stroke:.3g}">')
+        for line in drawing.lines:
+            if line.layer == layer:
+                tag = "polygon" if line.closed else "polyline"
+                points = " ".join(f"{x!r},{height + top - y!r}" for x, y in line.points.tolist())
+                lines.append(f'<{tag} points="{points}"/>')
+        for text in drawing.texts:
+            if text.layer == layer and text.height > 0:
+                x, y = text.place.tolist()
+                lines.append(
+                    f'<text x="{x:.6g}" y="{height + top - y + 0.35 * text.height:.6g}" font-size="{text.height:.3g}" text-anchor="middle" '
+                    f'font-family="sans-serif" fill="{paint}" stroke="none">{text.text}</text>'
+                )
+        lines.append("</g>")
+    return "\n".join([*lines, "</svg>", ""])

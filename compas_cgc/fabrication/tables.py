@@ -1,0 +1,75 @@
+"""Tables: every edge of the patterns with its lengths."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from typing import Union
+
+import numpy as np
+
+from .._atomic_write import write_text
+from .patchwork import NONE
+from .patchwork import SIDES
+from .patchwork import mates
+from .patchwork import outline_sides
+from .patterns import Patterns
+
+__all__ = ["edge_table", "write_edge_table"]
+
+_HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
+
+
+def write_edge_table(path: Union[str, os.PathLike], patterns: Patterns) -> None:
+    """Write :func:`edge_table` as CSV, in the place of an older file when it is complete."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(_HEAD)
+    writer.writerows(edge_table(patterns))
+    write_text(path, text.getvalue())
+
+
+def edge_table(patterns: Patterns) -> list[tuple]:
+    """Return a row for every edge of every piece.
+
+    Returns
+    -------
+    list of tuple
+        Label of the piece, the two nodes, what it is (``fold`` inside of a piece; ``cut``, ``seam`` or ``crease`` between
+        two; ``edge`` at the end of the surface), length in space and in the plane [L], angle between its faces, number of
+        the seam and label of the piece beyond it, or nothing.
+    """
+    own = patterns.patchwork
+    out = outline_sides(own)
+    mate = mates(own.faces)
+    u, v = own.faces, np.roll(own.faces, -1, axis=1)
+    # An edge inside of a piece once, one of an outline for either piece; what dividing faces drew is none.
+    wanted = out | ((own.side != NONE) & (mate > np.arange(mate.size).reshape(mate.shape)))
+    space = np.linalg.norm(own.space[u] - own.space[v], axis=2)
+    plane = np.linalg.norm(np.roll(own.plane, -1, axis=1) - own.plane, axis=2)
+    seam_of = {}
+    for seam in patterns.seams:
+        for a, b in zip(seam.nodes[:-1].tolist(), seam.nodes[1:].tolist()):
+            seam_of[min(a, b), max(a, b)] = seam.number
+    rows = []
+    faces, corners = np.nonzero(wanted)
+    order = np.lexsort((corners, faces, own.piece[faces]))
+    for f, c in zip(faces[order].tolist(), corners[order].tolist()):
+        a, b = int(u[f, c]), int(v[f, c])
+        beyond = patterns.pieces[own.piece[mate[f, c] // 3]].label if out[f, c] and mate[f, c] >= 0 else ""
+        number = seam_of.get((min(a, b), max(a, b)), "") if out[f, c] else ""
+        rows.append(
+            (
+                patterns.pieces[own.piece[f]].label,
+                int(own.names[a]),
+                int(own.names[b]),
+                SIDES[own.side[f, c]],
+                repr(float(space[f, c])),
+                repr(float(plane[f, c])),
+                f"{np.degrees(patterns.folds[f, c]):.4f}",
+                number,
+                beyond,
+            )
+        )
+    return rows
