@@ -13,7 +13,7 @@ from typing import Optional
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.csgraph import connected_components
 
 from ..discrete import edge_faces
 from ..discrete import face_areas
@@ -27,6 +27,7 @@ from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
+from ..linalg import factorise
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import FIXED
@@ -264,8 +265,9 @@ def _in_balance(
     before[balanced] = (A @ forces + wanted).reshape(-1, 3)
     if not len(wanted):
         return forces, before, 0.0
-    M = (A @ sparse.diags(strip) @ A.T).tocsc()
-    factor = splu(M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0], format="csc"), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    M = A @ sparse.diags(strip) @ A.T
+    lifted = (M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
+    factor = factorise(lifted, symmetric=True, points=np.repeat(V[balanced], 3, axis=0), refine=False)
     size = float(np.linalg.norm(load, axis=1).mean())
     rest = np.inf
     for _ in range(20):
@@ -297,26 +299,25 @@ def _no_state(rest: float, edge_beams: bool) -> str:
 
 
 def _by_formula(problem: CGCProblem, label: IntArray, curvature: FloatArray, pressure: float) -> FloatArray:
-    """Return N = p / (2 K) cof S of every face, of shape operators fitted region by region (m, 3, 3)."""
+    """Return N = p / (2 K) cof S at the corners of every face, of shape operators fitted region by region (m, 3, 3, 3)."""
     V, F = problem.vertices, problem.faces
-    tensors = np.zeros((len(F), 3, 3))
-    normals = face_normals(V, F)
+    corners = np.zeros((len(F), 3, 3, 3))
     for region, K in enumerate(curvature.tolist()):
         own = np.flatnonzero(label == region)
-        S = shape_operators(V, F[own])
-        known = np.isfinite(S[:, 0, 0])
-        S = np.where(known[:, None, None], S, 0.0)
-        count = np.maximum(known[F[own]].sum(axis=1), 1)
-        mean = S[F[own]].sum(axis=1) / count[:, None, None]
-        plane = np.eye(3) - normals[own, :, None] * normals[own, None, :]
-        mean = plane @ mean @ plane
-        trace = np.trace(mean, axis1=1, axis2=2)
-        tensors[own] = pressure / (2.0 * K) * (trace[:, None, None] * plane - mean)
-    return tensors
+        S, normals = shape_operators(V, F[own])
+        if not np.isfinite(S[F[own]]).all():
+            raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
+        trace = np.trace(S, axis1=1, axis2=2)
+        cofactor = trace[:, None, None] * (np.eye(3) - normals[:, :, None] * normals[:, None, :]) - S
+        corners[own] = pressure / (2.0 * K) * cofactor[F[own]]
+    return corners
 
 
 def _smeared(V: Vertices, F: Faces, bars: Edges, forces: FloatArray) -> FloatArray:
-    """Return the stress that edge forces stand for: shared out to the faces, and evened out over the rings of vertices (m, 3, 3)."""
+    """Return the stress that edge forces stand for: shared out to the faces, and evened out over the rings of vertices.
+
+    At the corners of every face (m, 3, 3, 3), rings within a region only.
+    """
     u, v, left, right = bars.T
     vector = V[v] - V[u]
     length = np.linalg.norm(vector, axis=1)
@@ -328,33 +329,29 @@ def _smeared(V: Vertices, F: Faces, bars: Edges, forces: FloatArray) -> FloatArr
     np.add.at(sums, right[right >= 0], each[right >= 0])
     areas = face_areas(V, F)
     label = _regions_of(F, bars)
-    # Rings within a region only.
     corner = np.unique(np.column_stack([np.repeat(label, 3), F.ravel()]), axis=0, return_inverse=True)[1].reshape(-1, 3)
     count = int(corner.max()) + 1
     at_vertex, area = np.zeros((count, 3, 3)), np.zeros(count)
     for k in range(3):
         np.add.at(at_vertex, corner[:, k], sums)
         np.add.at(area, corner[:, k], areas)
-    mean = (at_vertex / area[:, None, None])[corner].mean(axis=1)
-    normals = face_normals(V, F)
-    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-    return plane @ mean @ plane
+    return (at_vertex / area[:, None, None])[corner]
 
 
 def _regions_of(F: Faces, bars: Edges) -> IntArray:
-    from scipy.sparse.csgraph import connected_components
-
     inside = bars[bars[:, 3] >= 0]
     graph = sparse.coo_matrix((np.ones(len(inside), np.int8), (inside[:, 2], inside[:, 3])), shape=(len(F), len(F)))
     return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
-def _principal(tensors: FloatArray, normals: Vectors) -> tuple[FloatArray, FloatArray]:
-    found = principal_curvatures(tensors, normals)
+def _principal(corners: FloatArray, normals: Vectors) -> tuple[FloatArray, FloatArray]:
+    """Return N1 and N2 (m, 2) and their directions (m, 2, 3) of the mean over the corners of every face, in its plane."""
+    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    found = principal_curvatures(plane @ corners.mean(axis=1) @ plane, normals)
     return np.column_stack([found.larger, found.smaller]), np.stack([found.larger_direction, found.smaller_direction], axis=1)
 
 
-def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, tensors: FloatArray) -> EdgeLoads:
+def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, corners: FloatArray) -> EdgeLoads:
     """Return the force of the surface on the lines around regions: -N nu, of both sides of a crease."""
     edges = edge_faces(F)
     edges = edges[among(edges[:, :2], on.edges, len(V))]
@@ -365,7 +362,8 @@ def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, tensors: FloatArray) -> Ed
     for side, sign in ((2, 1.0), (3, -1.0)):
         face = edges[:, side]
         outward = sign * np.cross(along, normals[face])
-        load += np.where((face >= 0)[:, None], -np.einsum("eij,ej->ei", tensors[face], outward), 0.0)
+        ends = [corners[face, np.argmax(F[face] == edges[:, k, None], axis=1)] for k in (0, 1)]
+        load += np.where((face >= 0)[:, None], -np.einsum("eij,ej->ei", 0.5 * (ends[0] + ends[1]), outward), 0.0)
     return EdgeLoads(edges[:, :2], on.kind, load)
 
 

@@ -27,7 +27,7 @@ from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 
-__all__ = ["PrincipalCurvatures", "principal_curvatures", "shape_operators"]
+__all__ = ["PrincipalCurvatures", "ShapeOperators", "principal_curvatures", "shape_operators"]
 
 DEGREE = 4
 
@@ -41,7 +41,14 @@ class PrincipalCurvatures(NamedTuple):
     smaller_direction: Vectors  # (n, 3) unit
 
 
-def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE) -> FloatArray:
+class ShapeOperators(NamedTuple):
+    """Second fundamental forms as matrices in space."""
+
+    operators: FloatArray  # (n, 3, 3) S with S n = 0, positive in directions in which the surface is convex towards n [1/L]
+    normals: Vectors  # (n, 3) unit normals n of the fits
+
+
+def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE) -> ShapeOperators:
     """Return the shape operator at every vertex as a symmetric matrix in space.
 
     A polynomial is fitted to the two rings around a vertex (three on an open edge) as a height over the tangent plane.
@@ -58,9 +65,8 @@ def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE)
 
     Returns
     -------
-    (n, 3, 3) float64
-        ``S``, with ``S n = 0`` for the normal n, positive in directions in which the surface is convex towards its
-        normal; NaN at vertices without faces or with too few around them [1/L].
+    ShapeOperators
+        NaN at vertices without faces or with too few around them.
 
     References
     ----------
@@ -69,7 +75,8 @@ def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE)
     V, F = mesh_arrays(vertices, faces)
     start, near = around(F, len(V))
     rings = np.where(boundary_vertices(V, F), 3, 2)
-    return _fitted(V, vertex_normals(V, F), F, start, near, rings, degree)
+    found = _fitted(V, vertex_normals(V, F), F, start, near, rings, degree)
+    return ShapeOperators(found[:, :3], found[:, 3])
 
 
 def principal_curvatures(operators: FloatArray, normals: Vectors) -> PrincipalCurvatures:
@@ -88,7 +95,7 @@ def principal_curvatures(operators: FloatArray, normals: Vectors) -> PrincipalCu
 @njit(cache=True)
 def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, rings: IntArray, degree: int) -> FloatArray:
     n = V.shape[0]
-    out = np.full((n, 3, 3), np.nan)
+    out = np.full((n, 4, 3), np.nan)
     ring, stamp = np.empty(MOST, np.int64), np.full(n, -1)
     through = np.ones(n, np.bool_)
     most = TERMS[degree]
@@ -139,5 +146,6 @@ def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, 
         inverse = np.linalg.inv(I)
         J[0, 0], J[1, 0], J[2, 0] = x0 + a * n0, x1 + a * n1, x2 + a * n2
         J[0, 1], J[1, 1], J[2, 1] = y0 + b * n0, y1 + b * n1, y2 + b * n2
-        out[i] = -(J @ inverse @ II @ inverse @ J.T) / (g * scale)
+        out[i, :3] = -(J @ inverse @ II @ inverse @ J.T) / (g * scale)
+        out[i, 3, 0], out[i, 3, 1], out[i, 3, 2] = (n0 - a * x0 - b * y0) / g, (n1 - a * x1 - b * y1) / g, (n2 - a * x2 - b * y2) / g
     return out
