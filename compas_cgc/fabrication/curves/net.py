@@ -1,0 +1,356 @@
+"""Nets: two families of curves at one spacing, or the rulings of a developable surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Vectors
+from ...errors import CGCError
+from ...meshing import vertex_labels
+from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
+from ..shape_operators import shape_operators
+from .trace import ASYMPTOTIC
+from .trace import CURVATURE
+from .trace import RULING
+from .trace import DirectionField
+from .trace import Traced
+from .trace import direction_field
+from .trace import trace
+
+__all__ = ["CurveNet", "NetCurve", "curve_net"]
+
+NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
+FLAT = 1e-9  # K against one over the area, below which a region counts as flat
+SHORT = 0.05  # of the spacing: curves shorter than this are left out
+MOST = 2000  # curves of a region
+
+
+class NetCurve(NamedTuple):
+    """A curve to build along."""
+
+    region: int
+    kind: str  # line of curvature, asymptotic curve or ruling
+    family: int  # 0 or 1
+    points: Vectors  # (k, 3) [L]
+    faces: IntArray  # (k-1,) face of every segment
+    length: float  # [L]
+    straightness: float  # largest distance from its chord, against the chord
+
+
+@dataclass(frozen=True, eq=False)
+class CurveNet:
+    """Curves of all regions, and the net that two families make."""
+
+    problem: CGCProblem
+    spacing: Optional[float]
+    curves: list[NetCurve]
+    nodes: Vectors  # (k, 3) where curves of two families cross [L]
+    sides: IntArray  # (s, 2) nodes that follow each other along a curve
+    lengths: FloatArray  # (s,) of the sides, along the curve [L]
+
+    def summary(self) -> str:
+        """Return the counts, how equal the sides are and how straight rulings are, in lines."""
+        lines = []
+        for kind in NAMES.values():
+            own = [curve for curve in self.curves if curve.kind == kind]
+            if own:
+                text = f"{len(own)} {kind}s, {sum(curve.length for curve in own):.6g} long together"
+                if kind == NAMES[RULING]:
+                    bow = np.array([curve.straightness for curve in own])
+                    text += f", off their chords by {100 * np.median(bow):.2g} % (median), {100 * bow.max():.2g} % at most"
+                lines.append(text)
+        if len(self.lengths) and self.spacing:
+            low, high = self.lengths.min() / self.spacing, self.lengths.max() / self.spacing
+            lines.append(f"{len(self.nodes)} nodes, {len(self.sides)} sides of {low:.4f} to {high:.4f} of the spacing {self.spacing:g}")
+        return "\n".join(lines)
+
+    __str__ = summary
+
+
+def curve_net(
+    surface: PosesProblem,
+    spacing: Optional[float] = None,
+    *,
+    through: Union[str, ArrayLike, None] = None,
+    regions: Optional[Sequence[int]] = None,
+) -> CurveNet:
+    """Trace the curves that a surface is built along: lines of curvature where K > 0, asymptotic curves where K < 0, rulings where K = 0.
+
+    Asymptotic curves of a surface of constant K < 0 at one spacing cross each other at that spacing (a Chebyshev net), and
+    twist by ``sqrt(-K)`` for each length: straight laths, all alike.
+
+    Parameters
+    ----------
+    surface
+        A problem, a mesh, or what has ``to_problem()``, of one target K for each region.
+    spacing
+        Distance between curves along those that they cross [L]. Default: a twelfth of a region's size. Not used with
+        points.
+    through
+        Points (k, 3) [L] to trace curves of both families through, or ``"supports"``. Default: a net from the middle of
+        each region.
+    regions
+        Which to take. Default: all.
+
+    Returns
+    -------
+    CurveNet
+
+    Raises
+    ------
+    CGCError
+        If a region has no one target K, no direction of the kind, or the spacing is not positive.
+    """
+    problem = surface.to_problem().without_dummies()
+    if spacing is not None and not (np.isfinite(spacing) and spacing > 0):
+        raise CGCError(f"the spacing must be more than 0, not {spacing:g}")
+    targets, label = problem.region_targets(), problem.regions()
+    chosen = range(len(targets)) if regions is None else sorted(set(regions))
+    if len(targets) == 0 or any(not 0 <= region < len(targets) for region in chosen):
+        raise CGCError(f"there is no such region; the mesh has {len(targets)}")
+    curves: list[NetCurve] = []
+    nodes, sides, lengths = [np.zeros((0, 3))], [np.zeros((0, 2), np.int64)], [np.zeros(0)]
+    points = _points(problem, through)
+    step = spacing
+    for region in chosen:
+        own = np.flatnonzero(label == region)
+        kind = _kind(problem, region, targets[region], own)
+        field = _field(problem, region, own)
+        size = float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[own]].reshape(-1, 3), axis=0)))
+        step = spacing or size / 12.0
+        if points is None:
+            traced = _grown(field, kind, step, size)
+        else:
+            traced = _through(field, kind, points, _supports_of(problem, region, through))
+        if not any(traced):
+            raise CGCError(f"region {region} has no {NAMES[kind]} to trace; is it solved?")
+        first = sum(map(len, nodes))
+        places, pairs, along = _crossings(field, traced)
+        nodes.append(places)
+        sides.append(pairs + first)
+        lengths.append(along)
+        curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
+    return CurveNet(problem, spacing or (step if len(chosen) == 1 else None), curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths))
+
+
+def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArray) -> int:
+    if target is None:
+        raise CGCError(f"region {region} has no one target K, by which curves are chosen; set it and solve first")
+    corners = problem.vertices[problem.faces[own]]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    if abs(target) * area < FLAT:
+        return RULING
+    return CURVATURE if target > 0 else ASYMPTOTIC
+
+
+def _field(problem: CGCProblem, region: int, own: IntArray) -> DirectionField:
+    S = shape_operators(problem.vertices, problem.faces[own]).operators
+    if not np.isfinite(S[problem.faces[own]]).all():
+        raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
+    # Elsewhere nobody looks.
+    return direction_field(problem.vertices, problem.faces[own], np.where(np.isfinite(S), S, 0.0))
+
+
+def _points(problem: CGCProblem, through: Union[str, ArrayLike, None]) -> Optional[Vectors]:
+    if through is None:
+        return None
+    if isinstance(through, str):
+        if through != "supports":
+            raise CGCError(f"curves go through points or 'supports', not {through!r}")
+        if not len(problem.supports):
+            raise CGCError("there are no supports to trace curves from; fix vertices, or give points")
+        return problem.vertices[problem.supports]
+    points = np.asarray(through, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
+        raise CGCError(f"points must be finite and of the shape (k, 3), not {points.shape}")
+    return points
+
+
+def _supports_of(problem: CGCProblem, region: int, through: object) -> Optional[IntArray]:
+    """Return the supports in a region where curves start at these, None where they go through points."""
+    if not isinstance(through, str):
+        return None
+    label = problem.regions()
+    inside = vertex_labels(len(problem.vertices), problem.faces[label == region], label[label == region]) == region
+    return problem.supports[inside[problem.supports]]
+
+
+# ----------------------------------------------------------------------
+# Which curves
+# ----------------------------------------------------------------------
+
+
+def _through(field: DirectionField, kind: int, points: Vectors, supports: Optional[IntArray]) -> list[list[Traced]]:
+    """Trace curves through points, or from supports: from a place just inside of them."""
+    if supports is not None:
+        points = field.vertices[supports]
+    centres = field.vertices[field.faces].mean(axis=1)
+    used = field.vertices[np.unique(field.faces)]
+    traced: list[list[Traced]] = [[], []]
+    for point in points:
+        near = int(np.argmin(np.linalg.norm(centres - point, axis=1)))
+        edge = np.linalg.norm(field.vertices[field.faces[near, 0]] - field.vertices[field.faces[near, 1]])
+        if np.linalg.norm(used - point, axis=1).min() > 2.0 * edge:
+            continue  # A point of another region.
+        face, place = _nearest(field, point)
+        for family in (0,) if kind == RULING else (0, 1):
+            curve = trace(field, kind, family, face, place)
+            if len(curve.points) > 1:
+                traced[family].append(curve)
+    return traced
+
+
+def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
+    """Return the face nearest to a point, and the place in it, off its edges."""
+    corners = field.vertices[field.faces]
+    middle = corners.mean(axis=1)
+    near = np.argsort(np.linalg.norm(middle - point, axis=1))[:24]
+    best = (np.inf, int(near[0]), middle[near[0]])
+    for face in near.tolist():
+        a, b, c = corners[face]
+        system = np.column_stack([b - a, c - a])
+        s, t = np.linalg.lstsq(system, point - a, rcond=None)[0]
+        weights = np.clip([1.0 - s - t, s, t], 1e-3, None)
+        place = weights / weights.sum() @ corners[face]
+        away = float(np.linalg.norm(place - point))
+        if away < best[0]:
+            best = (away, face, place)
+    return best[1], best[2]
+
+
+def _grown(field: DirectionField, kind: int, spacing: float, size: float) -> list[list[Traced]]:
+    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by."""
+    centres = field.vertices[field.faces].mean(axis=1)
+    face = int(np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
+    traced: list[list[Traced]] = [[], []]
+    for family in (0, 1):
+        curve = trace(field, kind, family, face, centres[face])
+        if len(curve.points) < 2:
+            return [[], []]
+        traced[family].append(curve)
+    done = [0, 0]
+    while sum(map(len, traced)) < MOST:
+        grew = False
+        for family in (0, 1):
+            # Curves of a family may cross the other one's in new places each time that one has grown.
+            for curve in traced[family][:]:
+                for face, place in _open_marks(field, curve, traced[1 - family], spacing):
+                    new = trace(field, kind, 1 - family, face, place)
+                    if _long(new, spacing):
+                        traced[1 - family].append(new)
+                        grew = True
+                if kind == RULING:
+                    # Rulings are marked off along the first curve across them only.
+                    break
+            done[family] = len(traced[family])
+        if not grew or kind == RULING:
+            break
+    return [traced[0], []] if kind == RULING else traced
+
+
+def _long(curve: Traced, spacing: float) -> bool:
+    return len(curve.points) > 1 and float(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum()) > SHORT * spacing
+
+
+def _open_marks(field: DirectionField, curve: Traced, others: list[Traced], spacing: float) -> list[tuple[int, Vectors]]:
+    """Return the places at multiples of the spacing beyond the outermost crossings of a curve."""
+    at = _arc_lengths(curve)
+    crossed = sorted(s for other in others for s, _ in _meetings(field, curve, other))
+    if not crossed:
+        return []
+    low, high = crossed[0], crossed[-1]
+    marks = [*np.arange(high + spacing, at[-1], spacing), *np.arange(low - spacing, 0.0, -spacing)]
+    return [_place(curve, at, mark) for mark in marks]
+
+
+def _arc_lengths(curve: Traced) -> FloatArray:
+    return np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1))]
+
+
+def _place(curve: Traced, at: FloatArray, mark: float) -> tuple[int, Vectors]:
+    k = int(np.clip(np.searchsorted(at, mark) - 1, 0, len(curve.faces) - 1))
+    share = (mark - at[k]) / max(at[k + 1] - at[k], np.finfo(float).tiny)
+    return int(curve.faces[k]), (1.0 - share) * curve.points[k] + share * curve.points[k + 1]
+
+
+# ----------------------------------------------------------------------
+# Where they cross
+# ----------------------------------------------------------------------
+
+
+def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
+    """Return the arc lengths of both curves where they cross."""
+    common, first, second = _pairs(one.faces, other.faces)
+    if not len(common):
+        return []
+    origin, axes = field.vertices[field.faces[common, 0]], field.axes[common]
+
+    def flat(points: Vectors) -> FloatArray:
+        return np.einsum("kij,kj->ki", axes, points - origin)
+
+    a, b = flat(one.points[first]), flat(one.points[first + 1])
+    c, d = flat(other.points[second]), flat(other.points[second + 1])
+    u, v, w = b - a, d - c, c - a
+    across = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    safe = np.where(across == 0.0, 1.0, across)
+    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe
+    t = (w[:, 0] * u[:, 1] - w[:, 1] * u[:, 0]) / safe
+    slack = 1e-9
+    met = (across != 0.0) & (s >= -slack) & (s <= 1.0 + slack) & (t >= -slack) & (t <= 1.0 + slack)
+    at, there = _arc_lengths(one), _arc_lengths(other)
+    found = []
+    for k in np.flatnonzero(met).tolist():
+        i, j = first[k], second[k]
+        place = (float(at[i] + s[k] * (at[i + 1] - at[i])), float(there[j] + t[k] * (there[j + 1] - there[j])))
+        # On an edge two pairs of segments meet in one place.
+        if not any(abs(place[0] - old[0]) < 1e-6 * at[-1] for old in found):
+            found.append(place)
+    return found
+
+
+def _pairs(one: IntArray, other: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the common values of two lists, with all pairs of positions at which they stand."""
+    order = np.argsort(other, kind="stable")
+    low, high = np.searchsorted(other[order], one, "left"), np.searchsorted(other[order], one, "right")
+    count = high - low
+    first = np.repeat(np.arange(len(one)), count)
+    second = order[np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)]
+    return one[first], first, second
+
+
+def _crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vectors, IntArray, FloatArray]:
+    """Return the nodes of a net (k, 3), the sides between them (s, 2), and their lengths along the curves (s,)."""
+    nodes, on_first, on_second = [], {}, {}
+    for i, one in enumerate(traced[0]):
+        for j, other in enumerate(traced[1]):
+            for s, t in _meetings(field, one, other):
+                number = len(nodes)
+                nodes.append(_place(one, _arc_lengths(one), s)[1])
+                on_first.setdefault(i, []).append((s, number))
+                on_second.setdefault(j, []).append((t, number))
+    sides, lengths = [], []
+    for marks in [*on_first.values(), *on_second.values()]:
+        marks.sort()
+        for (s, a), (t, b) in zip(marks[:-1], marks[1:]):
+            sides.append((a, b))
+            lengths.append(t - s)
+    return np.array(nodes).reshape(-1, 3), np.array(sides, dtype=np.int64).reshape(-1, 2), np.array(lengths)
+
+
+def _curve(region: int, kind: int, family: int, curve: Traced, own: IntArray) -> NetCurve:
+    chord = curve.points[-1] - curve.points[0]
+    span = float(np.linalg.norm(chord))
+    away = curve.points - curve.points[0]
+    off = np.linalg.norm(away - np.outer(away @ chord, chord) / max(span**2, np.finfo(float).tiny), axis=1).max()
+    length = float(_arc_lengths(curve)[-1])
+    return NetCurve(region, NAMES[kind], family, curve.points, own[curve.faces], length, float(off) / max(span, np.finfo(float).tiny))

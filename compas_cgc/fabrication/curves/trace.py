@@ -1,0 +1,214 @@
+"""Tracing: curves along directions of curvature, from face to face."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from ...discrete.arrays import Faces
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Vectors
+from ...discrete.arrays import Vertices
+from ..patchwork import mates
+
+__all__ = ["ASYMPTOTIC", "CURVATURE", "RULING", "DirectionField", "Traced", "direction_field", "trace"]
+
+CURVATURE, ASYMPTOTIC, RULING = range(3)
+INSIDE = 1e-6  # share of an edge that curves keep off its ends
+LOOPS = 4  # how often a curve may pass a face before it is taken for a spiral that never ends
+
+
+class DirectionField(NamedTuple):
+    """What directions come from."""
+
+    vertices: Vertices  # (n, 3) [L]
+    faces: Faces  # (m, 3) of one region
+    mate: IntArray  # (m, 3) the other side of every side, 3 x face + corner, or -1
+    axes: FloatArray  # (m, 2, 3) unit vectors along every face, at right angles, anticlockwise
+    operators: FloatArray  # (n, 3, 3) shape operators [1/L]
+
+
+class Traced(NamedTuple):
+    """A curve on a mesh."""
+
+    points: Vectors  # (k, 3) [L]
+    faces: IntArray  # (k-1,) face of every segment
+
+
+def direction_field(vertices: Vertices, faces: Faces, operators: FloatArray) -> DirectionField:
+    """Prepare a region for tracing."""
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    x = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    normal = np.cross(b - a, c - a)
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return DirectionField(vertices, faces, mates(faces), np.stack([x, np.cross(normal, x)], axis=1), operators)
+
+
+def trace(field: DirectionField, kind: int, family: int, face: int, point: Vectors, most: int = 100_000) -> Traced:
+    """Return the curve through a point in a face, to both ends.
+
+    Parameters
+    ----------
+    field
+        Of the region.
+    kind, family
+        ``CURVATURE``: family 0 along the larger principal curvature at the point, 1 along the smaller; ``ASYMPTOTIC``: 0
+        and 1 to either side of the larger one, where the normal curvature is 0; ``RULING``: 0 along the principal
+        curvature nearest to 0, 1 along the other.
+    face, point
+        Where it starts.
+    most
+        Points of either half.
+
+    Returns
+    -------
+    Traced
+        Of less than two points where there is no such direction.
+    """
+    halves = []
+    for sign in (1.0, -1.0):
+        points, faces, count = _half(*field, kind, family, face, np.asarray(point, dtype=np.float64), sign, most)
+        halves.append((points[:count], faces[: max(count - 1, 0)]))
+    (ahead, over), (back, under) = halves
+    if np.linalg.norm(ahead[-1] - ahead[0]) == 0.0 and len(back) < 2:
+        return Traced(ahead[:1], over[:0])
+    return Traced(np.vstack([back[:0:-1], ahead]), np.r_[under[::-1], over])
+
+
+@njit(cache=True)
+def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y: float) -> tuple[float, float]:
+    """Return the direction of a kind of the form [[a, b], [b, c]], on the side of (x, y); (0, 0) where there is none.
+
+    Before a first direction (x, y) is (0, 0), and the family decides.
+    """
+    half, difference = 0.5 * (a + c), 0.5 * (a - c)
+    spread = math.hypot(difference, b)
+    largest = 0.5 * math.atan2(b, difference)
+    first = x == 0.0 and y == 0.0
+    if kind == ASYMPTOTIC:
+        if spread == 0.0 or abs(half) > spread:
+            return 0.0, 0.0
+        angle = largest + (0.5 if family == 0 else -0.5) * math.acos(-half / spread)
+    elif kind == RULING:
+        # The smaller one is nearest to 0 where the mean is positive.
+        angle = largest + (0.5 * math.pi if (half > 0.0) == (family == 0) else 0.0)
+    else:
+        if spread <= 1e-9 * abs(half) or spread == 0.0:
+            return x, y
+        angle = largest + (0.0 if family == 0 else 0.5 * math.pi)
+        if not first and abs(math.cos(angle) * x + math.sin(angle) * y) < abs(-math.sin(angle) * x + math.cos(angle) * y):
+            angle += 0.5 * math.pi
+    u, v = math.cos(angle), math.sin(angle)
+    if u * x + v * y < 0.0:
+        return -u, -v
+    return u, v
+
+
+@njit(cache=True)
+def _field_at(
+    corners: FloatArray, forms: FloatArray, u: float, v: float, kind: int, family: int, x: float, y: float
+) -> tuple[float, float]:
+    """Return the direction at a place (u, v) of a face with corners (3, 2) and forms (3, 3) there."""
+    x0, y0 = corners[0]
+    x1, y1 = corners[1, 0] - x0, corners[1, 1] - y0
+    x2, y2 = corners[2, 0] - x0, corners[2, 1] - y0
+    area = x1 * y2 - y1 * x2
+    s = ((u - x0) * y2 - (v - y0) * x2) / area
+    t = (x1 * (v - y0) - y1 * (u - x0)) / area
+    r = 1.0 - s - t
+    a = r * forms[0, 0] + s * forms[1, 0] + t * forms[2, 0]
+    b = r * forms[0, 1] + s * forms[1, 1] + t * forms[2, 1]
+    c = r * forms[0, 2] + s * forms[1, 2] + t * forms[2, 2]
+    return _direction(a, b, c, kind, family, x, y)
+
+
+@njit(cache=True)
+def _exit(corners: FloatArray, u: float, v: float, x: float, y: float, entry: int) -> tuple[int, float, float]:
+    """Return the side that a ray leaves a face by, the length to it, and the share of the side; side -1 for none."""
+    best, far, share = -1, np.inf, 0.0
+    for c in range(3):
+        if c == entry:
+            continue
+        px, py = corners[c]
+        ex, ey = corners[(c + 1) % 3, 0] - px, corners[(c + 1) % 3, 1] - py
+        # Faces are anticlockwise: a ray goes out where it turns to the right of the side.
+        across = x * ey - y * ex
+        if across <= 0.0:
+            continue
+        length = ((px - u) * ey - (py - v) * ex) / across
+        if length < far:
+            best, far = c, max(length, 0.0)
+            share = ((u + far * x - px) * ex + (v + far * y - py) * ey) / (ex * ex + ey * ey)
+    return best, far, share
+
+
+@njit(cache=True)
+def _half(
+    V: Vertices,
+    F: Faces,
+    mate: IntArray,
+    axes: FloatArray,
+    S: FloatArray,
+    kind: int,
+    family: int,
+    face: int,
+    point: FloatArray,
+    sign: float,
+    most: int,
+) -> tuple[FloatArray, IntArray, int]:
+    points, faces = np.empty((most, 3)), np.empty(most, np.int64)
+    passed = np.zeros(F.shape[0], np.int8)
+    corners, forms = np.empty((3, 2)), np.empty((3, 3))
+    points[0] = point
+    count, f, entry = 1, face, -1
+    d = np.zeros(3)
+    while count < most and passed[f] < LOOPS:
+        passed[f] += 1
+        e1, e2 = axes[f, 0], axes[f, 1]
+        origin = V[F[f, 0]]
+        for c in range(3):
+            i = F[f, c]
+            delta = V[i] - origin
+            corners[c, 0], corners[c, 1] = np.dot(delta, e1), np.dot(delta, e2)
+            forms[c, 0] = np.dot(e1, S[i] @ e1)
+            forms[c, 1] = np.dot(e1, S[i] @ e2)
+            forms[c, 2] = np.dot(e2, S[i] @ e2)
+        delta = points[count - 1] - origin
+        u, v = np.dot(delta, e1), np.dot(delta, e2)
+        bx, by = np.dot(d, e1), np.dot(d, e2)
+        x, y = _field_at(corners, forms, u, v, kind, family, bx, by)
+        if not (x * x + y * y > 0.0):
+            break
+        if count == 1:
+            x, y = sign * x, sign * y
+        side, far, share = _exit(corners, u, v, x, y, entry)
+        if side < 0:
+            # The field leads back over the side it came from: straight on instead.
+            length = math.hypot(bx, by)
+            if length == 0.0:
+                break
+            x, y = bx / length, by / length
+            side, far, share = _exit(corners, u, v, x, y, entry)
+            if side < 0:
+                break
+        # The direction halfway, for second order.
+        mx, my = _field_at(corners, forms, u + 0.5 * far * x, v + 0.5 * far * y, kind, family, x, y)
+        if mx * mx + my * my > 0.0:
+            again, reach, part = _exit(corners, u, v, mx, my, entry)
+            if again >= 0:
+                x, y, side, far, share = mx, my, again, reach, part
+        share = min(max(share, INSIDE), 1.0 - INSIDE)
+        start, end = V[F[f, side]], V[F[f, (side + 1) % 3]]
+        points[count] = (1.0 - share) * start + share * end
+        faces[count - 1] = f
+        count += 1
+        d = x * e1 + y * e2
+        other = mate[f, side]
+        if other < 0:
+            break
+        f, entry = other // 3, other % 3
+    return points, faces, count
