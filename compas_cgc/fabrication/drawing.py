@@ -94,6 +94,8 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.6 * room))))
         if nodes:
             texts += [text for loop in piece.loops for text in _node_numbers(loop, names, height, origin)]
+    for ruling in patterns.rulings:
+        lines.append(Line("RULING", ruling.points + origins[patterns.pieces[ruling.piece].sheet]))
     for seam in patterns.seams:
         for side in (0, 1):
             origin = origins[patterns.pieces[seam.pieces[side]].sheet]

@@ -55,6 +55,16 @@ def mates(faces: Faces) -> IntArray:
     return mate.reshape(-1, 3)
 
 
+def pairs_of_equal(one: IntArray, other: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the common values of two lists, with all pairs of positions at which they stand."""
+    order = np.argsort(other, kind="stable")
+    low, high = np.searchsorted(other[order], one, "left"), np.searchsorted(other[order], one, "right")
+    count = high - low
+    first = np.repeat(np.arange(len(one)), count)
+    second = order[np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)]
+    return one[first], first, second
+
+
 def outline_sides(patchwork: Patchwork) -> Mask:
     """Tell which sides bound their piece (m, 3)."""
     mate = mates(patchwork.faces)

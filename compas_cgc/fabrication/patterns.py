@@ -45,6 +45,9 @@ from .pieces import cut_to_fit
 from .plane_layout import among
 from .plane_layout import cut_open
 from .plane_layout import lay_out
+from .rulings import Ruling
+from .rulings import Straightness
+from .rulings import rulings_of
 from .seams import opens_to_disks
 from .seams import seam_edges
 
@@ -91,6 +94,8 @@ class Patterns:
     developments: list[Development]
     strains: FloatArray  # (m, 2) principal strains of the faces
     folds: FloatArray  # (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0
+    rulings: list[Ruling]  # where a region is ruled
+    straightness: dict[int, Straightness]  # of the rulings, by region
     sheet: Optional[tuple[float, float]]  # length and width [L]; None where there is no end of it
     units: Optional[str]
 
@@ -129,13 +134,19 @@ class Patterns:
         lines.append(f"the two sides of every seam agree to {self.seam_mismatch:.2g}")
         for own in self.developments:
             if own.unrolled:
-                lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}")
+                lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")
             else:
                 strain = max(piece.strain for piece in self.pieces if piece.region == own.region)
                 lines.append(f"region {own.region}: K = {_number(own.target)}, flattened with strains up to {100 * strain:.2g} %")
         return "\n".join(lines)
 
     __str__ = summary
+
+    def _straight(self, region: int) -> str:
+        found = self.straightness.get(region)
+        if found is None:
+            return ""
+        return f", rulings off their chords by {100 * found.median:.2g} % (median), {100 * found.largest:.2g} % at most"
 
 
 def unroll(
@@ -146,6 +157,7 @@ def unroll(
     seams: Optional[Iterable[Sequence[int]]] = None,
     regions: Optional[Sequence[int]] = None,
     spacing: float = 0.0,
+    rulings: Optional[float] = None,
 ) -> Patterns:
     """Lay a surface out as flat pieces, each within a sheet.
 
@@ -165,6 +177,8 @@ def unroll(
         Which to take. Default: all.
     spacing
         Distance between pieces on a sheet [L].
+    rulings
+        Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size.
 
     Returns
     -------
@@ -199,7 +213,9 @@ def unroll(
         raise CGCError(str(error)) from None
     cut = _flattened(cut, np.array([bent[parent] for parent in cut.parent.tolist()]))
     placed, on_sheet = _on_sheets(cut, sheet, spacing)
-    return _patterns(problem, placed, on_sheet, developments, sheet)
+    ruled = [own.region for own in developments if own.unrolled] if rulings != 0 else []
+    lines, straightness = rulings_of(problem, placed, ruled, rulings)
+    return _patterns(problem, placed, on_sheet, developments, sheet, lines, straightness)
 
 
 def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
@@ -384,7 +400,13 @@ def _roll(sizes: list[tuple[float, float]], spacing: float) -> tuple[float, floa
 
 
 def _patterns(
-    problem: CGCProblem, own: Patchwork, on_sheet: list[int], developments: list[Development], sheet: Optional[tuple[float, float]]
+    problem: CGCProblem,
+    own: Patchwork,
+    on_sheet: list[int],
+    developments: list[Development],
+    sheet: Optional[tuple[float, float]],
+    rulings: list[Ruling],
+    straightness: dict[int, Straightness],
 ) -> Patterns:
     loops = outline_loops(own)
     strains = principal_strains(own.space, own.faces, own.plane)[0]
@@ -398,7 +420,8 @@ def _patterns(
         area = sum(signed_area(loop.points) for loop in loops[piece])
         label = f"{_letters(region)}{within[region]}"
         pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece])))
-    return Patterns(own, pieces, seams_between(own), developments, strains, _folds(problem, own), sheet, problem.drawing.units)
+    seams, folds = seams_between(own), _folds(problem, own)
+    return Patterns(own, pieces, seams, developments, strains, folds, rulings, straightness, sheet, problem.drawing.units)
 
 
 def _folds(problem: CGCProblem, own: Patchwork) -> FloatArray:

@@ -29,7 +29,7 @@ from ..discrete.arrays import Vertices
 
 __all__ = ["PrincipalCurvatures", "ShapeOperators", "principal_curvatures", "shape_operators"]
 
-DEGREE = 4
+DEGREE, RINGS = 4, 3
 
 
 class PrincipalCurvatures(NamedTuple):
@@ -51,7 +51,7 @@ class ShapeOperators(NamedTuple):
 def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE) -> ShapeOperators:
     """Return the shape operator at every vertex as a symmetric matrix in space.
 
-    A polynomial is fitted to the two rings around a vertex (three on an open edge) as a height over the tangent plane.
+    A polynomial is fitted to the three rings around a vertex (four on an open edge) as a height over the tangent plane.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE)
     """
     V, F = mesh_arrays(vertices, faces)
     start, near = around(F, len(V))
-    rings = np.where(boundary_vertices(V, F), 3, 2)
+    rings = np.where(boundary_vertices(V, F), RINGS + 1, RINGS)
     found = _fitted(V, vertex_normals(V, F), F, start, near, rings, degree)
     return ShapeOperators(found[:, :3], found[:, 3])
 

@@ -18,6 +18,7 @@ from ...errors import CGCError
 from ...meshing import vertex_labels
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ..patchwork import pairs_of_equal
 from ..shape_operators import shape_operators
 from .trace import ASYMPTOTIC
 from .trace import CURVATURE
@@ -31,7 +32,9 @@ __all__ = ["CurveNet", "NetCurve", "curve_net"]
 
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
+PLANE = 1e-4  # curvature times size, below which a region is a plane
 SHORT = 0.05  # of the spacing: curves shorter than this are left out
+CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
 MOST = 2000  # curves of a region
 
 
@@ -57,6 +60,7 @@ class CurveNet:
     nodes: Vectors  # (k, 3) where curves of two families cross [L]
     sides: IntArray  # (s, 2) nodes that follow each other along a curve
     lengths: FloatArray  # (s,) of the sides, along the curve [L]
+    notes: tuple[str, ...] = ()  # sentences on regions without curves
 
     def summary(self) -> str:
         """Return the counts, how equal the sides are and how straight rulings are, in lines."""
@@ -72,7 +76,7 @@ class CurveNet:
         if len(self.lengths) and self.spacing:
             low, high = self.lengths.min() / self.spacing, self.lengths.max() / self.spacing
             lines.append(f"{len(self.nodes)} nodes, {len(self.sides)} sides of {low:.4f} to {high:.4f} of the spacing {self.spacing:g}")
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.notes])
 
     __str__ = summary
 
@@ -122,25 +126,31 @@ def curve_net(
     nodes, sides, lengths = [np.zeros((0, 3))], [np.zeros((0, 2), np.int64)], [np.zeros(0)]
     points = _points(problem, through)
     step = spacing
+    empty: list[str] = []
     for region in chosen:
         own = np.flatnonzero(label == region)
         kind = _kind(problem, region, targets[region], own)
         field = _field(problem, region, own)
         size = float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[own]].reshape(-1, 3), axis=0)))
         step = spacing or size / 12.0
-        if points is None:
+        if _is_flat(field, size):
+            traced: list[list[Traced]] = [[], []]
+        elif points is None:
             traced = _grown(field, kind, step, size)
         else:
             traced = _through(field, kind, points, _supports_of(problem, region, through))
         if not any(traced):
-            raise CGCError(f"region {region} has no {NAMES[kind]} to trace; is it solved?")
+            empty.append(f"region {region} has no {NAMES[kind]} to trace{_why(field, kind, size)}")
+            continue
         first = sum(map(len, nodes))
         places, pairs, along = _crossings(field, traced)
         nodes.append(places)
         sides.append(pairs + first)
         lengths.append(along)
         curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
-    return CurveNet(problem, spacing or (step if len(chosen) == 1 else None), curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths))
+    if not curves:
+        raise CGCError("; ".join(empty))
+    return CurveNet(problem, spacing or (step if len(chosen) == 1 else None), curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
 
 
 def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArray) -> int:
@@ -159,6 +169,16 @@ def _field(problem: CGCProblem, region: int, own: IntArray) -> DirectionField:
         raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
     # Elsewhere nobody looks.
     return direction_field(problem.vertices, problem.faces[own], np.where(np.isfinite(S), S, 0.0))
+
+
+def _is_flat(field: DirectionField, size: float) -> bool:
+    return float(np.abs(field.operators[np.unique(field.faces)]).max()) * size < PLANE
+
+
+def _why(field: DirectionField, kind: int, size: float) -> str:
+    if _is_flat(field, size):
+        return ": it is a plane, on which any line will do"
+    return "; is it solved, and does a point lie on it?" if kind == RULING else "; is it solved?"
 
 
 def _points(problem: CGCProblem, through: Union[str, ArrayLike, None]) -> Optional[Vectors]:
@@ -238,24 +258,32 @@ def _grown(field: DirectionField, kind: int, spacing: float, size: float) -> lis
         if len(curve.points) < 2:
             return [[], []]
         traced[family].append(curve)
-    done = [0, 0]
     while sum(map(len, traced)) < MOST:
         grew = False
         for family in (0, 1):
-            # Curves of a family may cross the other one's in new places each time that one has grown.
+            # Curves of a family may be crossed in new places each time that the other one has grown.
             for curve in traced[family][:]:
                 for face, place in _open_marks(field, curve, traced[1 - family], spacing):
                     new = trace(field, kind, 1 - family, face, place)
-                    if _long(new, spacing):
+                    if _long(new, spacing) and not _crowds(field, new, traced, family, spacing):
                         traced[1 - family].append(new)
                         grew = True
                 if kind == RULING:
                     # Rulings are marked off along the first curve across them only.
                     break
-            done[family] = len(traced[family])
         if not grew or kind == RULING:
             break
     return [traced[0], []] if kind == RULING else traced
+
+
+def _crowds(field: DirectionField, new: Traced, traced: list[list[Traced]], family: int, spacing: float) -> bool:
+    """Tell whether a new curve crosses one of a family next to a crossing that is there, having left the region in between."""
+    for curve in traced[family]:
+        for s, _ in _meetings(field, curve, new):
+            for other in traced[1 - family]:
+                if any(abs(s - t) < CROWDED * spacing for t, _ in _meetings(field, curve, other)):
+                    return True
+    return False
 
 
 def _long(curve: Traced, spacing: float) -> bool:
@@ -290,7 +318,7 @@ def _place(curve: Traced, at: FloatArray, mark: float) -> tuple[int, Vectors]:
 
 def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
     """Return the arc lengths of both curves where they cross."""
-    common, first, second = _pairs(one.faces, other.faces)
+    common, first, second = pairs_of_equal(one.faces, other.faces)
     if not len(common):
         return []
     origin, axes = field.vertices[field.faces[common, 0]], field.axes[common]
@@ -316,16 +344,6 @@ def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[f
         if not any(abs(place[0] - old[0]) < 1e-6 * at[-1] for old in found):
             found.append(place)
     return found
-
-
-def _pairs(one: IntArray, other: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the common values of two lists, with all pairs of positions at which they stand."""
-    order = np.argsort(other, kind="stable")
-    low, high = np.searchsorted(other[order], one, "left"), np.searchsorted(other[order], one, "right")
-    count = high - low
-    first = np.repeat(np.arange(len(one)), count)
-    second = order[np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)]
-    return one[first], first, second
 
 
 def _crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vectors, IntArray, FloatArray]:

@@ -1,0 +1,101 @@
+"""Rulings of unrolled pieces: where they lie on the sheets, and how straight they are."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import CGCError
+from ..model.problem import CGCProblem
+from .curves import CurveNet
+from .curves import curve_net
+from .patchwork import Patchwork
+from .patchwork import pairs_of_equal
+
+__all__ = ["Ruling", "Straightness", "rulings_of"]
+
+STRAIGHT = 0.02  # distance from its chord, against the chord, up to which a curve is drawn as a ruling
+
+
+class Ruling(NamedTuple):
+    """A ruling on a piece."""
+
+    piece: int
+    points: FloatArray  # (k, 2) on its sheet [L]
+
+
+class Straightness(NamedTuple):
+    """How far the rulings of a region are off their chords, against these."""
+
+    median: float
+    largest: float
+
+
+def rulings_of(
+    problem: CGCProblem, patchwork: Patchwork, regions: list[int], spacing: Optional[float]
+) -> tuple[list[Ruling], dict[int, Straightness]]:
+    """Return the rulings of unrolled regions, and how straight they are by region; a flat region has none."""
+    rulings: list[Ruling] = []
+    straightness = {}
+    for region in regions:
+        try:
+            net = curve_net(problem, spacing, regions=[region])
+        except CGCError:
+            continue  # Flat, or too coarse to tell.
+        off = np.array([curve.straightness for curve in net.curves])
+        straightness[region] = Straightness(float(np.median(off)), float(off.max()))
+        rulings += _on_pieces(patchwork, net)
+    return rulings, straightness
+
+
+def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
+    """Return the curves that are straight enough on the sheets, cut where pieces end."""
+    curves = [curve for curve in net.curves if curve.straightness <= STRAIGHT]
+    if not curves:
+        return []
+    start = np.vstack([curve.points[:-1] for curve in curves])
+    end = np.vstack([curve.points[1:] for curve in curves])
+    number = np.repeat(np.arange(len(curves)), [len(curve.faces) for curve in curves])
+    _, segment, face = pairs_of_equal(np.concatenate([curve.faces for curve in curves]), own.parent)
+    a, b = _weights(own, face, start[segment]), _weights(own, face, end[segment])
+    low, high = _clipped(a, b)
+    kept = high - low > 1e-9
+    segment, face, a, b, low, high = segment[kept], face[kept], a[kept], b[kept], low[kept], high[kept]
+    order = np.lexsort((low, segment))
+    segment, face = segment[order], face[order]
+    begin, finish = (((1 - t)[:, None] * a + t[:, None] * b)[order] for t in (low, high))
+    places = [np.einsum("kc,kcj->kj", weights, own.plane[face]) for weights in (begin, finish)]
+    piece = own.piece[face]
+    broken = np.ones(len(face), bool)
+    near = np.linalg.norm(places[0][1:] - places[1][:-1], axis=1) < 1e-9 * own.size()
+    broken[1:] = (number[segment[1:]] != number[segment[:-1]]) | (piece[1:] != piece[:-1]) | ~near
+    rulings = []
+    for part in np.split(np.arange(len(face)), np.flatnonzero(broken)[1:]):
+        if len(part):
+            rulings.append(Ruling(int(piece[part[0]]), np.vstack([places[0][part], places[1][part[-1:]]])))
+    return rulings
+
+
+def _weights(own: Patchwork, face: IntArray, points: FloatArray) -> FloatArray:
+    """Return the barycentric weights of points (k, 3) in faces (k, 3)."""
+    a, b, c = own.space[own.faces[face]].transpose(1, 0, 2)
+    u, v, w = b - a, c - a, points - a
+    uu, uv, vv = (np.einsum("ij,ij->i", x, y) for x, y in ((u, u), (u, v), (v, v)))
+    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
+    area = uu * vv - uv * uv
+    s, t = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
+    return np.column_stack([1.0 - s - t, s, t])
+
+
+def _clipped(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the part of segments, from weights a to b (k, 3), within their triangles: from and to a share of them."""
+    slope = b - a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = -a / slope
+    enter = np.where(slope > 0, at, np.where((slope == 0) & (a < 0), np.inf, 0.0))
+    leave = np.where(slope < 0, at, 1.0)
+    return np.clip(enter.max(axis=1), 0.0, None), np.clip(leave.min(axis=1), None, 1.0)
