@@ -7,10 +7,10 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+from .._compiled import kernel
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete._cholesky import solve_in_place
@@ -35,7 +35,7 @@ class QuadricCurvatures(NamedTuple):
     smallest: PerVertex  # (n,) smaller principal curvature [1/L]
 
 
-@njit(cache=True)
+@kernel()
 def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
     """Return the cross product of a vector with the axis that it leans to least."""
     a0, a1, a2 = abs(n0), abs(n1), abs(n2)
@@ -46,7 +46,7 @@ def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
     return n1, -n0, 0.0
 
 
-@njit(cache=True)
+@kernel()
 def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, wanted: Mask) -> FloatArray:
     """Return K and H (n, 2) of the quadric through each wanted vertex that is nearest to its two rings.
 

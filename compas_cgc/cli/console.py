@@ -12,13 +12,57 @@ from typing import TYPE_CHECKING
 from typing import Optional
 from typing import TextIO
 
+from .._compiled import watch_compilation
+
 if TYPE_CHECKING:
+    from .._compiled import Compilation
     from ..model.result import SolveState
 
-__all__ = ["ProgressBar", "interruptible"]
+__all__ = ["ProgressBar", "compiling", "interruptible"]
 
 _WIDTH = 24
 _INTERVAL = 0.1  # seconds between two pictures
+
+
+def bar(part: float) -> str:
+    """Return a bar that is filled so far, from 0 to 1."""
+    filled = round(_WIDTH * min(1.0, max(0.0, part)))
+    return "[" + "#" * filled + "." * (_WIDTH - filled) + "]"
+
+
+@contextmanager
+def compiling(quiet: bool = False, stream: Optional[TextIO] = None) -> Iterator[None]:
+    """Show on one line, within a block, that kernels are compiled: a bar on a terminal, elsewhere a sentence.
+
+    Parameters
+    ----------
+    quiet
+        Show nothing.
+    stream
+        Where to. Default: standard error.
+    """
+    out = sys.stderr if stream is None else stream
+    if quiet:
+        yield
+        return
+    shown: list[str] = []
+
+    def tell(state: Compilation) -> None:
+        if out.isatty():
+            text = f"{bar(state.part)} compiling, once: {state.seconds:.1f} s"
+            out.write(f"\r{text}" if state.part < 1.0 else "\r" + " " * len(text) + "\r")
+        elif not shown:
+            out.write("compiling, once; this takes some seconds\n")
+        shown.append("")
+        out.flush()
+
+    try:
+        with watch_compilation(tell):
+            yield
+    finally:
+        if shown and out.isatty():
+            out.write("\r" + " " * 60 + "\r")
+            out.flush()
 
 
 class ProgressBar:
@@ -41,9 +85,8 @@ class ProgressBar:
         if not self.stream.isatty() or now - self.shown < _INTERVAL:
             return
         self.shown = now
-        filled = round(_WIDTH * state.step / state.steps)
-        bar = "#" * filled + "." * (_WIDTH - filled)
-        text = f"[{bar}] step {state.step} of at most {state.steps}, largest error {state.max_error:.3g}, {state.seconds:.1f} s"
+        steps = f"step {state.step} of at most {state.steps}"
+        text = f"{bar(state.step / state.steps)} {steps}, largest error {state.max_error:.3g}, {state.seconds:.1f} s"
         self.stream.write("\r" + text.ljust(self.length))
         self.stream.flush()
         self.length = len(text)

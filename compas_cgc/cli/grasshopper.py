@@ -50,12 +50,14 @@ def install(arguments: argparse.Namespace) -> int:
     from ..grasshopper.build.build_all import user_object_files
     from ..grasshopper.build.install import install as put
     from ..grasshopper.build.install import user_objects_folder
+    from .warm import warm
 
     files = user_object_files(_path(arguments.source))
     written, removed = put(files, _path(arguments.to) or user_objects_folder(), arguments.dry_run)
     _say("would write" if arguments.dry_run else "wrote", written)
     _say("would remove" if arguments.dry_run else "removed", removed)
     if not arguments.dry_run:
+        warm()
         print("restart Rhino 8; the components are on Grasshopper's tab COMPAS CGC")
     return DONE
 

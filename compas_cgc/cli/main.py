@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Optional
 
 from .._version import __version__
+from .console import compiling
 from .exits import INTERRUPTED
 from .exits import REFUSED
 
@@ -24,6 +25,7 @@ COMMANDS = {
     "reproduce": "run all of the paper's examples and tables",
     "bench": "measure the speed on this machine",
     "serve": "run the compute server",
+    "warm": "compile everything now, so that the first solve does not wait for it",
     "grasshopper": "make and install the Grasshopper components",
 }
 
@@ -64,7 +66,8 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     words = sys.argv[1:] if argv is None else list(argv)
     arguments = build_parser(next(iter(words), None)).parse_args(words)
     try:
-        return arguments.run(arguments)
+        with compiling(quiet=getattr(arguments, "quiet", False)):
+            return arguments.run(arguments)
     except KeyboardInterrupt:
         print("compas-cgc: interrupted", file=sys.stderr)
         return INTERRUPTED

@@ -34,10 +34,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
+    from .._warm_up import is_warm
     from ..server.run import serve
+    from .warm import warm
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
     names = tuple(name.lower() for name in arguments.name)
+    if not is_warm():
+        # Here, with a bar, and not in every worker.
+        warm()
     serve(arguments.host, arguments.port, key, arguments.workers, arguments.store, names=names)
     return DONE
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from .._compiled import kernel
 from .arrays import FloatArray
 
 SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
 
 
-@njit(cache=True)
+@kernel()
 def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
     """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up.
 

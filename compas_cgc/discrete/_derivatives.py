@@ -1,87 +1,20 @@
-"""Compiled derivatives of angle defects and mixed areas, the cotangent matrix, and the sparsity they live in."""
+"""Compiled derivatives of angle defects and mixed areas, and the cotangent matrix."""
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from ._kernels import corner
 from .arrays import CSRIndices
 from .arrays import Faces
 from .arrays import FloatArray
-from .arrays import Indices
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 
 
-@njit(cache=True)
-def pattern(F: Faces, row_of: Indices, column_of: Indices, k: int) -> tuple[CSRIndices, CSRIndices]:
-    """Return the CSR pattern of `k` rows: the columns among the corners of the faces around each row's vertex."""
-    n = len(row_of)
-    start = np.zeros(n + 1, np.int64)
-    for f in range(F.shape[0]):
-        for c in range(3):
-            start[F[f, c] + 1] += 1
-    for i in range(n):
-        start[i + 1] += start[i]
-    around = np.empty(start[n], np.int32)
-    fill = start[:-1].copy()
-    for f in range(F.shape[0]):
-        for c in range(3):
-            around[fill[F[f, c]]] = f
-            fill[F[f, c]] += 1
-    vertex_of = np.empty(k, np.int64)
-    for i in range(n):
-        if row_of[i] >= 0:
-            vertex_of[row_of[i]] = i
-    # A row has at most one column more than three per face.
-    most = 0
-    for r in range(k):
-        most += 3 * (start[vertex_of[r] + 1] - start[vertex_of[r]])
-    indices = np.empty(most, np.int32)
-    indptr = np.zeros(k + 1, np.int32)
-    size = 0
-    for r in range(k):
-        begin = size
-        for a in range(start[vertex_of[r]], start[vertex_of[r] + 1]):
-            for c in range(3):
-                column = column_of[F[around[a], c]]
-                if column < 0:
-                    continue
-                at = size
-                while at > begin and indices[at - 1] > column:
-                    at -= 1
-                if at > begin and indices[at - 1] == column:
-                    continue
-                for b in range(size, at, -1):
-                    indices[b] = indices[b - 1]
-                indices[at] = column
-                size += 1
-        indptr[r + 1] = size
-    return indptr, indices[:size].copy()
-
-
-@njit(cache=True)
-def slots(F: Faces, row_of: Indices, column_of: Indices, indptr: CSRIndices, indices: CSRIndices) -> CSRIndices:
-    """Return where the derivative of corner a's equation by corner b's move is kept (m, 3, 3), -1 for nowhere."""
-    S = np.full((F.shape[0], 3, 3), -1, np.int32)
-    for f in range(F.shape[0]):
-        for a in range(3):
-            row = row_of[F[f, a]]
-            if row < 0:
-                continue
-            for b in range(3):
-                column = column_of[F[f, b]]
-                if column >= 0:
-                    at = indptr[row]
-                    while indices[at] != column:
-                        at += 1
-                    S[f, a, b] = at
-    return S
-
-
-@njit(cache=True)
+@kernel()
 def face_derivatives(
     V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, M: FloatArray, D: FloatArray, T: FloatArray, G: FloatArray
 ) -> bool:
@@ -143,7 +76,7 @@ def face_derivatives(
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) -> FloatArray:
     """Return the derivatives by all coordinates, in the slots S, (size, 3)."""
     data = np.zeros((size, 3))
@@ -160,7 +93,7 @@ def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) ->
     return data
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
     """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,)."""
     data = np.zeros(size)
@@ -177,7 +110,7 @@ def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vect
     return data
 
 
-@njit(cache=True)
+@kernel()
 def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
     """Return the negative cotangent Laplacian, in the slots S, (size,)."""
     data = np.zeros(size)
@@ -187,14 +120,10 @@ def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
             continue
         dots = (di, dj, dk)
         for a in range(3):
-            p, q = (a + 1) % 3, (a + 2) % 3
             half = 0.5 * dots[a] / double
-            if S[f, p, p] >= 0:
-                data[S[f, p, p]] += half
-            if S[f, q, q] >= 0:
-                data[S[f, q, q]] += half
-            if S[f, p, q] >= 0:
-                data[S[f, p, q]] -= half
-            if S[f, q, p] >= 0:
-                data[S[f, q, p]] -= half
+            for b in range(3):
+                for c in range(3):
+                    at = S[f, b, c]
+                    if at >= 0 and b != a and c != a:
+                        data[at] += half if b == c else -half
     return data

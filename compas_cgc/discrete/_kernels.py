@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from .arrays import Edges
 from .arrays import Faces
 from .arrays import PerFace
@@ -17,7 +17,7 @@ from .arrays import Vertices
 MIXED, VORONOI, BARYCENTRIC = 0, 1, 2
 
 
-@njit(cache=True)
+@kernel()
 def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, float, float, float, float, float]:
     """Return the indices of face `f`, its cross vector (twice the vector area) and what follows from it.
 
@@ -33,7 +33,7 @@ def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, 
     return i, j, k, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), ab, aa - ab, bb - ab
 
 
-@njit(cache=True)
+@kernel()
 def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tuple[float, float, float]:
     """Return the shares of a face's area that belong to its corners i, j, k.
 
@@ -56,7 +56,7 @@ def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tup
     return (si + sj) * eighth, (si + sk) * eighth, (sj + sk) * eighth
 
 
-@njit(cache=True)
+@kernel()
 def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, PerVertex]:
     """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass, for Eq. 10."""
     angle = np.zeros(len(V))
@@ -75,16 +75,22 @@ def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, P
     return angle, area
 
 
-@njit(cache=True)
+@kernel()
+def write_cross_vectors(V: Vertices, F: Faces, C: Vectors) -> None:
+    """Write twice the vector area of every face into the first rows of C."""
+    for f in range(F.shape[0]):
+        _, _, _, C[f, 0], C[f, 1], C[f, 2], _, _, _, _ = corner(V, F, f)
+
+
+@kernel()
 def cross_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return twice the vector area of every face, which is that of Eq. 11 (m, 3)."""
     C = np.empty((F.shape[0], 3))
-    for f in range(F.shape[0]):
-        _, _, _, C[f, 0], C[f, 1], C[f, 2], _, _, _, _ = corner(V, F, f)
+    write_cross_vectors(V, F, C)
     return C
 
 
-@njit(cache=True)
+@kernel()
 def sum_at_vertices(n: int, F: Faces, C: Vectors) -> Vectors:
     """Return the sum of the face vectors `C` around every vertex, Eq. 12 (n, 3)."""
     N = np.zeros((n, 3))
@@ -97,7 +103,7 @@ def sum_at_vertices(n: int, F: Faces, C: Vectors) -> Vectors:
     return N
 
 
-@njit(cache=True)
+@kernel()
 def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return the cotangent sums A_i H_i of Eq. 14 at every vertex (n, 3)."""
     L = np.zeros((len(V), 3))
@@ -116,7 +122,7 @@ def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     return L
 
 
-@njit(cache=True)
+@kernel()
 def fold(V: Vertices, C: Vectors, u: int, v: int, f: int, g: int) -> tuple[float, float]:
     """Return length and signed exterior dihedral angle of the edge u-v, convex positive."""
     ex, ey, ez = V[v, 0] - V[u, 0], V[v, 1] - V[u, 1], V[v, 2] - V[u, 2]
@@ -129,7 +135,7 @@ def fold(V: Vertices, C: Vectors, u: int, v: int, f: int, g: int) -> tuple[float
     return length, math.atan2(sine, ax * bx + ay * by + az * bz)
 
 
-@njit(cache=True)
+@kernel()
 def total_fold(V: Vertices, C: Vectors, E: Edges) -> float:
     """Return half the sum of length times exterior angle over the edges with two sides."""
     total = 0.0
@@ -140,7 +146,7 @@ def total_fold(V: Vertices, C: Vectors, E: Edges) -> float:
     return 0.5 * total
 
 
-@njit(cache=True)
+@kernel()
 def pyramids(V: Vertices, F: Faces, weight: PerFace) -> float:
     """Return the weighted sum of the pyramids of Eq. 16 over the faces, Eq. 19 where all weights are one.
 
@@ -153,7 +159,7 @@ def pyramids(V: Vertices, F: Faces, weight: PerFace) -> float:
     return total / 6.0
 
 
-@njit(cache=True)
+@kernel()
 def add_pyramid_gradient(V: Vertices, F: Faces, weight: PerFace, out: Vectors) -> None:
     """Subtract the gradient of :func:`pyramids` from `out` (n, 3)."""
     for f in range(F.shape[0]):
@@ -165,7 +171,7 @@ def add_pyramid_gradient(V: Vertices, F: Faces, weight: PerFace, out: Vectors) -
             out[i, 2] -= w * (V[j, 0] * V[k, 1] - V[j, 1] * V[k, 0])
 
 
-@njit(cache=True)
+@kernel()
 def fold_gradient(V: Vertices, F: Faces, C: Vectors, E: Edges) -> Vectors:
     """Return the gradient of :func:`total_fold` (n, 3).
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from ._cholesky import solve_in_place
 from .arrays import Faces
 from .arrays import FloatArray
@@ -21,7 +21,7 @@ SPARE = 1.25  # points against terms below which the degree is lowered
 CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
 
 
-@njit(cache=True)
+@kernel()
 def around(F: Faces, n: int) -> tuple[IntArray, IntArray]:
     """Return the faces at every vertex, in compressed rows."""
     start = np.zeros(n + 1, np.int64)
@@ -39,7 +39,7 @@ def around(F: Faces, n: int) -> tuple[IntArray, IntArray]:
     return start, faces
 
 
-@njit(cache=True)
+@kernel()
 def gather(i: int, F: Faces, start: IntArray, faces: IntArray, through: Mask, rings: int, ring: IntArray, stamp: IntArray) -> int:
     """Write the vertices of the rings around i into `ring`, reached through vertices of `through` only; return how many."""
     stamp[i] = i
@@ -60,7 +60,7 @@ def gather(i: int, F: Faces, start: IntArray, faces: IntArray, through: Mask, ri
     return count
 
 
-@njit(cache=True)
+@kernel()
 def powers(u: float, v: float, degree: int, row: FloatArray) -> None:
     """Write the monomials of degree 1 to `degree` into a row, u before v."""
     at = 0
@@ -70,7 +70,7 @@ def powers(u: float, v: float, degree: int, row: FloatArray) -> None:
             at += 1
 
 
-@njit(cache=True)
+@kernel()
 def corner_of(a: FloatArray, b: FloatArray) -> tuple[float, float]:
     """Return the angle between two sides at a vertex, and its share of the mixed area."""
     x, y, z = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -86,7 +86,7 @@ def corner_of(a: FloatArray, b: FloatArray) -> tuple[float, float]:
     return math.atan2(double, dot), area
 
 
-@njit(cache=True)
+@kernel()
 def misfit(points: FloatArray, count: int, scale: float, r: FloatArray, degree: int, row: FloatArray) -> tuple[float, float]:
     """Return how far points lie from a polynomial, and how far its quadratic part leads them, both as root mean squares."""
     terms = TERMS[degree]
@@ -105,7 +105,7 @@ def misfit(points: FloatArray, count: int, scale: float, r: FloatArray, degree: 
     return scale * math.sqrt(off / (count - terms)), scale * math.sqrt(bent / count)
 
 
-@njit(cache=True)
+@kernel()
 def fitted(
     V: Vertices,
     N: Vectors,

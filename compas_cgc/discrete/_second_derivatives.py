@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from .arrays import Faces
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def defects_along(V: Vertices, F: Faces, weight: PerVertex, U: Vectors) -> Vectors:
     """Return the derivative (n, 3), along the move U (n, 3), of the gradient of the weighted sum of all angle defects.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from ._kernels import corner
 from .arrays import CSRIndices
@@ -55,7 +54,7 @@ def sine(a: float, b: float, c: float, D: float, K: float) -> float:
     return math.sqrt(max(0.0, D - 0.25 * K * a * b * c))
 
 
-@njit(cache=True)
+@kernel()
 def angle_sums(V: Vertices, F: Faces, K: PerVertex, arc: bool) -> PerVertex:
     """Return the sum of angles at every vertex (n,), each in the space form of that vertex's own K."""
     total = np.zeros(len(V))
@@ -70,7 +69,7 @@ def angle_sums(V: Vertices, F: Faces, K: PerVertex, arc: bool) -> PerVertex:
     return total
 
 
-@njit(cache=True)
+@kernel()
 def room(V: Vertices, F: Faces, K: PerFace, arc: bool) -> PerFace:
     """Return K times the squared circumradius of every face (m,), which has to be less than one."""
     out = np.empty(F.shape[0])

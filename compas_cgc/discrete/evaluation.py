@@ -1,4 +1,4 @@
-"""Curvature and energy of a shape, in one compiled call."""
+"""Curvature and energy of a shape."""
 
 from __future__ import annotations
 
@@ -6,55 +6,17 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from . import _kernels
-from . import edge_faces
-from .arrays import Edges
 from .arrays import Faces
-from .arrays import Mask
 from .arrays import PerFace
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
+from .normals import unit_vectors
+from .topology import edge_faces
 
 __all__ = ["Measure", "Measurement"]
-
-STEINER, COTANGENT = 0, 1
-
-
-@njit(cache=True)
-def measure(
-    V: Vertices, F: Faces, E: Edges, weight: PerFace, clamp: Vectors, inside: Mask, kind: int
-) -> tuple[PerVertex, PerVertex, Vectors, float]:
-    """Return K of Eq. 10 (n,), A (n,), unit normals of Eq. 13 (n, 3) and the energy Φ of a shape, Eq. 2 with its sign turned."""
-    n, m = V.shape[0], F.shape[0]
-    angle, area = _kernels.angle_sums_and_areas(V, F, _kernels.MIXED)
-    C = np.empty((m + clamp.shape[0], 3))
-    C[:m] = _kernels.cross_vectors(V, F)
-    C[m:] = clamp
-    N = _kernels.sum_at_vertices(n, F, C)
-    K = np.zeros(n)
-    for i in range(n):
-        if area[i] > 0.0:
-            K[i] = (2.0 * math.pi - angle[i]) / area[i]
-        length = math.sqrt(N[i, 0] ** 2 + N[i, 1] ** 2 + N[i, 2] ** 2)
-        if length > 0.0:
-            for x in range(3):
-                N[i, x] /= length
-    if kind == STEINER:
-        total = _kernels.total_fold(V, C, E)
-    else:
-        L = _kernels.mean_curvature_vectors(V, F)
-        total = 0.0
-        for i in range(n):
-            if inside[i]:
-                square, inward = 0.0, 0.0
-                for x in range(3):
-                    square += L[i, x] ** 2
-                    inward -= L[i, x] * N[i, x]
-                total += 0.5 * math.copysign(math.sqrt(square), inward)
-    return K, area, N, total - _kernels.pyramids(V, F, weight)
 
 
 class Measurement(NamedTuple):
@@ -91,12 +53,24 @@ class Measure:
         self.edges = edge_faces(faces)
         rim = np.flatnonzero(self.edges[:, 3] < 0)
         crosses = _kernels.cross_vectors(vertices, faces)
-        self.clamp = np.ascontiguousarray(crosses[self.edges[rim, 2]])
+        self.crosses = np.concatenate([crosses, crosses[self.edges[rim, 2]]])
         self.inside = np.ones(len(vertices), bool)
         self.inside[self.edges[rim, :2].ravel()] = False
         self.edges[rim, 3] = len(faces) + np.arange(len(rim))
-        self.kind = STEINER if energy == "steiner" else COTANGENT
+        self.energy = energy
 
     def __call__(self, vertices: Vertices) -> Measurement:
         """Return the measurement of a shape with vertices (n, 3)."""
-        return Measurement(*measure(vertices, self.faces, self.edges, self.weight, self.clamp, self.inside, self.kind))
+        angle, area = _kernels.angle_sums_and_areas(vertices, self.faces, _kernels.MIXED)
+        _kernels.write_cross_vectors(vertices, self.faces, self.crosses)
+        normal = unit_vectors(_kernels.sum_at_vertices(len(vertices), self.faces, self.crosses))
+        curvature = np.divide(2.0 * math.pi - angle, area, out=np.zeros_like(area), where=area > 0.0)
+        energy = self._total_mean_curvature(vertices, normal) - _kernels.pyramids(vertices, self.faces, self.weight)
+        return Measurement(curvature, area, normal, energy)
+
+    def _total_mean_curvature(self, vertices: Vertices, normal: Vectors) -> float:
+        if self.energy == "steiner":
+            return float(_kernels.total_fold(vertices, self.crosses, self.edges))
+        vectors = _kernels.mean_curvature_vectors(vertices, self.faces)[self.inside]
+        inward = -np.einsum("ij,ij->i", vectors, normal[self.inside])
+        return float(0.5 * np.copysign(np.linalg.norm(vectors, axis=1), inward).sum())

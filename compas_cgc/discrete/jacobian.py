@@ -52,7 +52,8 @@ class CurvatureEquations:
     """
 
     def __init__(self, faces: Faces, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
-        self.targets: PerVertex = np.ascontiguousarray(targets, dtype=np.float64)
+        # A copy: Numba compiles anew for an array that may not be written to.
+        self.targets: PerVertex = np.array(targets, dtype=np.float64)
         n = len(self.targets)
         self.pattern = RingPattern(faces, n, rows, columns)
         self.faces, self.rows, self.columns = self.pattern.faces, self.pattern.rows, self.pattern.columns

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from . import _derivatives
 from .arrays import CSRIndices
 from .arrays import Faces
 from .arrays import FloatArray
@@ -37,8 +36,12 @@ class RingPattern:
         self.rows: Indices = np.ascontiguousarray(rows, dtype=np.int64)
         self.columns: Indices = np.ascontiguousarray(columns, dtype=np.int64)
         row_of, column_of = (_places(chosen, n) for chosen in (self.rows, self.columns))
-        self.indptr, self.indices = _derivatives.pattern(self.faces, row_of, column_of, len(self.rows))
-        self.slots = _derivatives.slots(self.faces, row_of, column_of, self.indptr, self.indices)
+        row, column = np.broadcast_arrays(row_of[self.faces][:, :, None], column_of[self.faces][:, None, :])
+        used = (row >= 0) & (column >= 0)
+        self.indptr, self.indices = _pattern(row[used], column[used], (len(self.rows), len(self.columns)))
+        # Where the derivative of corner a's equation by corner b's move is kept (m, 3, 3), -1 for nowhere.
+        self.slots: CSRIndices = np.full(row.shape, -1, np.int32)
+        self.slots[used] = _slots(row[used], column[used], self.indptr, self.indices, len(self.columns))
 
     @property
     def size(self) -> int:
@@ -60,6 +63,19 @@ def _places(chosen: Indices, n: int) -> Indices:
     place = np.full(n, -1, np.int64)
     place[chosen] = np.arange(len(chosen))
     return place
+
+
+def _pattern(row: Indices, column: Indices, shape: tuple[int, int]) -> tuple[CSRIndices, CSRIndices]:
+    """Return the CSR pattern of entries that may come several times."""
+    entries = sparse.csr_matrix((np.ones(len(row), np.int8), (row, column)), shape=shape)
+    entries.sum_duplicates()
+    return entries.indptr.astype(np.int32, copy=False), entries.indices.astype(np.int32, copy=False)
+
+
+def _slots(row: Indices, column: Indices, indptr: CSRIndices, indices: CSRIndices, width: int) -> Indices:
+    """Return the places of entries in a CSR pattern."""
+    keys = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr)) * width + indices
+    return np.searchsorted(keys, row * width + column)
 
 
 def _csr(data: FloatArray, indices: CSRIndices, indptr: CSRIndices, shape: tuple[int, int]) -> sparse.csr_matrix:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from .arrays import Edges
 from .arrays import Faces
+from .arrays import Indices
 from .arrays import Mask
 from .arrays import MeshError
 from .arrays import Vertices
@@ -16,16 +17,14 @@ from .arrays import mesh_arrays
 __all__ = ["boundary_vertices", "edge_faces"]
 
 
-@njit(cache=True)
-def _scramble(i: int) -> np.uint64:
+def _scrambled(i: Indices) -> NDArray[np.uint64]:
     # The bijective finaliser of splitmix64: distinct vertices have distinct images.
-    z = np.uint64(i) + np.uint64(0x9E3779B97F4A7C15)
+    z = i.astype(np.uint64) + np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))
 
 
-@njit(cache=True)
 def boundary_mask(n: int, F: Faces) -> Mask:
     """Mark the vertices whose fan of faces is not closed.
 
@@ -33,14 +32,14 @@ def boundary_mask(n: int, F: Faces) -> Mask:
     the sum over (next - previous) vanishes; around an open fan it is first - last.
     One pass over the faces, without sorting edges.
     """
-    balance = np.zeros(n, np.uint64)
-    for f in range(F.shape[0]):
-        i, j, k = F[f, 0], F[f, 1], F[f, 2]
-        hi, hj, hk = _scramble(i), _scramble(j), _scramble(k)
-        balance[i] += hj - hk
-        balance[j] += hk - hi
-        balance[k] += hi - hj
-    return balance != np.uint64(0)
+    image = _scrambled(np.arange(n))
+    # Halves of 32 bits, so that their sums are exact in floating point.
+    mask = np.zeros(n, bool)
+    for half in (image >> np.uint64(32), image & np.uint64(0xFFFFFFFF)):
+        h = half.astype(np.float64)[F]
+        balance = np.bincount(F.ravel(), (np.roll(h, -1, axis=1) - np.roll(h, 1, axis=1)).ravel(), minlength=n)
+        mask |= balance != 0.0
+    return mask
 
 
 def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:

@@ -1,24 +1,49 @@
-"""Nested dissection: elimination orders that keep the factors of mesh matrices sparse."""
+"""Elimination orders that keep the factors of mesh matrices sparse: nested dissection, and minimum degree for small ones."""
 
 from __future__ import annotations
 
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.linalg import splu
 
+from .._compiled import kernel
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 
-__all__ = ["nested_dissection"]
+__all__ = ["elimination_order", "minimum_degree", "nested_dissection"]
+
+DISSECT_FROM = 3000  # unknowns; below, minimum degree is as good, and SciPy has it compiled
 
 LANDMARKS = 3
 SHORT = 0.3  # extent, against the largest, of a direction in which no cut is tried
 LEFT, RIGHT = 1, 2
+
+
+def elimination_order(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None) -> Indices:
+    """Return an elimination order (n,) for a matrix of symmetric sparsity: by minimum degree where it is small, else nested dissection."""
+    return minimum_degree(matrix) if matrix.shape[0] < DISSECT_FROM else nested_dissection(matrix, points)
+
+
+def minimum_degree(matrix: sparse.csr_matrix) -> Indices:
+    """Return the elimination order (n,) that takes an unknown with the fewest neighbours next, as SuperLU finds it.
+
+    SciPy tells it with factors only: those of a matrix of the same sparsity that cannot be singular.
+
+    References
+    ----------
+    Liu, doi:10.1145/214392.214398.
+    """
+    n = matrix.shape[0]
+    if n == 0:
+        return np.arange(0)
+    standin = sparse.csc_matrix((np.full(matrix.nnz, -1.0), matrix.indices, matrix.indptr), shape=matrix.shape)
+    standin += sparse.diags(np.full(n, 2.0 + np.diff(matrix.indptr).max()), format="csc")
+    return np.argsort(splu(standin, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c)
 
 
 def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None, leaf: int = 8) -> Indices:
@@ -53,7 +78,7 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     return _dissect(matrix.indptr, matrix.indices, places, leaf)
 
 
-@njit(cache=True)
+@kernel()
 def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
     """Return the distances (3, n) from landmarks; parts that are not joined lie behind one another."""
     n = len(indptr) - 1
@@ -83,7 +108,7 @@ def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
     return places
 
 
-@njit(cache=True)
+@kernel()
 def _spread(indptr: CSRIndices, indices: CSRIndices, first: int, level: IntArray, queue: IntArray) -> int:
     """Set the distance from a first unknown where it is -1, in the order of the queue; return how many are reached."""
     level[first], queue[0] = 0, first
@@ -100,7 +125,7 @@ def _spread(indptr: CSRIndices, indices: CSRIndices, first: int, level: IntArray
     return reached
 
 
-@njit(cache=True)
+@kernel()
 def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: int) -> Indices:
     n, d = len(indptr) - 1, len(places)
     order = np.arange(n)
@@ -111,20 +136,25 @@ def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: 
         low, high = todo.pop()
         if high - low <= leaf:
             continue
-        part = order[low:high].copy()
+        part = np.empty(high - low, np.int64)
+        for k in range(high - low):
+            part[k] = order[low + k]
         for k in range(d):
-            extent[k] = np.ptp(places[k][part])
+            extent[k] = _extent(part, places[k])
         best, last, thin, fewest = 0, -1, RIGHT, n
+        longest = 0.0
         for k in range(d):
-            if extent[k] >= SHORT * extent.max():
-                _halve(part, places[k][part], half)
+            longest = max(longest, extent[k])
+        for k in range(d):
+            if extent[k] >= SHORT * longest:
+                _halve(part, places[k], half)
                 lefts, rights = _beside(indptr, indices, part, half)
                 last = k
                 if min(lefts, rights) < fewest:
                     best, fewest = k, min(lefts, rights)
                     thin = LEFT if lefts < rights else RIGHT
         if best != last:
-            _halve(part, places[best][part], half)
+            _halve(part, places[best], half)
         a, c = low, high
         for i in part:
             if half[i] == thin and _touches(indptr, indices, i, half):
@@ -138,28 +168,71 @@ def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: 
             if half[i] == RIGHT and not (thin == RIGHT and _touches(indptr, indices, i, half)):
                 order[b] = i
                 b += 1
-        half[part] = 0
+        for i in part:
+            half[i] = 0
         todo.append((low, a))
         todo.append((a, b))
     return order
 
 
-@njit(cache=True)
-def _halve(part: Indices, key: FloatArray, half: NDArray[np.int8]) -> None:
-    """Mark the unknowns of a part below the median of their keys as left, the others as right."""
+@kernel()
+def _extent(part: Indices, place: FloatArray) -> float:
+    """Return how far the unknowns of a part lie apart."""
+    low, high = np.inf, -np.inf
+    for i in part:
+        low, high = min(low, place[i]), max(high, place[i])
+    return high - low
+
+
+@kernel()
+def _halve(part: Indices, place: FloatArray, half: NDArray[np.int8]) -> None:
+    """Mark the unknowns of a part below the median of their places as left, the others as right."""
     middle = len(part) // 2
-    median = np.partition(key, middle)[middle]
-    lefts = np.count_nonzero(key < median)
+    median = _select(part, place, middle)
+    lefts = 0
+    for i in part:
+        if place[i] < median:
+            lefts += 1
     # Where many share the median, any of them will do to fill up the left half.
     spare = middle - lefts if lefts < max(1, middle // 2) else 0
-    for i, value in zip(part, key):
-        half[i] = LEFT if value < median else RIGHT
-        if value == median and spare > 0:
+    for i in part:
+        half[i] = LEFT if place[i] < median else RIGHT
+        if place[i] == median and spare > 0:
             half[i] = LEFT
             spare -= 1
 
 
-@njit(cache=True)
+@kernel()
+def _select(part: Indices, place: FloatArray, k: int) -> float:
+    """Return the k-th smallest place of a part, by Hoare's quickselect."""
+    keys = np.empty(len(part))
+    for a in range(len(part)):
+        keys[a] = place[part[a]]
+    low, high = 0, len(part) - 1
+    while low < high:
+        # The median of three keeps sorted places from taking quadratic time.
+        first, mid, last = keys[low], keys[(low + high) // 2], keys[high]
+        pivot = max(min(first, mid), min(max(first, mid), last))
+        a, b = low, high
+        while a <= b:
+            while keys[a] < pivot:
+                a += 1
+            while keys[b] > pivot:
+                b -= 1
+            if a <= b:
+                keys[a], keys[b] = keys[b], keys[a]
+                a += 1
+                b -= 1
+        if k <= b:
+            high = b
+        elif k >= a:
+            low = a
+        else:
+            break
+    return float(keys[k])
+
+
+@kernel()
 def _beside(indptr: CSRIndices, indices: CSRIndices, part: Indices, half: NDArray[np.int8]) -> tuple[int, int]:
     """Return how many unknowns of the left half touch the right one, and the other way round."""
     lefts, rights = 0, 0
@@ -172,7 +245,7 @@ def _beside(indptr: CSRIndices, indices: CSRIndices, part: Indices, half: NDArra
     return lefts, rights
 
 
-@njit(cache=True)
+@kernel()
 def _touches(indptr: CSRIndices, indices: CSRIndices, i: int, half: NDArray[np.int8]) -> bool:
     other = LEFT + RIGHT - half[i]
     for at in range(indptr[i], indptr[i + 1]):

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from .errors import SingularMatrixError
-from .ordering import nested_dissection
+from .ordering import elimination_order
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU as Factors
@@ -28,7 +28,7 @@ PANEL = 4  # columns worked on together; a tenth faster than SuperLU's own choic
 class SuperLU:
     """LU factors with pivots from the diagonal, and refinement to make up for that.
 
-    The order of elimination is a nested dissection, found once per sparsity.
+    The order of elimination is found once per sparsity.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class SuperLU:
     def _order(self, matrix: sparse.csr_matrix) -> None:
         """Find the order, and where each entry of the matrix goes by it."""
         self._pattern = matrix.indptr, matrix.indices
-        self._permutation = nested_dissection(matrix, self._points)
+        self._permutation = elimination_order(matrix, self._points)
         self._places = np.argsort(self._permutation)
         numbered = sparse.csr_matrix((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
         permuted = numbered[self._permutation][:, self._permutation]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Optional
 
+from .._compiled import compile_seconds
 from ..discrete.arrays import FloatArray
 from .frame import Frame
 from .result import History
@@ -36,7 +37,7 @@ class Recorder:
     def __init__(
         self, steps: int, callback: Callback, frame: Frame, to_model: Callable[[FloatArray], FloatArray], length_power: int = 0
     ) -> None:
-        self.started = time.perf_counter()
+        self.started = _solving_time()
         self._steps, self._callback, self._to_model = steps, callback, to_model
         scale = frame.scale
         self._units = (scale, scale**-2, scale**-2, scale**length_power)
@@ -47,8 +48,8 @@ class Recorder:
 
     @property
     def seconds(self) -> float:
-        """Wall time since the start."""
-        return time.perf_counter() - self.started
+        """Wall time since the start, without that of compiling kernels."""
+        return _solving_time() - self.started
 
     @property
     def history(self) -> History:
@@ -69,6 +70,10 @@ class Recorder:
             return self._callback(state) is True
         except StopIteration:
             return True
+
+
+def _solving_time() -> float:
+    return time.perf_counter() - compile_seconds()
 
 
 def _figures(row: tuple) -> tuple[float, float, float, float, int]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from .._compiled import kernel
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
@@ -34,7 +34,7 @@ def in_sight(points: FloatArray, corners: FloatArray, faces: Faces) -> Mask:
     return _in_sight(points, corners, faces, TOLERANCE * size)
 
 
-@njit(cache=True)
+@kernel()
 def _in_sight(P: FloatArray, V: FloatArray, F: Faces, tolerance: float) -> Mask:
     free = np.ones(len(P), np.bool_)
     for f in range(len(F)):

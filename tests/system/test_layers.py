@@ -12,13 +12,14 @@ PACKAGE = Path(__file__).parents[2] / "compas_cgc"
 # From the bottom: a part imports from layers below its own.
 LAYERS = [
     {"_version", "_lazy", "errors", "client"},
-    {"_atomic_write"},
+    {"_atomic_write", "_compiled"},
     {"discrete"},
     {"linalg", "meshing"},
     {"model"},
     {"datastructures"},
     {"solvers", "analysis", "fabrication"},
     {"io", "plot"},
+    {"_warm_up"},
     {"scene"},
     {"paper"},
     {"server", "_deprecated"},

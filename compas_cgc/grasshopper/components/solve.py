@@ -29,12 +29,14 @@ from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import run_again
 from ..runtime.component_feedback import set_message
 from ..runtime.local_solve import local_solve
+from ..runtime.progress import Progress
 from ..runtime.progress import Report
 from ..runtime.remote_solve import remote_solve
 
 __all__ = ["SolveOutputs", "solve"]
 
 POLL_INTERVAL = 200  # [ms]
+BAR = 10  # characters
 
 
 class SolveOutputs(NamedTuple):
@@ -153,12 +155,20 @@ def _solving(
 
 def _wait(component: Any, memory: Memory, task: BackgroundTask[SolveOutputs], forget: Callable[[], None]) -> SolveOutputs:
     progress = task.progress
-    reached = "" if progress.max_error is None else f", error {progress.max_error:.1e}"
-    set_message(component, "waiting" if progress.note else f"step {progress.step}{reached}")
+    set_message(component, _reached(progress))
     if progress.note:
         add_warning(component, progress.note)
     run_again(component, POLL_INTERVAL, forget)
     return memory.shown._replace(status="running", progress=progress.part)
+
+
+def _reached(progress: Progress) -> str:
+    if progress.note:
+        return "waiting"
+    if progress.compiling is not None:
+        filled = round(BAR * progress.compiling)
+        return f"compiling, once [{'#' * filled}{'.' * (BAR - filled)}]"
+    return f"step {progress.step}" + ("" if progress.max_error is None else f", error {progress.max_error:.1e}")
 
 
 def _show(component: Any, memory: Memory) -> SolveOutputs:

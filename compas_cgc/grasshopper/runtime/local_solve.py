@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Optional
 
+from ..._compiled import watch_compilation
 from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
 from ...model.constraints import Constraint
@@ -14,6 +15,7 @@ from ...model.result import SolveState
 from ...solvers import Settings
 from ...solvers import solve
 from ...solvers.registry import method_of
+from .progress import Progress
 from .progress import ProgressMeter
 from .progress import Report
 
@@ -43,7 +45,8 @@ def local_solve(
             return report(meter.at(state.step, state.max_error))
 
         method = "auto" if settings is None else method_of(settings)
-        result = solve(problem, method=method, settings=settings, constraints=constraints, callback=callback)
+        with watch_compilation(lambda state: report(Progress(compiling=state.part))):
+            result = solve(problem, method=method, settings=settings, constraints=constraints, callback=callback)
         return replace(result, drawn=mesh)
 
     return run

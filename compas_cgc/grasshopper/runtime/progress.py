@@ -20,6 +20,7 @@ class Progress(NamedTuple):
     max_error: Optional[float] = None  # largest |K - K̄| [1/L^2]
     part: float = 0.0  # done, from 0 to 1
     note: str = ""  # what it waits for
+    compiling: Optional[float] = None  # part of the kernels that are compiled, while that is what it waits for
 
 
 Report = Callable[[Progress], bool]

@@ -7,11 +7,11 @@ import time
 from collections.abc import Mapping
 from typing import Callable
 
+from ..._warm_up import warm_up
 from ...analysis import analyse
 from ...datastructures import SolveResult
 from ...model.checks import check
 from ...model.result import SolveState
-from ...solvers.registry import METHODS
 from ...solvers.run import solve
 from ..errors import Gone
 from ..errors import RequestError
@@ -101,13 +101,3 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
         notes.insert(0, f"the surface is {report.verdict}")
     return {"notes": notes, **report.to_dict()}
 
-
-def warm_up() -> None:
-    """Compile the kernels of all methods on a small mesh, so that the first job does not wait for them."""
-    from ...datastructures import CGCMesh
-
-    mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
-    mesh.set_supports("boundary")
-    mesh.set_target(0.01)
-    for method in METHODS:
-        analyse(solve(mesh, method=method))

@@ -6,10 +6,10 @@ import math
 from typing import Optional
 
 import numpy as np
-from numba import njit
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from ..._compiled import kernel
 from ...discrete.arrays import Faces
 from ...discrete.arrays import Indices
 from ...discrete.arrays import Vectors
@@ -21,7 +21,7 @@ SKIN = 0.2  # extra reach of the neighbour lists, as a part of the radius
 MOST_PAIRS = 60_000_000  # about one gigabyte of neighbour lists
 
 
-@njit(cache=True)
+@kernel()
 def weighted_means(P: Vertices, G: Vectors, rows: Indices, start: Indices, neighbours: Indices, radius: float, power: float) -> Vectors:
     """Return the mean of `G` around every vertex of `rows` (n, 3), Eq. 26.
 
@@ -48,7 +48,7 @@ def weighted_means(P: Vertices, G: Vectors, rows: Indices, start: Indices, neigh
     return out
 
 
-@njit(cache=True)
+@kernel()
 def farthest(P: Vertices, Q: Vertices) -> float:
     """Return the largest distance between the rows of two arrays."""
     most = 0.0

@@ -1,0 +1,169 @@
+"""Compiled kernels: how they are made, where they are stored, and how long compiling them takes."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+__all__ = ["Compilation", "compile_seconds", "is_stored", "kernel", "watch_compilation"]
+
+PACKAGE = __name__.rpartition(".")[0]
+
+
+class Compilation(NamedTuple):
+    """What has been compiled in this process."""
+
+    kernels: int  # that Python calls
+    part: float  # of those that are loaded, from 0 to 1; not all of them need be called
+    seconds: float  # of wall time
+
+
+Watcher = Callable[[Compilation], object]
+
+
+class _Clock(threading.local):
+    """What a thread compiles: how deep in calls of kernels by kernels, since when, and for how long so far."""
+
+    depth = 0
+    started = 0.0
+    seconds = 0.0
+    part = 0.0
+
+
+_clock = _Clock()
+_kernels: list[Any] = []
+_compiled: list[str] = []
+_watchers: list[Watcher] = []
+
+
+def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return the decorator of a compiled function, which is stored between runs.
+
+    For a first solve that does not keep anybody waiting: no entry point for C, no checks of divisors, whose zeros give infinities
+    as in NumPy. Small kernels, arrays made by NumPy outside, and no slices, formatted texts or sorting inside compile fastest.
+
+    Parameters
+    ----------
+    options
+        Further options of ``numba.njit``.
+    """
+    _listen()
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        made = _made(function, {"error_model": "numpy", "no_cfunc_wrapper": True, **options})
+        _kernels.append(made)
+        return made
+
+    return decorate
+
+
+def compile_seconds() -> float:
+    """Return the wall time that this thread has spent compiling kernels."""
+    running = time.perf_counter() - _clock.started if _clock.depth else 0.0
+    return _clock.seconds + running
+
+
+@contextmanager
+def watch_compilation(watcher: Watcher) -> Iterator[None]:
+    """Call a function, within a block, when a kernel is about to be compiled or has been."""
+    _listen()
+    _watchers.append(watcher)
+    try:
+        yield
+    finally:
+        _watchers.remove(watcher)
+
+
+def is_stored(made: Any) -> bool:
+    """Tell whether a kernel has been compiled and stored by this or an earlier process."""
+    try:
+        return bool(made._cache._cache_file._load_index())
+    except (AttributeError, OSError):  # Numba has no public way to ask
+        return False
+
+
+def _made(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    import numba
+
+    try:
+        return numba.njit(cache=True, **options)(function)
+    except RuntimeError:
+        # Neither the folder of the package nor the user's can be written to.
+        setattr(numba.config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
+        return numba.njit(cache=True, **options)(function)
+
+
+@cache
+def _temporary_folder() -> str:
+    """Return a folder for stored kernels that nobody else can write to; it outlasts the process where it is safe to."""
+    user = os.getuid() if sys.platform != "win32" else 0
+    folder = os.path.join(tempfile.gettempdir(), f"{PACKAGE}-{user}")
+    try:
+        os.mkdir(folder, mode=0o700)
+    except OSError:
+        pass
+    if sys.platform == "win32" or (os.path.isdir(folder) and not os.path.islink(folder) and _is_private(os.stat(folder), user)):
+        return folder
+    folder = tempfile.mkdtemp(prefix=f"{PACKAGE}-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+def _is_private(stat: os.stat_result, user: int) -> bool:
+    return stat.st_uid == user and not stat.st_mode & 0o022
+
+
+@cache
+def _listen() -> None:
+    """Have Numba tell of every compilation."""
+    from numba.core import event
+
+    class Listener(event.Listener):
+        def on_start(self, happening: Any) -> None:
+            name = _name(happening)
+            if name is None:
+                return
+            if _clock.depth == 0:
+                _clock.started = time.perf_counter()
+                _tell()
+            _clock.depth += 1
+
+        def on_end(self, happening: Any) -> None:
+            name = _name(happening)
+            if name is None or not _clock.depth:
+                return
+            _clock.depth -= 1
+            if _clock.depth == 0:
+                _clock.seconds += time.perf_counter() - _clock.started
+                _compiled.append(name)
+                _tell()
+
+    event.register("numba:compile", Listener())
+
+
+def _name(happening: Any) -> Optional[str]:
+    """Return the kernel that is compiled; what Numba compiles of its own is told within one of ours, or is none of our business."""
+    function = happening.data["dispatcher"].py_func
+    module = function.__module__ or ""
+    return f"{module}.{function.__qualname__}" if _clock.depth or module.startswith(f"{PACKAGE}.") else None
+
+
+def _tell() -> None:
+    left = sum(not made.signatures for made in _kernels)
+    # More kernels may be loaded on the way, but a bar does not go back.
+    _clock.part = max(_clock.part, len(_compiled) / max(1, len(_compiled) + left))
+    state = Compilation(len(_compiled), _clock.part, compile_seconds())
+    for watcher in list(_watchers):
+        watcher(state)

@@ -1,0 +1,101 @@
+"""Warm-up: every kernel that a solve may call is compiled and stored, before somebody waits for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Optional
+
+if TYPE_CHECKING:
+    from .datastructures import CGCMesh
+
+__all__ = ["is_warm", "warm_up"]
+
+
+def is_warm() -> bool:
+    """Tell whether there has been a warm-up, or a solve, of this version on this machine."""
+    from ._compiled import is_stored
+    from .discrete._kernels import angle_sums_and_areas
+
+    return is_stored(angle_sums_and_areas)
+
+
+def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
+    """Compile and store the kernels, of which those that are stored already are loaded only.
+
+    Parameters
+    ----------
+    told
+        Called with the part that is done, from 0 to 1.
+
+    Returns
+    -------
+    int
+        How many calls were made.
+    """
+    calls = list(_calls())
+    for done, call in enumerate(calls):
+        if told is not None:
+            told(done / len(calls))
+        call()
+    if told is not None:
+        told(1.0)
+    return len(calls)
+
+
+def _calls() -> Iterator[Callable[[], object]]:
+    """Yield calls that between them reach every kernel of a solve, its analysis and its checks."""
+    from .solvers.registry import METHODS
+
+    for method in METHODS:
+        yield partial(_solved, _dome, method=method)
+    yield partial(_solved, _folded)
+    yield partial(_solved, _folded, settings={"measure": "smooth"}, method="projection")
+    yield partial(_solved, _folded, settings={"energy": "cotangent"}, method="flow")
+    yield _ordered
+    yield _drawn
+
+
+def _dome() -> CGCMesh:
+    from .datastructures import CGCMesh
+
+    mesh = CGCMesh.from_meshgrid(dx=5, nx=5)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    return mesh
+
+
+def _folded() -> CGCMesh:
+    mesh = _dome()
+    mesh.set_supports("corners")
+    mesh.set_creases([[6 * i + 2 for i in range(6)]])
+    return mesh
+
+
+def _solved(drawn: Callable[[], CGCMesh], **options: Any) -> None:
+    from .analysis import analyse
+    from .solvers.run import solve
+
+    analyse(solve(drawn(), **options))
+
+
+def _ordered() -> None:
+    from scipy import sparse
+
+    from .linalg import nested_dissection
+
+    chain = sparse.diags([1.0, 2.0, 1.0], [-1, 0, 1], shape=(20, 20), format="csr")
+    nested_dissection(chain)
+
+
+def _drawn() -> None:
+    """Compile what the reading of drawings and pictures call."""
+    from .discrete import energy_gradient
+    from .plot.visibility import in_sight
+
+    vertices, faces = _dome().arrays()
+    energy_gradient(vertices, faces, 0.01)
+    in_sight(vertices, vertices, faces)
