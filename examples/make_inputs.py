@@ -9,13 +9,16 @@ from pathlib import Path
 import rhino3dm
 
 
+COLOURS = {"Mesh": (160, 160, 160, 255), "Supports": (200, 0, 0, 255), "Creases": (0, 0, 0, 255), "Targets": (0, 120, 0, 255)}
+
+
 def new_file() -> tuple[rhino3dm.File3dm, dict[str, rhino3dm.ObjectAttributes]]:
     """Return an empty file in metres with a layer for the mesh, the supports and the creases."""
     model = rhino3dm.File3dm()
     model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
     model.Settings.ModelAbsoluteTolerance = 0.001
     attributes = {}
-    for name, colour in (("Mesh", (160, 160, 160, 255)), ("Supports", (200, 0, 0, 255)), ("Creases", (0, 0, 0, 255))):
+    for name, colour in COLOURS.items():
         layer = rhino3dm.Layer()
         layer.Name, layer.Color = name, colour
         attributes[name] = rhino3dm.ObjectAttributes()
@@ -40,6 +43,11 @@ def square_roof(path: Path, side: float = 15.0, cells: int = 15) -> None:
     for x in (0.0, side):
         for y in (0.0, side):
             model.Objects.AddPoint(rhino3dm.Point3d(x, y, 0.0), on["Supports"])
+    # Four times the curvature in the middle.
+    for i in range(3):
+        for j in range(3):
+            place = rhino3dm.Point3d((i + 0.5) * side / 3, (j + 0.5) * side / 3, 0.0)
+            model.Objects.AddTextDot("K=0.04" if i == j == 1 else "K=0.01", place, on["Targets"])
     for t in (side / 3, 2 * side / 3):
         for begin, end in (((t, 0.0), (t, side)), ((0.0, t), (side, t))):
             line = rhino3dm.LineCurve(rhino3dm.Point3d(*begin, 0.0), rhino3dm.Point3d(*end, 0.0))

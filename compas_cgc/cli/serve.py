@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 
+from ..errors import CGCError
 from .exits import DONE
 
 __all__ = ["add_arguments", "run"]
@@ -35,8 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from .._warm_up import is_warm
-    from ..server.run import serve
     from .warm import warm
+
+    try:
+        from ..server.run import serve
+    except ImportError as error:
+        raise CGCError(f"the server needs {error.name}; install it: pip install 'compas_cgc[server]'") from None
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
     names = tuple(name.lower() for name in arguments.name)

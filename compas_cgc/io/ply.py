@@ -141,7 +141,9 @@ def ply_text(problem: CGCProblem) -> str:
     lines += [f"element vertex {len(problem.vertices)}", *(f"property double {axis}" for axis in "xyz")]
     lines += ["property uchar role", "property double target"]
     lines += [f"element face {len(problem.faces)}", "property list uchar int vertex_indices"]
-    lines += [f"element edge {len(problem.creases)}", "property int vertex1", "property int vertex2", "property uchar crease", "end_header"]
+    if len(problem.creases):  # some readers know vertices and faces only
+        lines += [f"element edge {len(problem.creases)}", "property int vertex1", "property int vertex2", "property uchar crease"]
+    lines += ["end_header"]
     columns = zip(*problem.vertices.T.tolist(), problem.roles.tolist(), problem.targets.tolist())
     lines += [f"{x!r} {y!r} {z!r} {role} {K!r}" for x, y, z, role, K in columns]
     lines += [f"3 {a} {b} {c}" for a, b, c in zip(*problem.faces.T.tolist())]

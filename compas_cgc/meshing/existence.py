@@ -78,9 +78,11 @@ def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: 
             continue
         halves = 0.5 * _kernels.cross_vectors(V, F[own_faces[p]])
         across = halves.sum(axis=0)
+        if not across.any():
+            continue
         plane = halves @ (across / np.linalg.norm(across))
         total, area = float(weight[own_faces[p]] @ plane), float(share[own_faces[p]] @ plane)
-        if total >= math.pi:
+        if area > 0 and total >= math.pi:
             return Overload(total / area, area)
     return None
 
@@ -176,6 +178,8 @@ def existence_problems(
     rim = plan[boundary]
     x, y = rim.T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+    if area <= FLAT * float(np.ptp(rim, axis=0).max()) ** 2:
+        return []  # a seam, over which nothing is spanned
     most = math.pi / area
     within = np.zeros(len(vertices), bool)
     within[faces] = True

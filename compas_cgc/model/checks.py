@@ -78,7 +78,10 @@ def dropped_faces(names: object) -> Diagnostic:
 def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     problems = []
     if not (problem.roles == FIXED).any():
-        mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
+        if len(boundary_loops(problem.faces)):
+            mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
+        else:
+            mend = "the mesh is closed and has no edge to be held at, so name them: mesh.set_supports([...]), or points in the file"
         problems.append(Diagnostic(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
     lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
@@ -156,7 +159,7 @@ def _turns_inwards(loop: FloatArray, up: FloatArray) -> np.ndarray:
     it cannot with K > 0.
     """
     _, reach = plane_of(loop)
-    if reach > 1e-6:
+    if reach > 1e-6 or not up.any():
         return np.zeros(len(loop), bool)
     ahead = np.roll(loop, -1, axis=0) - loop
     behind = np.roll(ahead, 1, axis=0)

@@ -241,13 +241,15 @@ def test_reproduce_sets_the_papers_tables_beside_ours(tmp_path, capsys):
 
 def test_check_says_what_a_file_holds_and_what_is_missing(tmp_path, capsys):
     before = (ROOFS / "nine_regions.3dm").read_bytes()
-    assert call("check", ROOFS / "nine_regions.3dm") == 2
+    assert call("check", ROOFS / "nine_regions.3dm") == 0
     said = capsys.readouterr().out
-    assert "4 vertices are supports" in said and "9 regions:" in said
-    assert said.splitlines()[-1].startswith("- no target is set") and "--target K" in said
+    assert "4 vertices are supports" in said and "9 regions:" in said and "(7.5, 7.5, 0): 50 faces, K = 0.04" in said
     assert (ROOFS / "nine_regions.3dm").read_bytes() == before
+    assert call("check", ROOFS / "curved_crease.3dm") == 2
+    said = capsys.readouterr().out
+    assert said.splitlines()[-1].startswith("- no target is set") and "--target K" in said
     out = tmp_path / "roof.3dm"
-    assert call("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01") == 0
+    assert call("solve", ROOFS / "nine_regions.3dm", "-o", out) == 0
     capsys.readouterr()
     assert call("check", out) == 0
     assert "nothing stands in the way of a solve" in capsys.readouterr().out

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compas_cgc import CGCMesh
+from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.errors import CGCError
 from compas_cgc.errors import FileError
@@ -251,3 +252,11 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, suffix, m
     with pytest.raises(CGCError, match="No space left"):
         write(path, roof((5, 5, 5)))
     assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_ply_without_creases_names_no_edges(tmp_path):
+    problem = CGCProblem([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    path = tmp_path / "plain.ply"
+    write(path, problem)
+    assert "element edge" not in path.read_text()
+    assert read_problem(path).problem.creases.shape == (0, 2)

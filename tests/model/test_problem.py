@@ -108,3 +108,16 @@ def test_polygons_know_whose_triangles_they_are():
     assert owner.tolist() == [0, 0, 2] and triangles.shape == (3, 3)
     triangles, owner = triangles_of(vertices, [[0, 1, 2], [1, 4, 4], [1, 4, 2]])
     assert owner.tolist() == [0, 2] and triangles.tolist() == [[0, 1, 2], [1, 4, 2]]
+
+
+def test_a_closed_mesh_is_not_told_to_hold_an_edge_that_it_has_not():
+    ball = CGCProblem([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    said = next(text for text in check(ball.with_targets(0.1)) if "no support" in text)
+    assert "--supports boundary" not in said and "closed" in said
+
+
+def test_over_an_edge_without_area_nothing_is_refused():
+    # A pocket: its edge runs forth and back along one line.
+    vertices = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, 0], [1, 0.2, -1]]
+    problem = CGCProblem(vertices, [[i, (i + 1) % 4, 4] for i in range(4)]).with_supports("boundary").with_targets(0.1)
+    assert not any("is more than" in text for text in check(problem))

@@ -26,4 +26,11 @@ def info(component: Any) -> InfoOutputs:
     """List the versions of the package, of Python and of what it builds on."""
     set_message(component, f"v{__version__}")
     lines = [f"compas_cgc {__version__}", f"Python {platform.python_version()} on {platform.system()}"]
-    return InfoOutputs(lines + [f"{name} {metadata.version(name)}" for name in ("compas", "numpy", "scipy", "numba", "rhino3dm")])
+    return InfoOutputs(lines + [_version(name) for name in ("compas", "numpy", "scipy", "numba", "rhino3dm")])
+
+
+def _version(name: str) -> str:
+    try:
+        return f"{name} {metadata.version(name)}"
+    except metadata.PackageNotFoundError:  # an extra
+        return f"{name} is not installed"

@@ -54,8 +54,10 @@ class Item(NamedTuple):
 
 def rhino3dm_module() -> Any:
     """Return the rhino3dm module, or say that it is too old for double precision."""
-    import rhino3dm
-
+    try:
+        import rhino3dm
+    except ImportError:
+        raise FileError("a .3dm file needs rhino3dm; install it: pip install 'compas_cgc[rhino]'") from None
     if not hasattr(rhino3dm.MeshVertexList, "AddPoint3d"):
         raise FileError("this rhino3dm keeps seven digits only; install a newer one: pip install 'rhino3dm>=8.32.1'")
     return rhino3dm
