@@ -8,7 +8,6 @@ from pathlib import Path
 
 import rhino3dm
 
-
 COLOURS = {"Mesh": (160, 160, 160, 255), "Supports": (200, 0, 0, 255), "Creases": (0, 0, 0, 255), "Targets": (0, 120, 0, 255)}
 
 
