@@ -23,7 +23,7 @@ from .weld import weld
 if TYPE_CHECKING:
     from .curve_sampling import Cell
 
-__all__ = ["Outlined", "mesh_from_outline"]
+__all__ = ["Outlined", "fill", "mesh_from_outline"]
 
 
 class Outlined(NamedTuple):
@@ -84,7 +84,7 @@ def mesh_from_outline(
     fixed = np.concatenate([*around, *inner])
     seeds = lattice(domain, edge_length)
     seeds = seeds[cKDTree(fixed).query(seeds)[0] > 0.6 * edge_length]
-    plan, faces = _fill(cells(domain, around, inner), seeds)
+    plan, faces = fill(cells(domain, around, inner), seeds)
     a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
     faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
     on = cKDTree(fixed).query(plan)[0] <= 1e-9 * edge_length
@@ -95,7 +95,7 @@ def mesh_from_outline(
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
 
 
-def _fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArray]:
+def fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the points (n, 2) and triangles (m, 3) of areas that are triangulated one by one and share their sides."""
     import shapely
     from compas_cgal.triangulation import constrained_delaunay_triangulation
@@ -104,7 +104,9 @@ def _fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArra
     for area in areas:
         own = seeds[shapely.contains_xy(area.polygon, seeds)]
         rings = [_level(ring[:-1]) for ring in map(shapely.get_coordinates, (area.polygon.exterior, *area.polygon.interiors))]
-        found = constrained_delaunay_triangulation(rings[0], _level(own).tolist(), rings[1:], [_level(line) for line in area.loose])
+        # Without points of its own the triangulation wants one of the ring's.
+        inner = _level(own).tolist() or rings[0][:1].tolist()
+        found = constrained_delaunay_triangulation(rings[0], inner, rings[1:], [_level(line) for line in area.loose])
         points.append(np.asarray(found[0])[:, :2])
         faces.append(np.asarray(found[1], dtype=np.int64) + count)
         count += len(points[-1])

@@ -34,6 +34,9 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 """
 
 
+MOST_NESTED = 20  # blocks in blocks
+
+
 class Item(NamedTuple):
     """An object of a .3dm file."""
 
@@ -110,29 +113,51 @@ def write_archive(archive: Archive, path: Union[str, os.PathLike], version: int 
 
 
 def list_items(archive: Archive) -> list[Item]:
-    """Return the objects of an archive in their order; those inside of block definitions are left out."""
+    """Return the objects of an archive in their order; those of blocks where their instances put them."""
     layers = {}
     for layer in archive.Layers:
         layers[layer.Index] = (layer.FullPath or layer.Name, _texts(layer), bool(layer.Visible))
+    objects = {str(entry.Attributes.Id): entry for entry in archive.Objects}
+    blocks = {str(block.Id): [str(id) for id in block.GetObjectIds()] for block in archive.InstanceDefinitions}
+
+    def to_item(entry: Any, geometry: Geometry, id: str) -> Item:
+        attributes = entry.Attributes
+        path, layer_text, visible = layers.get(attributes.LayerIndex, ("", {}, True))
+        return Item(
+            geometry=geometry,
+            kind=_kind(geometry),
+            id=id,
+            layer=path,
+            name=attributes.Name or "",
+            text={**_texts(geometry), **_texts(attributes)},
+            layer_text=layer_text,
+            hidden=not (visible and attributes.Visible),
+        )
+
     items = []
     for entry in archive.Objects:
-        geometry, attributes = entry.Geometry, entry.Attributes
-        if geometry is None or attributes.IsInstanceDefinitionObject:
-            continue
-        path, layer_text, visible = layers.get(attributes.LayerIndex, ("", {}, True))
-        items.append(
-            Item(
-                geometry=geometry,
-                kind=_kind(geometry),
-                id=str(attributes.Id),
-                layer=path,
-                name=attributes.Name or "",
-                text={**_texts(geometry), **_texts(attributes)},
-                layer_text=layer_text,
-                hidden=not (visible and attributes.Visible),
-            )
-        )
+        if entry.Geometry is not None and not entry.Attributes.IsInstanceDefinitionObject:
+            placed = _placed(entry, objects, blocks)
+            # What a block holds has the id of its instance, counted, as it may be there several times.
+            names = [str(entry.Attributes.Id)] + [f"{entry.Attributes.Id} ({k})" for k in range(2, len(placed) + 1)]
+            items += [to_item(own, geometry, id) for (own, geometry), id in zip(placed, names)]
     return items
+
+
+def _placed(entry: Any, objects: dict[str, Any], blocks: dict[str, list[str]], depth: int = 0) -> list[tuple[Any, Geometry]]:
+    """Return an object, or what a block instance shows: objects with their geometry where it is."""
+    geometry = entry.Geometry
+    if type(geometry).__name__ != "InstanceReference":
+        return [(entry, geometry)]
+    inside = [objects[id] for id in blocks.get(str(geometry.ParentIdefId), []) if id in objects]
+    if not inside or depth >= MOST_NESTED:
+        return [(entry, geometry)]
+    found = []
+    for own, shape in (pair for part in inside if part.Geometry is not None for pair in _placed(part, objects, blocks, depth + 1)):
+        moved = shape.Duplicate()
+        if moved is not None and moved.Transform(geometry.Xform):
+            found.append((own, moved))
+    return found
 
 
 def _kind(geometry: Geometry) -> str:

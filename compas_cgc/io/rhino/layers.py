@@ -21,7 +21,7 @@ from .user_text import user_target
 __all__ = ["RESULT", "LayerNames", "Selection", "layer_names", "select"]
 
 RESULT = "CGC Result"
-_SURFACES = ("Brep", "Extrusion", "SubD")
+_SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface", "PlaneSurface", "SumSurface")
 _POINTS = ("point", "point cloud")
 
 

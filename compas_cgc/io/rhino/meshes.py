@@ -25,7 +25,7 @@ from .precision import rounding_of
 from .sketch import Part
 from .user_text import user_target
 
-__all__ = ["JoinedMesh", "coloured", "join_meshes", "mesh_from_arrays", "mesh_to_arrays", "to_part"]
+__all__ = ["JoinedMesh", "coloured", "has_mesh", "join_meshes", "mesh_from_arrays", "mesh_to_arrays", "to_part"]
 
 
 class JoinedMesh(NamedTuple):
@@ -39,6 +39,11 @@ class JoinedMesh(NamedTuple):
     notes: list[str]
 
 
+def has_mesh(item: Item) -> bool:
+    """Tell whether an object is a mesh, or holds the one that Rhino draws it by."""
+    return item.kind == "mesh" or _render_arrays(item.geometry) is not None
+
+
 def to_part(item: Item) -> tuple[Part, list[str]]:
     """Return the mesh of an object with notes: its own, or the one that Rhino draws a Brep or an extrusion by.
 
@@ -49,12 +54,11 @@ def to_part(item: Item) -> tuple[Part, list[str]]:
     """
     arrays = mesh_to_arrays(item.geometry) if item.kind == "mesh" else _render_arrays(item.geometry)
     if arrays is None:
-        mend = "run Rhino's command Mesh on it" if item.kind != "SubD" else "run Rhino's command ToNURBS or Mesh on it"
-        raise FileError(f"{item.label} is no mesh; {mend}, and put the mesh on the layer instead")
+        raise FileError(f"{item.label} is no mesh; run Rhino's command Mesh on it, and put the mesh on the layer instead")
     V, F = arrays
     notes = []
     if item.kind != "mesh":
-        notes.append(f"{item.label} is no mesh; the one that Rhino draws it by was taken, mesh it yourself for even triangles")
+        notes.append(f"{item.label} is no mesh; the one that Rhino draws it by was taken; an edge length (--edge-length) makes an even one")
     if not len(F):
         raise FileError(f"{item.label} has no faces; delete it or mesh it again")
     if not np.isfinite(V).all():

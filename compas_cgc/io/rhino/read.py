@@ -20,10 +20,15 @@ from .curves import to_drawn
 from .layers import LayerNames
 from .layers import layer_names
 from .layers import select
+from .meshes import has_mesh
 from .meshes import to_part
 from .outlines import outline_part
 from .sketch import Drawn
+from .surfaces import MeshedSurface
+from .surfaces import default_edge_length
+from .surfaces import surface_part
 from .units import unit_name
+from .units import unit_suffix
 from .user_text import user_number
 from .user_text import user_target
 
@@ -56,8 +61,9 @@ def read_3dm(
     tolerance
         Distance within which points are one [L]. Default: the file's.
     edge_length
-        Where there is no mesh: length of the edges of one that is made between the outline
-        and the creases [L], which takes the extra ``mesher``.
+        Length of the edges of a mesh that is made of surfaces, or where there are none between
+        the outline and the creases [L]; takes the extra ``mesher``. Default for surfaces: the mesh
+        that Rhino draws them by, or else a thirtieth of their size.
     result
         Take the result of an earlier solve, where the file holds one, not the drawing.
 
@@ -76,19 +82,23 @@ def read_3dm(
     found = select(list_items(archive), names, result)
     own = float(archive.Settings.ModelAbsoluteTolerance) if tolerance is None else tolerance
     try:
-        converted = [to_part(item) for item in found.mesh] or [outline_part(found, edge_length, own)]
+        unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
+        converted = [_converted(item, found.mesh, edge_length, own, unit) for item in found.mesh]
+        if not converted:
+            converted = [MeshedSurface(part, [], notes) for part, notes in [outline_part(found, edge_length, own)]]
+        joints = [joint for made in converted for joint in made.creases]
         return assemble(
             name=Path(path).stem,
-            parts=[part for part, _ in converted],
+            parts=[made.part for made in converted],
             supports=lambda fine: _drawn(found.supports, fine),
-            creases=lambda fine: _drawn(found.creases, fine),
+            creases=lambda fine: _drawn(found.creases, fine) + joints,
             targets=lambda fine: _drawn(found.targets, fine),
             constraints=lambda fine: _drawn(found.constraints, fine),
             units=unit_name(archive.Settings.ModelUnitSystem),
             tolerance=own,
             solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
             crease=crease,
-            notes=found.notes + [note for _, notes in converted for note in notes],
+            notes=found.notes + [note for made in converted for note in made.notes],
         )
     except FileError as error:
         raise FileError(f"{path}: {error}") from None
@@ -108,6 +118,21 @@ def read_curves(path: Union[str, os.PathLike], layer: str) -> list[FloatArray]:
     if not items:
         raise FileError(f"{path}: there are no curves on the layer {layer!r}")
     return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
+
+
+def _converted(item: Item, items: list[Item], edge_length: Optional[float], tolerance: float, unit: str) -> MeshedSurface:
+    """Return the mesh of an object: its own, one made of its surface, or the one that Rhino draws it by."""
+    if item.kind == "mesh" or (edge_length is None and has_mesh(item)):
+        part, notes = to_part(item)
+        return MeshedSurface(part, [], notes)
+    length = default_edge_length(items) if edge_length is None else edge_length
+    try:
+        return surface_part(item, length, tolerance, unit)
+    except FileError:
+        if not has_mesh(item):
+            raise
+    part, notes = to_part(item)
+    return MeshedSurface(part, [], notes)
 
 
 def _drawn(items: list[Item], tolerance: float) -> list[Drawn]:

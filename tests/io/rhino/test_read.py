@@ -279,10 +279,11 @@ def test_normals_that_point_down_are_said(sketch, tmp_path):
     assert said(read_3dm(sketch.save(tmp_path / "a.3dm")), "normals point down")
 
 
-def test_a_brep_without_a_mesh_says_how_to_make_one(sketch, tmp_path):
+def test_a_brep_without_a_mesh_and_the_mesher_says_how_to_get_either(sketch, tmp_path, monkeypatch):
     box = rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(point3d((0, 0, 0)), point3d((1, 1, 1)))))
     sketch.file.Objects.AddBrep(box, sketch.on("CGC::Mesh"))
-    with pytest.raises(FileError, match="Brep .* on layer 'CGC::Mesh' is no mesh; run Rhino's command Mesh"):
+    monkeypatch.setitem(sys.modules, "shapely", None)
+    with pytest.raises(FileError, match=r"Brep .* on layer 'CGC::Mesh' .*compas_cgc\[mesher\].*; run Rhino's command Mesh"):
         read_3dm(sketch.save(tmp_path / "a.3dm"))
 
 

@@ -1,0 +1,182 @@
+"""Even triangle meshes of trimmed parametric surfaces, with given points along their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import MeshError
+
+__all__ = ["FaceMesh", "mesh_face"]
+
+GRID = 24  # divisions of the domain along which lengths are measured
+NEAR = 0.75  # of the edge length, that points keep from each other
+FINE = 3  # times finer is the lattice that gaps of the first one are filled from
+SWEEPS = 60  # of edge flips at most
+SMOOTHINGS = 6
+
+Evaluate = Callable[[FloatArray], FloatArray]
+
+
+class FaceMesh(NamedTuple):
+    """A mesh of a face; the points of its loops come first, in their order."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 3), anticlockwise in the parameters
+    deviation: float  # largest distance between a triangle's centre and the surface there [L]
+
+
+def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[FloatArray], edge_length: float) -> FaceMesh:
+    """Fill the loops of a trimmed surface with triangles that are even in space.
+
+    Points of a triangular lattice, measured along the surface, are taken where they keep their distance in space; they are
+    joined by a constrained Delaunay triangulation of the parameters, whose edges are then flipped until it is one in space.
+
+    Parameters
+    ----------
+    evaluate
+        Returns the places (k, 3) of parameters (k, 2).
+    loops
+        ``(k, 2)`` parameters around the face, the outer loop first, the first point not repeated.
+    points
+        ``(k, 3)`` places of the loops, which are kept [L].
+    edge_length
+        Length of edges aimed at [L].
+
+    Raises
+    ------
+    MeshError
+        If the mesher is not installed, or the loops do not bound an area.
+    """
+    try:
+        import shapely
+
+        from .curve_sampling import Cell
+        from .curve_sampling import lattice
+        from .outline import fill
+    except ImportError as error:
+        raise MeshError(f"meshing surfaces needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
+    to_lengths, to_parameters = _unrolled(evaluate, np.concatenate(loops))
+    rings = [to_lengths(loop) for loop in loops]
+    domain = shapely.Polygon(rings[0], rings[1:])
+    if not domain.is_valid or domain.area <= 0:
+        raise MeshError("the edges of a face do not bound an area in its parameters")
+    rim, places = np.concatenate(rings), np.concatenate(points)
+    seeds = np.concatenate([lattice(domain, edge_length / finer) for finer in (1, FINE)])
+    spots = evaluate(to_parameters(seeds)) if len(seeds) else np.empty((0, 3))
+    chosen = _apart(spots, places, NEAR * edge_length)
+    plan, faces = fill([Cell(domain, [])], seeds[chosen])
+    # The triangulation puts points in an order of its own.
+    known = np.concatenate([rim, seeds[chosen]])
+    order = cKDTree(known).query(plan)[1]
+    faces = order[faces]
+    plan, place = known, np.concatenate([places, spots[chosen]])
+    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
+    faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
+    held = len(rim)
+    for _ in range(SMOOTHINGS):
+        faces = _flipped(plan, place, faces)
+        plan, place = _smoothed(plan, place, faces, held, lambda new: evaluate(to_parameters(new)))
+    faces = _flipped(plan, place, faces)
+    # Along the normals: towards a pole the means of parameters and of places part along the surface.
+    gap = evaluate(to_parameters(plan[faces].mean(axis=1))) - place[faces].mean(axis=1)
+    deviation = float(np.abs(np.einsum("ij,ij->i", gap, face_normals(place, faces))).max(initial=0.0))
+    return FaceMesh(place, faces, deviation)
+
+
+def _unrolled(evaluate: Evaluate, rim: FloatArray) -> tuple[Evaluate, Evaluate]:
+    """Return the functions from parameters (k, 2) to mean lengths along them, and back."""
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    t = np.linspace(0.0, 1.0, GRID + 1)
+    u, v = (a + (b - a) * t for a, b in zip(low, high))
+    grid = evaluate(np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)).reshape(GRID + 1, GRID + 1, 3)
+    tables = []
+    for axis, values in enumerate((u, v)):
+        steps = np.linalg.norm(np.diff(grid, axis=axis), axis=2).max(axis=1 - axis)
+        steps = np.maximum(steps, 1e-9 * max(steps.max(), 1e-300))
+        tables.append((values, np.concatenate([[0.0], np.cumsum(steps)])))
+
+    def forth(parameters: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(parameters[:, k], *tables[k]) for k in range(2)])
+
+    def back(lengths: FloatArray) -> FloatArray:
+        return np.column_stack([np.interp(lengths[:, k], *tables[k][::-1]) for k in range(2)])
+
+    return forth, back
+
+
+def _apart(spots: FloatArray, taken: FloatArray, distance: float) -> IntArray:
+    """Return which spots (k, 3), first come first served, keep a distance from those taken (m, 3) and from each other."""
+    free = np.ones(len(spots), bool)
+    if not len(spots):
+        return np.flatnonzero(free)
+    free &= cKDTree(taken).query(spots)[0] >= distance
+    near = cKDTree(spots).query_ball_point(spots, distance, return_sorted=False)
+    for i in range(len(spots)):
+        if free[i]:
+            free[near[i]] = False
+            free[i] = True
+    return np.flatnonzero(free)
+
+
+def _flipped(plan: FloatArray, place: FloatArray, faces: IntArray) -> IntArray:
+    """Return the triangles (m, 3) after flips of edges whose opposite angles in space add up to more than a straight one."""
+    faces = faces.copy()
+    for _ in range(SWEEPS):
+        u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        w = np.roll(faces, 1, axis=1).ravel()
+        key = np.minimum(u, v) * len(plan) + np.maximum(u, v)
+        order = np.argsort(key, kind="stable")
+        pair = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+        e, f = order[pair], order[pair + 1]
+        a, b, c, d = u[e], v[e], w[e], w[f]
+        gain = _angle(place, c, a, b) + _angle(place, d, a, b) - np.pi
+        # The two triangles stay triangles of the parameters.
+        good = (gain > 1e-6) & (_turn(plan, a, d, c) > 0) & (_turn(plan, d, b, c) > 0) & (c != d)
+        if not good.any():
+            break
+        busy = np.zeros(len(faces), bool)
+        for k in np.flatnonzero(good)[np.argsort(-gain[good], kind="stable")].tolist():
+            one, other = e[k] // 3, f[k] // 3
+            if not busy[one] and not busy[other]:
+                busy[one] = busy[other] = True
+                faces[one], faces[other] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
+    return faces
+
+
+def _angle(P: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
+    x, y = P[one] - P[at], P[other] - P[at]
+    return np.arctan2(np.linalg.norm(np.cross(x, y), axis=1), np.einsum("ij,ij->i", x, y))
+
+
+def _turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
+    x, y = plan[b] - plan[a], plan[c] - plan[a]
+    return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
+
+
+def _smoothed(plan: FloatArray, place: FloatArray, faces: IntArray, held: int, evaluate: Evaluate) -> tuple[FloatArray, FloatArray]:
+    """Return plan (n, 2) and places (n, 3) with each point that is not held half way to the mean of its neighbours."""
+    u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    count = np.bincount(np.r_[u, v], minlength=len(plan))
+    near = np.column_stack([np.bincount(np.r_[u, v], np.r_[plan[v, k], plan[u, k]], len(plan)) for k in range(2)])
+    moved = plan.copy()
+    free = np.arange(len(plan)) >= held
+    free &= count > 0
+    moved[free] = 0.5 * plan[free] + 0.5 * near[free] / count[free, None]
+    # Who would turn a triangle over stays.
+    for _ in range(5):
+        turned = faces[_turn(moved, *faces.T) <= 0]
+        if not len(turned):
+            break
+        moved[turned.ravel()] = plan[turned.ravel()]
+    spots = place.copy()
+    if free.any():
+        spots[free] = evaluate(moved[free])
+    return moved, spots

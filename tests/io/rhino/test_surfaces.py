@@ -1,0 +1,148 @@
+"""Surfaces without a mesh: spheres, cylinders, boxes, trimmed planes, extrusions, NURBS and blocks, meshed evenly."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import face_areas
+from compas_cgc.io.rhino import read_3dm
+from compas_cgc.meshing import boundary_loops
+from compas_cgc.model.checks import check
+
+pytest.importorskip("compas_cgal")
+pytest.importorskip("shapely")
+
+
+def place(x, y, z=0.0):
+    return rhino3dm.Point3d(x, y, z)
+
+
+def box(size=(4.0, 3.0, 2.0)):
+    return rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(place(0, 0, 0), place(*size))))
+
+
+def cylinder():
+    return rhino3dm.Brep.CreateFromCylinder(rhino3dm.Cylinder(rhino3dm.Circle(place(0, 0), 2.0), 3.0), False, False)
+
+
+def sphere():
+    return rhino3dm.Brep.CreateFromSphere(rhino3dm.Sphere(place(1, 2, 3), 2.0))
+
+
+def disc():
+    return rhino3dm.Brep.CreateTrimmedPlane(rhino3dm.Plane.WorldXY(), rhino3dm.Circle(place(0, 0), 2.0).ToNurbsCurve())
+
+
+def saddle():
+    """A bilinear patch, whose area is known by quadrature."""
+    one = rhino3dm.LineCurve(place(0, 0, 0), place(4, 0, 1))
+    other = rhino3dm.LineCurve(place(0, 4, 1), place(4, 4, 0))
+    return rhino3dm.NurbsSurface.CreateRuledSurface(one, other)
+
+
+def extrusion():
+    corners = [place(0, 0), place(3, 0), place(3, 2), place(0, 2), place(0, 0)]
+    return rhino3dm.Extrusion.Create(rhino3dm.PolylineCurve(corners), 1.5, True)
+
+
+def saved(tmp_path, geometry):
+    model = rhino3dm.File3dm()
+    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    model.Settings.ModelAbsoluteTolerance = 0.001
+    if isinstance(geometry, rhino3dm.Brep):
+        model.Objects.AddBrep(geometry)
+    elif isinstance(geometry, rhino3dm.Extrusion):
+        model.Objects.AddExtrusion(geometry)
+    else:
+        model.Objects.AddSurface(geometry)
+    path = tmp_path / "a.3dm"
+    model.Write(str(path), 7)
+    return path
+
+
+def smallest_angles(V, F):
+    corners = V[F]
+    angles = []
+    for k in range(3):
+        a, b = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+        angles.append(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.einsum("ij,ij->i", a, b)))
+    return np.degrees(np.min(angles, axis=0))
+
+
+SADDLE = (
+    sum(
+        math.sqrt(1 + (1 - 2 * u) ** 2 / 16 + (1 - 2 * v) ** 2 / 16)
+        for u in np.linspace(0.005, 0.995, 100)
+        for v in np.linspace(0.005, 0.995, 100)
+    )
+    * 16
+    / 1e4
+)
+CASES = {
+    "box": (box, 2 * (12 + 8 + 6), 0, 12),
+    "cylinder": (cylinder, 12 * math.pi, 2, 0),
+    "sphere": (sphere, 16 * math.pi, 0, 0),
+    "disc": (disc, 4 * math.pi, 1, 0),
+    "saddle": (saddle, SADDLE, 1, 0),
+    "extrusion": (extrusion, 2 * 6 + 10 * 1.5, 0, 12),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_surface_is_meshed_evenly_and_its_sharp_joints_are_creases(tmp_path, name):
+    make, area, loops, joints = CASES[name]
+    h = 0.4
+    model = read_3dm(saved(tmp_path, make()), edge_length=h)
+    V, F = model.problem.vertices, model.problem.faces
+    # A smooth surface lacks the area between it and its facets.
+    assert face_areas(V, F).sum() == pytest.approx(area, rel=0.02)
+    assert len(boundary_loops(F)) == loops
+    edges = edge_faces(F)
+    lengths = np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1)
+    assert 0.8 * h <= np.median(lengths) <= 1.25 * h and lengths.max() <= 2.1 * h
+    angles = smallest_angles(V, F)
+    assert angles.min() >= 15 and np.percentile(angles, 5) >= 30
+    assert any("meshed with edges of about 0.4 m, within" in note for note in model.notes)
+    assert (f"{joints} joints" in " ".join(model.notes)) == (joints > 0)
+    assert bool(len(model.problem.creases)) == (joints > 0)
+    if joints:
+        sharp = model.problem.creases
+        along = np.linalg.norm(V[sharp[:, 0]] - V[sharp[:, 1]], axis=1).sum()
+        assert along == pytest.approx({"box": 36.0, "extrusion": 26.0}[name])
+    assert not [said for said in check(model.problem.with_targets(0.01)) if said.fatal and "support" not in said]
+
+
+def test_vertices_lie_on_the_surface_within_what_is_said(tmp_path):
+    model = read_3dm(saved(tmp_path, sphere()), edge_length=0.5)
+    radius = np.linalg.norm(model.problem.vertices - [1, 2, 3], axis=1)
+    assert np.abs(radius - 2).max() < 2e-3
+    note = next(note for note in model.notes if "within" in note)
+    said = float(note.split("within ")[1].split()[0])
+    middle = np.linalg.norm(model.problem.vertices[model.problem.faces].mean(axis=1) - [1, 2, 3], axis=1)
+    assert 0.5 * said <= np.abs(middle - 2).max() <= 1.5 * said
+
+
+def test_without_an_edge_length_one_is_taken_that_fits_the_size(tmp_path):
+    model = read_3dm(saved(tmp_path, saddle()))
+    assert 200 < len(model.problem.vertices) < 2000
+
+
+def test_a_block_is_read_where_its_instances_put_it(tmp_path):
+    model = rhino3dm.File3dm()
+    attributes = rhino3dm.ObjectAttributes()
+    index = model.InstanceDefinitions.Add("panel", "", "", "", place(0, 0), (saddle(),), (attributes,))
+    block = model.InstanceDefinitions[index]
+    layer = rhino3dm.Layer()
+    layer.Name = "Panels"
+    model.Layers.Add(layer)
+    move = rhino3dm.Transform.Translation(10, 20, 30)
+    model.Objects.AddInstanceObject(rhino3dm.InstanceReference(block.Id, move))
+    path = tmp_path / "a.3dm"
+    model.Write(str(path), 7)
+    V = read_3dm(path, edge_length=0.5).problem.vertices
+    assert np.allclose(V.min(axis=0), [10, 20, 30]) and np.allclose(V.max(axis=0), [14, 24, 31])
