@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
 
+if TYPE_CHECKING:
+    import shapely
+
 __all__ = ["FaceMesh", "mesh_face"]
 
 GRID = 24  # divisions of the domain along which lengths are measured
@@ -21,6 +25,7 @@ NEAR = 0.75  # of the edge length, that points keep from each other
 FINE = 3  # times finer is the lattice that gaps of the first one are filled from
 SWEEPS = 60  # of edge flips at most
 SMOOTHINGS = 6
+WHOLE = 0.98  # of an area that its largest part has to be
 
 Evaluate = Callable[[FloatArray], FloatArray]
 
@@ -65,10 +70,11 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
         raise MeshError(f"meshing surfaces needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     to_lengths, to_parameters = _unrolled(evaluate, np.concatenate(loops))
     rings = [to_lengths(loop) for loop in loops]
-    domain = shapely.Polygon(rings[0], rings[1:])
-    if not domain.is_valid or domain.area <= 0:
-        raise MeshError("the edges of a face do not bound an area in its parameters")
     rim, places = np.concatenate(rings), np.concatenate(points)
+    domain = _repaired(shapely.Polygon(rings[0], rings[1:]))
+    corners = shapely.get_coordinates(domain)
+    strange = corners[cKDTree(rim).query(corners)[0] > 0.0]
+    rim, places = np.concatenate([rim, strange]), np.concatenate([places, evaluate(to_parameters(strange))])
     seeds = np.concatenate([lattice(domain, edge_length / finer) for finer in (1, FINE)])
     spots = evaluate(to_parameters(seeds)) if len(seeds) else np.empty((0, 3))
     chosen = _apart(spots, places, NEAR * edge_length)
@@ -89,6 +95,20 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
     gap = evaluate(to_parameters(plan[faces].mean(axis=1))) - place[faces].mean(axis=1)
     deviation = float(np.abs(np.einsum("ij,ij->i", gap, face_normals(place, faces))).max(initial=0.0))
     return FaceMesh(place, faces, deviation)
+
+
+def _repaired(domain: shapely.Polygon) -> shapely.Polygon:
+    """Return the area that loops bound, without the specks that they cut off where they run over themselves."""
+    import shapely
+
+    if domain.is_valid and domain.area > 0:
+        return domain
+    parts = [part for part in shapely.get_parts(shapely.make_valid(domain)) if part.geom_type == "Polygon"]
+    whole = sum(part.area for part in parts)
+    largest = max(parts, key=lambda part: part.area, default=None)
+    if largest is None or largest.area < WHOLE * max(whole, shapely.convex_hull(domain).area * 0.01):
+        raise MeshError("the edges of a face do not bound an area in its parameters")
+    return largest
 
 
 def _unrolled(evaluate: Evaluate, rim: FloatArray) -> tuple[Evaluate, Evaluate]:

@@ -33,7 +33,7 @@ GRID = 16  # divisions of a surface in which the parameters of a point are looke
 STEPS = 30  # of Newton's method towards them
 LEVELS = 5  # of subdivision at most
 ATTEMPTS = 3  # each with edges half as long
-SIDE = 256  # divisions of a side of a domain, for the parameters of the points along it
+SIDE = 512  # divisions of a side of a domain, for the parameters of the points along it
 SOUTH, EAST, NORTH, WEST = range(4)
 
 
@@ -193,7 +193,9 @@ class _Surface:
             if length[-1] <= reach:
                 continue
             gap, t = nearest_on_polyline(line, points)
-            if gap.max() > reach:
+            # A side that winds a lot is not followed closely by its polyline.
+            sagitta = 0.5 * np.linalg.norm(points[2:] + points[:-2] - 2 * points[1:-1], axis=1).max()
+            if gap.max() > max(reach, sagitta):
                 continue
             if np.linalg.norm(points[0] - points[-1]) <= 1e-6 * length[-1]:
                 t = np.unwrap(t, period=length[-1])
@@ -214,7 +216,7 @@ class _Surface:
         sides = []
         for which in (SOUTH, EAST, NORTH, WEST):
             axis = 0 if which in (SOUTH, NORTH) else 1
-            values = np.linspace(*self.domain[axis], SIDE + 1)
+            values = np.linspace(self.domain[axis, 0], self.domain[axis, 1], SIDE + 1)
             uv = np.empty((SIDE + 1, 2))
             uv[:, axis], uv[:, 1 - axis] = values, self.domain[1 - axis, 0 if which in (SOUTH, WEST) else 1]
             sides.append((values, self.at(uv)))
