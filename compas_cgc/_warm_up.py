@@ -53,7 +53,8 @@ def _calls() -> Iterator[Callable[[], object]]:
     for method in METHODS:
         yield partial(_solved, _dome, method=method)
     yield partial(_solved, _folded)
-    yield partial(_solved, _folded, settings={"measure": "smooth"}, method="projection")
+    for method, measure in (("projection", "smooth"), ("projection", "exact"), ("newton", "exact")):
+        yield partial(_solved, _folded if method == "projection" else _dome, settings={"measure": measure}, method=method)
     yield partial(_solved, _folded, settings={"energy": "cotangent"}, method="flow")
     yield _ordered
     yield _drawn

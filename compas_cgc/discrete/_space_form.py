@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .._compiled import kernel
 from ._kernels import corner
 from .arrays import CSRIndices
 from .arrays import Faces
@@ -16,7 +17,7 @@ from .arrays import Vectors
 from .arrays import Vertices
 
 
-@njit(cache=True, inline="always")
+@kernel()
 def chord(square: float, K: float) -> tuple[float, float]:
     """Return the square of the chord of an arc of this squared length, and its derivative by that."""
     x = math.sqrt(abs(K) * square)
@@ -29,7 +30,7 @@ def chord(square: float, K: float) -> tuple[float, float]:
     return square * half * half, math.sinh(x) / x
 
 
-@njit(cache=True, inline="always")
+@kernel()
 def sides(V: Vertices, F: Faces, f: int, K: float, arc: bool) -> tuple[float, float, float, float, float, float, float]:
     """Return the squared chords opposite the corners of face `f`, their derivatives by the squared edges, and (2 area)²."""
     _, _, _, _, _, _, double, di, dj, dk = corner(V, F, f)
@@ -42,13 +43,13 @@ def sides(V: Vertices, F: Faces, f: int, K: float, arc: bool) -> tuple[float, fl
     return a, b, c, da, db, dc, di * dj + dj * dk + dk * di
 
 
-@njit(cache=True, inline="always")
+@kernel()
 def cosine(a: float, b: float, c: float, K: float) -> float:
     """Return the cosine of the angle opposite the chord a, times the sines of the others but for the same factor as :func:`sine`."""
     return 0.5 * (b + c - a) - 0.25 * K * b * c
 
 
-@njit(cache=True, inline="always")
+@kernel()
 def sine(a: float, b: float, c: float, D: float, K: float) -> float:
     """Return the sine to :func:`cosine`, the same at all three corners; zero for a triangle that the sphere has no room for."""
     return math.sqrt(max(0.0, D - 0.25 * K * a * b * c))
@@ -79,7 +80,7 @@ def room(V: Vertices, F: Faces, K: PerFace, arc: bool) -> PerFace:
     return out
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@kernel()
 def corner_derivatives(V: Vertices, F: Faces, f: int, x: int, K: float, arc: bool, G: FloatArray) -> bool:
     """Write into G (3, 3) what the angle at corner `x` of face `f` changes by when each corner moves; False where it has none.
 
@@ -108,7 +109,7 @@ def corner_derivatives(V: Vertices, F: Faces, f: int, x: int, K: float, arc: boo
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, arc: bool) -> FloatArray:
     """Return the derivatives of ``2 pi`` less the angle sums by all coordinates, in the slots S, (size, 3)."""
     data = np.zeros((size, 3))
@@ -124,7 +125,7 @@ def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, ar
     return data
 
 
-@njit(cache=True, error_model="numpy")
+@kernel()
 def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors, arc: bool) -> FloatArray:
     """Return the same along one direction U (n, 3) per vertex, in the slots S, (size,)."""
     data = np.zeros(size)

@@ -100,4 +100,3 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")
     return {"notes": notes, **report.to_dict()}
-
