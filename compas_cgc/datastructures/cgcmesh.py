@@ -15,6 +15,7 @@ from typing import Union
 
 import numpy as np
 from compas.datastructures import Mesh
+from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -169,6 +170,90 @@ class CGCMesh(Mesh):
     def from_3dm(cls, path: Union[str, os.PathLike], **options: object) -> CGCMesh:
         """Read a mesh with supports, creases, targets and constraints from a Rhino file, see :func:`compas_cgc.io.read_mesh`."""
         return mesh_from_3dm(path, **options)
+
+    @classmethod
+    def from_outline(
+        cls,
+        outline: ArrayLike,
+        edge_length: float,
+        holes: Iterable[ArrayLike] = (),
+        creases: Iterable[ArrayLike] = (),
+        points: Optional[ArrayLike] = None,
+        tolerance: float = 1e-6,
+    ) -> CGCMesh:
+        """Make a mesh of near-equilateral triangles within an outline in plan, with the creases set.
+
+        There is a vertex at every kink, end and crossing of the curves and at every point; edges are shorter at small features.
+        Heights are those of the curves, and a thin plate's between them. Takes the extra ``mesher``.
+
+        Parameters
+        ----------
+        outline
+            ``(k, 3)`` points around the boundary, the first again at the end [L].
+        edge_length
+            Length of edges aimed at [L].
+        holes
+            The same for holes.
+        creases
+            ``(k, 3)`` points along each crease; what lies outside of the outline is left out.
+        points
+            ``(k, 3)`` places that become vertices, such as columns.
+        tolerance
+            Length below which two points are one [L].
+
+        Raises
+        ------
+        MeshError
+            If the mesher is not installed, or the curves do not bound an area.
+
+        Examples
+        --------
+        >>> square = [[0, 0, 0], [6, 0, 0], [6, 6, 0], [0, 6, 0], [0, 0, 0]]
+        >>> mesh = CGCMesh.from_outline(square, 1.0, creases=[[[3, -1, 0], [3, 7, 0]]], points=[[1.4, 1.6, 0]])
+        >>> len(mesh.regions())
+        2
+        """
+        from ..meshing.outline import mesh_from_outline
+
+        curves = [[np.asarray(curve, dtype=np.float64) for curve in group] for group in ([outline], holes, creases)]
+        given = None if points is None else np.asarray(points, dtype=np.float64)
+        made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
+        mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
+        mesh.set_creases(made.creases)
+        return mesh
+
+    @classmethod
+    def from_surface(cls, surface: Any, edge_length: float) -> CGCMesh:
+        """Make a mesh of even triangles on an untrimmed parametric surface. Takes the extra ``mesher``.
+
+        Parameters
+        ----------
+        surface
+            Of COMPAS (``point_at``, ``domain_u``, ``domain_v``), of rhino3dm or RhinoCommon (``PointAt``, ``Domain``).
+        edge_length
+            Length of edges aimed at [L].
+
+        Raises
+        ------
+        MeshError
+            If the mesher is not installed, or the surface has no area.
+        """
+        from ..meshing.surface_mesh import mesh_from_surface
+
+        if hasattr(surface, "PointAt"):
+            spans = [surface.Domain(k) for k in range(2)]
+            (u0, u1), (v0, v1) = ((float(span.T0), float(span.T1)) for span in spans)
+            at, axes = surface.PointAt, "XYZ"
+        else:
+            (u0, u1), (v0, v1) = ((float(span[0]), float(span[1])) for span in (surface.domain_u, surface.domain_v))
+            at, axes = surface.point_at, "xyz"
+
+        def evaluate(parameters: FloatArray) -> FloatArray:
+            found = [at(u, v) for u, v in parameters.tolist()]
+            return np.array([[getattr(point, axis) for axis in axes] for point in found]).reshape(-1, 3)
+
+        made = mesh_from_surface(evaluate, ((u0, u1), (v0, v1)), edge_length)
+        return cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
 
     def to_3dm(self, path: Union[str, os.PathLike], version: int = 7) -> None:
         """Write the mesh with supports, creases, targets and constraints as a Rhino file that :meth:`from_3dm` reads.

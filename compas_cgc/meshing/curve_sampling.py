@@ -2,22 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import shapely
+import shapely.affinity
+from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
+from .sizing import SizeField
+from .sizing import size_field
 
-__all__ = ["Cell", "cells", "lattice", "spread"]
+__all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
+
+LEVELS = 4  # of lattices, each half as wide as the one before
+APART = 0.82  # of the edge length, that their points keep from each other
+REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
+
+
+class Spread(NamedTuple):
+    """Points spread along curves, and what they were spread by."""
+
+    rings: list[FloatArray]  # (k, 2) points around each ring, the first not repeated [L]
+    pieces: list[FloatArray]  # (k, 2) points along each piece of a crease between crossings, inside of the domain [L]
+    loose: FloatArray  # (k, 2) given points that lie on no curve [L]
+    sizes: SizeField
 
 
 def spread(
-    domain: shapely.Polygon, rings: Sequence[FloatArray], creases: Sequence[FloatArray], spacing: float, tolerance: float
-) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Spread points along curves, with one at every kink and crossing.
+    domain: shapely.Polygon,
+    rings: Sequence[FloatArray],
+    creases: Sequence[FloatArray],
+    points: FloatArray,
+    spacing: float,
+    tolerance: float,
+) -> Spread:
+    """Spread points along curves, with one at every kink, crossing and given point, closer together at small features.
 
     Parameters
     ----------
@@ -27,6 +50,8 @@ def spread(
         ``(k, 2)`` closed curves around it, the outer one first [L].
     creases
         ``(k, 2)`` curves in it, which may cross each other and themselves [L].
+    points
+        ``(k, 2)`` places that become vertices; those outside of the domain are left out [L].
     spacing
         Distance aimed at [L].
     tolerance
@@ -34,17 +59,21 @@ def spread(
 
     Returns
     -------
-    rings
-        ``(k, 2)`` points around each ring, the first not repeated.
-    pieces
-        ``(k, 2)`` points along each piece of a crease between crossings, inside of the domain.
+    Spread
     """
     lines = [shapely.LineString(ring) for ring in rings]
     count = len(lines)
     for crease in creases:
         # A crease that crosses itself falls into pieces which do not.
         lines += list(shapely.get_parts(shapely.node(shapely.LineString(crease))))
-    nodes = _nodes(lines, spacing)
+    reach = max(tolerance, REACH * spacing)
+    within = [point for point in points if domain.distance(shapely.Point(point)) <= reach]
+    curves = shapely.MultiLineString(lines)
+    on_curve = [point for point in within if curves.distance(shapely.Point(point)) <= reach]
+    loose = np.array([point for point in within if curves.distance(shapely.Point(point)) > reach]).reshape(-1, 2)
+    nodes = _nodes(lines, spacing, on_curve)
+    inside_nodes = np.array([node for node in nodes if domain.distance(shapely.Point(node)) <= reach]).reshape(-1, 2)
+    sizes = size_field([shapely.get_coordinates(line) for line in lines], inside_nodes, loose, spacing)
     around, pieces = [], []
     for i, line in enumerate(lines):
         at = np.array([line.project(shapely.Point(node)) for node in nodes])
@@ -56,19 +85,28 @@ def spread(
         parts = []
         for a, b in stretches:
             begin, end = at[a], at[b] if at[b] > at[a] else at[b] + line.length
-            number = max(1, round(float(end - begin) / spacing), 3 if closed and len(own) == 1 else 1)
-            places = np.linspace(begin, end, number + 1) % line.length if closed else np.linspace(begin, end, number + 1)
-            points = shapely.get_coordinates(shapely.line_interpolate_point(line, places))
-            points[0], points[-1] = nodes[a], nodes[b]
+            places = _graded(line, float(begin), float(end), sizes, 3 if closed and len(own) == 1 else 1)
+            stretch = shapely.get_coordinates(shapely.line_interpolate_point(line, places % line.length if closed else places))
+            stretch[0], stretch[-1] = nodes[a], nodes[b]
             middle = shapely.line_interpolate_point(line, (0.5 * (begin + end)) % line.length if closed else 0.5 * (begin + end))
             inside = domain.contains(middle) and domain.boundary.distance(middle) > tolerance
             if i < count or inside:
-                parts.append(points)
+                parts.append(stretch)
         if i < count:
             around.append(np.concatenate([part[:-1] for part in parts]))
         else:
             pieces += parts
-    return around, pieces
+    return Spread(around, pieces, loose, sizes)
+
+
+def _graded(line: shapely.LineString, begin: float, end: float, sizes: SizeField, least: int) -> FloatArray:
+    """Return places (k,) along a stretch of a line whose distances follow the size field."""
+    fine = np.linspace(begin, end, max(8, int(np.ceil(8 * (end - begin) / sizes.edge_length))) + 1)
+    spots = shapely.get_coordinates(shapely.line_interpolate_point(line, fine % line.length if line.is_closed else fine))
+    density = 1.0 / sizes(spots)
+    counted = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+    number = max(least, round(float(counted[-1])))
+    return np.interp(np.linspace(0.0, counted[-1], number + 1), counted, fine)
 
 
 class Cell(NamedTuple):
@@ -91,9 +129,10 @@ def cells(domain: shapely.Polygon, rings: Sequence[FloatArray], pieces: Sequence
     return [Cell(cell, [piece for piece, within in zip(pieces, own) if within]) for cell, own in zip(found, inside)]
 
 
-def lattice(domain: shapely.Polygon, spacing: float) -> FloatArray:
-    """Return the points (k, 2) of a triangular lattice inside of a domain [L]."""
+def lattice(domain: shapely.Polygon, spacing: float, shift: float = 0.0) -> FloatArray:
+    """Return the points (k, 2) of a triangular lattice inside of a domain [L], shifted by a part of the spacing."""
     x0, y0, x1, y1 = domain.bounds
+    x0, y0 = x0 - shift * spacing, y0 - shift * spacing * np.sqrt(3) / 2
     rows = np.arange(y0, y1, spacing * np.sqrt(3) / 2)
     columns = np.arange(x0, x1 + spacing, spacing)
     x = columns[None, :] + 0.5 * spacing * (np.arange(len(rows)) % 2)[:, None]
@@ -101,9 +140,40 @@ def lattice(domain: shapely.Polygon, spacing: float) -> FloatArray:
     return points[shapely.contains_xy(domain, points)]
 
 
-def _nodes(lines: list[shapely.LineString], spacing: float) -> FloatArray:
-    """Return the kinks, ends and crossings of lines, those closer than a tenth of the spacing as one (k, 2)."""
-    found = []
+def lattices(domain: shapely.Polygon, sizes: SizeField) -> Iterator[FloatArray]:
+    """Yield points (k, 2) inside of a domain: lattices of several places and directions, thinned out where edges are longer."""
+    spacing = sizes.edge_length
+    for turn in (0.0, np.pi / 6):
+        for shift in (0.0, 0.25, 0.5, 0.75):
+            levels = []
+            for level in range(LEVELS):
+                step = spacing / 2**level
+                turned = shapely.affinity.rotate(domain, -turn, origin=(0, 0), use_radians=True)
+                points = lattice(turned, step, shift)
+                back = points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+                wanted = sizes(back)
+                fits = wanted > 0.75 * spacing if level == 0 else wanted <= 0.75 * spacing
+                levels.append(back[fits])
+                if level == 0 and fits.all():
+                    break
+            points = np.concatenate(levels)
+            yield points[_apart(points, APART * sizes(points))] if len(levels) > 1 else points
+
+
+def _apart(points: FloatArray, distance: FloatArray) -> Mask:
+    """Mark points, first come first served, that keep their distance from those marked before."""
+    free = np.ones(len(points), bool)
+    near = cKDTree(points).query_ball_point(points, distance, return_sorted=False) if len(points) else []
+    for i in range(len(points)):
+        if free[i]:
+            free[near[i]] = False
+            free[i] = True
+    return free
+
+
+def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[FloatArray]) -> FloatArray:
+    """Return given points, and the kinks, ends and crossings of lines, those closer than a tenth of the spacing as one (k, 2)."""
+    found = [np.reshape(points, (-1, 2))]
     for i, line in enumerate(lines):
         corners = shapely.get_coordinates(line)
         found.append(corners[_kinks(corners, bool(line.is_closed))])

@@ -5,23 +5,30 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..errors import MeshError
-from .map_matching import edge_net
+from .boundary import boundary_loops
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
+from .relaxation import plane_angles
+from .relaxation import relaxed
+from .relaxation import valences
 from .weld import weld
 
 if TYPE_CHECKING:
     from .curve_sampling import Cell
+    from .curve_sampling import Spread
+
+CLEAR = 0.62  # of the edge length, that a lattice keeps away from curves
+MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
+ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
 
 __all__ = ["Outlined", "fill", "mesh_from_outline"]
 
@@ -35,12 +42,18 @@ class Outlined(NamedTuple):
 
 
 def mesh_from_outline(
-    outline: FloatArray, holes: Sequence[FloatArray], creases: Sequence[FloatArray], edge_length: float, tolerance: float
+    outline: FloatArray,
+    holes: Sequence[FloatArray],
+    creases: Sequence[FloatArray],
+    edge_length: float,
+    tolerance: float,
+    points: Optional[FloatArray] = None,
 ) -> Outlined:
     """Fill an outline with near-equilateral triangles, most vertices of valence 6, whose edges follow all the curves.
 
     A triangular lattice fills the plan; along the curves it gives way to points spread
-    evenly on them. Heights are those of the curves and as smooth as can be between them.
+    evenly on them, closer together at small features, and is relaxed. Of several lattices the one that gives the best
+    triangles is taken. Heights are those of the curves and as smooth as can be between them.
 
     Parameters
     ----------
@@ -54,6 +67,8 @@ def mesh_from_outline(
         Length of edges aimed at [L].
     tolerance
         Length below which two points are one [L].
+    points
+        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L].
 
     Returns
     -------
@@ -69,7 +84,7 @@ def mesh_from_outline(
         import shapely
 
         from .curve_sampling import cells
-        from .curve_sampling import lattice
+        from .curve_sampling import lattices
         from .curve_sampling import spread
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
@@ -80,19 +95,47 @@ def mesh_from_outline(
     if not domain.is_valid or domain.area < edge_length**2:
         reason = shapely.is_valid_reason(domain) if not domain.is_valid else "its area is less than that of an edge squared"
         raise MeshError(f"the outline and its holes do not bound an area that can be meshed ({reason}); correct the curves")
-    around, inner = spread(domain, rings, [np.asarray(crease)[:, :2] for crease in creases], edge_length, tolerance)
-    fixed = np.concatenate([*around, *inner])
-    seeds = lattice(domain, edge_length)
-    seeds = seeds[cKDTree(fixed).query(seeds)[0] > 0.6 * edge_length]
-    plan, faces = fill(cells(domain, around, inner), seeds)
-    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
-    faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
-    on = cKDTree(fixed).query(plan)[0] <= 1e-9 * edge_length
+    given = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
+    laid = spread(domain, rings, [np.asarray(crease)[:, :2] for crease in creases], given[:, :2], edge_length, tolerance)
+    around, inner = laid.rings, laid.pieces
+    areas = cells(domain, around, inner)
+    fixed = np.concatenate([*around, *inner, laid.loose])
+    plan, faces = max((_tried(laid, areas, fixed, seeds) for seeds in lattices(domain, laid.sizes)), key=lambda made: _quality(*made))
+    on_curves = np.concatenate([*around, *inner])
+    on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
     heights[on] = _heights_on_curves(plan[on], [outline, *holes, *creases])
-    vertices = np.column_stack([plan, _heights_between(plan, faces, on, heights)])
+    if len(laid.loose) and given[:, 2].any():
+        at = cKDTree(plan).query(laid.loose)[1]
+        heights[at] = given[cKDTree(given[:, :2]).query(laid.loose)[1], 2]
+        on[at] = True
+    vertices = np.column_stack([plan, _heights_between(plan, on, heights)])
     place = cKDTree(plan)
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
+
+
+def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the relaxed triangulation with the seeds that keep away from what is fixed."""
+    seeds = seeds[cKDTree(fixed).query(seeds)[0] > CLEAR * laid.sizes(seeds)]
+    plan, faces = fill(areas, np.concatenate([seeds, laid.loose]))
+    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
+    faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
+    place = cKDTree(plan)
+    held = np.zeros(len(plan), bool)
+    held[place.query(fixed)[1]] = True
+    paths = [place.query(piece)[1] for piece in laid.pieces]
+    kept = np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
+    return relaxed(plan, faces, held, kept, laid.sizes)
+
+
+def _quality(plan: FloatArray, faces: IntArray) -> float:
+    """Return how good triangles are: the part of vertices with valence 6, less what the smallest angle lacks."""
+    smallest = float(np.degrees(plane_angles(plan, faces).min()))
+    inner = np.ones(len(plan), bool)
+    for loop in boundary_loops(faces):
+        inner[loop] = False
+    regular = float(np.mean(valences(len(plan), faces)[inner] == 6)) if inner.any() else 1.0
+    return regular + 0.05 * min(0.0, smallest - ENOUGH)
 
 
 def fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -132,14 +175,17 @@ def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatA
     return np.array(heights)[first, np.arange(len(plan))]
 
 
-def _heights_between(plan: FloatArray, faces: IntArray, known: Mask, heights: FloatArray) -> FloatArray:
-    """Return heights (n,) that are the mean of their neighbours' where they are not known [L]."""
+def _heights_between(plan: FloatArray, known: Mask, heights: FloatArray) -> FloatArray:
+    """Return heights (n,) that are those of a thin plate through the known ones [L].
+
+    A membrane would sag between two arches, where a plate is all but ruled.
+    """
     free = np.flatnonzero(~known)
     if not len(free) or not heights[known].any():
         return heights
-    joined = edge_net(np.column_stack([plan, heights]), faces).lengths
-    joined.data[:] = 1.0
-    laplacian = sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined
+    from scipy.interpolate import RBFInterpolator
+
     result = heights.copy()
-    result[free] = spsolve(laplacian[free][:, free].tocsc(), -(laplacian[free] @ heights))
+    near = None if np.count_nonzero(known) <= MOST_DENSE else NEIGHBOURS
+    result[free] = RBFInterpolator(plan[known], heights[known], neighbors=near, kernel="thin_plate_spline")(plan[free])
     return result

@@ -14,17 +14,21 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
+from .weld import clean_faces
+from .weld import weld
 
 if TYPE_CHECKING:
     import shapely
 
-__all__ = ["FaceMesh", "mesh_face"]
+__all__ = ["FaceMesh", "mesh_face", "mesh_from_surface"]
 
 GRID = 24  # divisions of the domain along which lengths are measured
 NEAR = 0.75  # of the edge length, that points keep from each other
 FINE = 3  # times finer is the lattice that gaps of the first one are filled from
 SWEEPS = 60  # of edge flips at most
 SMOOTHINGS = 6
+SIDE = 512  # divisions of a side, by which its length is measured
+JOINED = 1e-6  # of the edge length, within which points of two sides are one
 WHOLE = 0.98  # of an area that its largest part has to be
 
 Evaluate = Callable[[FloatArray], FloatArray]
@@ -200,3 +204,41 @@ def _smoothed(plan: FloatArray, place: FloatArray, faces: IntArray, held: int, e
     if free.any():
         spots[free] = evaluate(moved[free])
     return moved, spots
+
+
+def mesh_from_surface(evaluate: Evaluate, domain: tuple[tuple[float, float], tuple[float, float]], edge_length: float) -> FaceMesh:
+    """Mesh an untrimmed parametric surface evenly; where its sides meet they are joined.
+
+    Parameters
+    ----------
+    evaluate
+        Returns the places (k, 3) of parameters (k, 2).
+    domain
+        First and last parameter in both directions.
+    edge_length
+        Length of edges aimed at [L].
+
+    Raises
+    ------
+    MeshError
+        If the mesher is not installed, or the surface has no area.
+    """
+    (u0, u1), (v0, v1) = domain
+    corners = np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1], [u0, v0]], dtype=np.float64)
+    sides = [_divided_side(evaluate, a, b, edge_length) for a, b in zip(corners[:-1], corners[1:])]
+    loop = np.concatenate([side[:-1] for side in sides])
+    made = mesh_face(evaluate, [loop], [evaluate(loop)], edge_length)
+    joined = weld(made.vertices, made.faces, JOINED * edge_length)
+    clean = clean_faces(joined.faces)
+    return made._replace(vertices=joined.vertices, faces=clean.faces)
+
+
+def _divided_side(evaluate: Evaluate, first: FloatArray, last: FloatArray, edge_length: float) -> FloatArray:
+    """Return parameters (k, 2) along a side at even distances in space."""
+    t = np.linspace(0.0, 1.0, SIDE + 1)
+    places = evaluate(first + t[:, None] * (last - first))
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    if at[-1] <= JOINED * edge_length:
+        return np.array([first, last])
+    number = max(1, round(float(at[-1]) / edge_length))
+    return first + np.interp(np.linspace(0.0, at[-1], number + 1), at, t)[:, None] * (last - first)

@@ -85,7 +85,9 @@ def read_3dm(
         unit = unit_suffix(unit_name(archive.Settings.ModelUnitSystem))
         converted = [_converted(item, found.mesh, edge_length, own, unit) for item in found.mesh]
         if not converted:
-            converted = [MeshedSurface(part, [], notes) for part, notes in [outline_part(found, edge_length, own)]]
+            converted = [outline_part(found, edge_length, own)]
+            # They are edges of the mesh now, cut at the outline.
+            found = found._replace(creases=[])
         joints = [joint for made in converted for joint in made.creases]
         return assemble(
             name=Path(path).stem,

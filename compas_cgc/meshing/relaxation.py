@@ -1,0 +1,205 @@
+"""Relaxation of plane triangulations: vertices pushed apart to a size field, edges flipped, what is held stays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+
+__all__ = ["plane_angles", "relaxed", "valences"]
+
+STEPS = 5
+ROUNDS = 3
+SPRING = 1.15  # natural length of an edge against the mean that the size field asks for
+RATE = 0.2
+SWEEPS = 30
+KEPT = np.radians(24.0)  # smallest angle that a flip for the valence may leave
+
+Sizes = Callable[[FloatArray], FloatArray]
+
+
+def relaxed(plan: FloatArray, faces: IntArray, held: Mask, kept: IntArray, sizes: Sizes) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and triangles (m, 3) evened out.
+
+    Edges push like springs that are too short (Persson and Strang 2004) and are flipped to a Delaunay triangulation; at the end
+    they are flipped to valences of 6 where the angles allow it.
+
+    Parameters
+    ----------
+    plan
+        ``(n, 2)`` [L].
+    faces
+        ``(m, 3)`` triangles, anticlockwise.
+    held
+        ``(n,)`` points that stay.
+    kept
+        ``(k, 2)`` edges that stay; those on the boundary do anyway.
+    sizes
+        Edge lengths (k,) at points (k, 2) [L].
+
+    References
+    ----------
+    Persson and Strang, doi:10.1137/S0036144503429121.
+    """
+    constraint = np.sort(kept, axis=1) @ np.array([len(plan), 1]) if len(kept) else np.empty(0, np.int64)
+    for _ in range(STEPS):
+        plan, _ = _pushed(plan, faces, held, sizes)
+        faces = _flipped(plan, faces, constraint, _delaunay_gain)
+    for _ in range(ROUNDS):
+        faces = _evened(plan, faces, held, constraint)
+        for _ in range(STEPS):
+            plan, _ = _pushed(plan, faces, held, sizes)
+    plan = _rounded(plan, faces, held)
+    return plan, faces
+
+
+def valences(n: int, faces: IntArray) -> IntArray:
+    """Return the number of edges at every vertex (n,)."""
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    return np.bincount(edges.ravel(), minlength=n)
+
+
+def plane_angles(plan: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the angles (m, 3) of triangles [rad]."""
+    corners = plan[faces]
+    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=2))
+
+
+def _pushed(plan: FloatArray, faces: IntArray, held: Mask, sizes: Sizes) -> tuple[FloatArray, float]:
+    """Return the points after a step, and the longest step against its edge length."""
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    u, v = edges.T
+    bar = plan[v] - plan[u]
+    length = np.linalg.norm(bar, axis=1)
+    wanted = sizes(0.5 * (plan[u] + plan[v]))
+    wanted = wanted * SPRING * np.sqrt((length**2).sum() / (wanted**2).sum())
+    force = (np.maximum(wanted - length, 0.0) / np.maximum(length, 1e-300))[:, None] * bar
+    push = np.zeros_like(plan)
+    np.add.at(push, v, force)
+    np.add.at(push, u, -force)
+    push[held] = 0.0
+    new = _not_turned(plan, plan + RATE * push, faces)
+    return new, float((np.linalg.norm(new - plan, axis=1) / sizes(plan)).max(initial=0.0))
+
+
+def _not_turned(plan: FloatArray, new: FloatArray, faces: IntArray) -> FloatArray:
+    """Return new points, of which those that would turn a triangle over are the old ones."""
+    new = new.copy()
+    for _ in range(10):
+        turned = faces[(plane_angles(new, faces) <= np.radians(2.0)).any(axis=1)]
+        if not len(turned):
+            return new
+        new[turned.ravel()] = plan[turned.ravel()]
+    return plan
+
+
+def _rounded(plan: FloatArray, faces: IntArray, held: Mask) -> FloatArray:
+    """Return points of which those at poor triangles have gone to where the smallest angle around them is largest."""
+    plan = plan.copy()
+    around: dict[int, list[int]] = {}
+    for f, face in enumerate(faces.tolist()):
+        for i in face:
+            around.setdefault(i, []).append(f)
+    for _ in range(8):
+        worst = plane_angles(plan, faces).min(axis=1)
+        poor = np.unique(faces[worst < np.radians(34.0)])
+        moved = False
+        for i in poor[~held[poor]].tolist():
+            own = faces[around[i]]
+            best, at = plane_angles(plan, own).min(), plan[i].copy()
+            reach = 0.3 * np.linalg.norm(plan[own[own != i]] - at, axis=1).min()
+            for share in (1.0, 0.5, 0.25):
+                for turn in np.arange(8) * np.pi / 4:
+                    plan[i] = at + share * reach * np.array([np.cos(turn), np.sin(turn)])
+                    found = plane_angles(plan, own).min()
+                    if found > best + 1e-6:
+                        best, at, moved = found, plan[i].copy(), True
+            plan[i] = at
+        if not moved:
+            break
+    return plan
+
+
+def _delaunay_gain(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray, d: IntArray) -> FloatArray:
+    return _angle(plan, c, a, b) + _angle(plan, d, a, b) - np.pi - 1e-9
+
+
+def _angle(plan: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
+    x, y = plan[one] - plan[at], plan[other] - plan[at]
+    return np.arctan2(np.abs(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), (x * y).sum(axis=1))
+
+
+def _turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
+    x, y = plan[b] - plan[a], plan[c] - plan[a]
+    return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
+
+
+def _quads(n: int, faces: IntArray, constraint: IntArray) -> tuple[IntArray, ...]:
+    """Return, for the edges that may be flipped, their two triangles, their ends and the corners opposite."""
+    u, v, w = faces.ravel(), np.roll(faces, -1, axis=1).ravel(), np.roll(faces, 1, axis=1).ravel()
+    key = np.minimum(u, v) * n + np.maximum(u, v)
+    order = np.argsort(key, kind="stable")
+    pair = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+    e, f = order[pair], order[pair + 1]
+    free = ~np.isin(key[e], constraint)
+    e, f = e[free], f[free]
+    return e // 3, f // 3, u[e], v[e], w[e], w[f]
+
+
+def _flipped(plan: FloatArray, faces: IntArray, constraint: IntArray, gain_of: Callable[..., FloatArray]) -> IntArray:
+    faces = faces.copy()
+    for _ in range(SWEEPS):
+        one, other, a, b, c, d = _quads(len(plan), faces, constraint)
+        gain = gain_of(plan, a, b, c, d)
+        good = (gain > 0) & (_turn(plan, a, d, c) > 0) & (_turn(plan, d, b, c) > 0)
+        if not good.any():
+            break
+        _apply(faces, np.flatnonzero(good)[np.argsort(-gain[good], kind="stable")], one, other, a, b, c, d)
+    return faces
+
+
+def _apply(faces: IntArray, chosen: IntArray, one: IntArray, other: IntArray, a: IntArray, b: IntArray, c: IntArray, d: IntArray) -> None:
+    """Flip edges, the first of those that share a triangle."""
+    busy = np.zeros(len(faces), bool)
+    for k in chosen.tolist():
+        if not busy[one[k]] and not busy[other[k]]:
+            busy[one[k]] = busy[other[k]] = True
+            faces[one[k]], faces[other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
+
+
+def _evened(plan: FloatArray, faces: IntArray, held: Mask, constraint: IntArray) -> IntArray:
+    """Flip edges where valences come nearer to 6 and no angle becomes too small."""
+    faces = faces.copy()
+    boundary = _boundary(len(plan), faces)
+    for _ in range(SWEEPS):
+        one, other, a, b, c, d = _quads(len(plan), faces, constraint)
+        excess = valences(len(plan), faces) - np.where(boundary, 4, 6)
+        weight = np.where(boundary, 0.0, 1.0)
+        quad, steps = np.column_stack([a, b, c, d]), np.array([-1, -1, 1, 1])
+        before = (weight[quad] * excess[quad] ** 2).sum(axis=1)
+        after = (weight[quad] * (excess[quad] + steps) ** 2).sum(axis=1)
+        sides = (quad[:, [0, 3, 2]], quad[:, [3, 1, 2]])
+        left = np.minimum(*(plane_angles(plan, side).min(axis=1) for side in sides))
+        good = (after < before) & (left > KEPT)
+        if not good.any():
+            break
+        # One at a time where they share a vertex: their gains are not independent.
+        touched = np.zeros(len(plan), bool)
+        for k in np.flatnonzero(good)[np.argsort((after - before)[good], kind="stable")].tolist():
+            if not touched[quad[k]].any():
+                touched[quad[k]] = True
+                faces[one[k]], faces[other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
+    return faces
+
+
+def _boundary(n: int, faces: IntArray) -> Mask:
+    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    mask = np.zeros(n, bool)
+    mask[edges[count == 1]] = True
+    return mask

@@ -1,0 +1,101 @@
+"""Meshes from outlines: vertices where a building stands, edges along the creases, even triangles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import rhino3dm
+
+from compas_cgc import CGCMesh
+from compas_cgc.discrete import boundary_vertices
+
+pytest.importorskip("compas_cgal")
+pytest.importorskip("shapely")
+
+
+def ring(*points):
+    return np.array([(*point, 0.0) for point in (*points, points[0])])
+
+
+def arc(x, y, radius, first=0.0, last=360.0):
+    t = np.radians(np.linspace(first, last, 361))
+    points = np.column_stack([x + radius * np.cos(t), y + radius * np.sin(t), 0 * t])
+    if last - first == 360.0:
+        points[-1] = points[0]
+    return points
+
+
+def line(*points):
+    return np.array([(*point, 0.0) for point in points])
+
+
+SQUARE = ring((0, 0), (12, 0), (12, 12), (0, 12))
+ELL = ring((0, 0), (14, 0), (14, 6), (6, 6), (6, 14), (0, 14))
+# Outline, holes, creases, columns, edge length.
+CASES = {
+    "columns": (SQUARE, [], [], [(3.3, 3.1), (8.7, 3.2), (3.2, 8.9), (8.8, 8.7)], 1.0),
+    "creases that overshoot": (SQUARE, [], [line((-1, 6), (13, 6)), line((6, -1), (6, 13))], [(6, 6), (3.1, 3.4)], 0.9),
+    "oculus": (arc(0, 0, 8), [arc(0.5, 0.3, 1.0)], [], [(4, 4), (-4, 3.7), (3.9, -4.1)], 0.9),
+    "arc crease": (arc(0, 0, 8), [], [arc(0, -10, 12, 40, 140)], [(0, 5), (0, -3)], 0.8),
+    "ell": (ELL, [], [line((6, 6), (0, 0))], [(3, 10), (10, 3)], 0.8),
+    "crease that ends inside": (arc(0, 0, 8), [], [line((-3, 0), (3, 1))], [(0, 4), (4, -2)], 0.8),
+    "square hole": (SQUARE, [ring((5, 5), (7, 5), (7, 7), (5, 7))], [line((0, 0), (5, 5))], [(2, 9), (9, 2)], 0.8),
+}
+
+
+def shape_of(mesh):
+    """Return vertices, the smallest angle in degrees, and the part of the inner vertices with valence 6."""
+    V, F = mesh.arrays()
+    edges = np.unique(np.sort(np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1), axis=0)
+    inner = ~boundary_vertices(V, F)
+    corners = V[F]
+    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    angles = np.arctan2(np.linalg.norm(np.cross(a, b), axis=2), (a * b).sum(axis=2))
+    return V, np.degrees(angles.min()), np.mean(np.bincount(edges.ravel(), minlength=len(V))[inner] == 6)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_column_is_a_vertex_and_triangles_are_even(name):
+    outline, holes, creases, columns, h = CASES[name]
+    mesh = CGCMesh.from_outline(outline, h, holes, creases, line(*columns))
+    V, smallest, regular = shape_of(mesh)
+    for column in columns:
+        assert np.linalg.norm(V[:, :2] - column, axis=1).min() < 1e-9
+    assert smallest >= 25 and regular >= 0.9
+    assert len(mesh.boundary_loops()) == 1 + len(holes)
+    if creases:
+        assert mesh.crease_edges()
+        box = np.array([V.min(axis=0), V.max(axis=0)])
+        assert (box[0] >= outline.min(axis=0) - 1e-9).all() and (box[1] <= outline.max(axis=0) + 1e-9).all()
+
+
+def test_round_edges_are_met_and_a_small_oculus_stays_round():
+    mesh = CGCMesh.from_outline(arc(0, 0, 8), 0.9, [arc(1, 0, 0.5)])
+    V, _ = mesh.arrays()
+    outer, inner = sorted(mesh.boundary_loops(), key=lambda loop: -len(loop))
+    radius = np.linalg.norm(V[outer], axis=1)
+    # The curve that was given is a polygon of 360 sides itself.
+    assert np.abs(radius - 8).max() <= 0.2 * 0.9**2 / (8 * 8) + 8 * (1 - math.cos(math.pi / 360))
+    assert len(inner) >= 12
+    assert np.abs(np.linalg.norm(V[inner] - [1, 0, 0], axis=1) - 0.5).max() < 1e-3
+
+
+def test_between_two_arches_the_start_does_not_sag():
+    x = np.linspace(-5, 5, 101)
+    arch = np.column_stack([x, 0 * x, 3 * (1 - x**2 / 25)])
+    outline = np.vstack([arch, arch[::-1] + [0, 10, 0], arch[:1]])
+    mesh = CGCMesh.from_outline(outline, 0.8)
+    V, _ = mesh.arrays()
+    crown = V[np.abs(V[:, 0]) < 0.5]
+    assert crown[:, 2].min() > 2.5
+
+
+@pytest.mark.parametrize("radius", [2.0, 20.0])
+def test_a_surface_is_meshed_evenly_and_closed_where_its_sides_meet(radius):
+    cylinder = rhino3dm.NurbsSurface.CreateFromCylinder(rhino3dm.Cylinder(rhino3dm.Circle(rhino3dm.Point3d(0, 0, 0), radius), 3 * radius))
+    mesh = CGCMesh.from_surface(cylinder, 0.25 * radius)
+    V, smallest, _ = shape_of(mesh)
+    assert len(mesh.boundary_loops()) == 2 and smallest >= 20
+    assert np.allclose(np.linalg.norm(V[:, :2], axis=1), radius)
