@@ -25,8 +25,8 @@ from ..runtime.background import BackgroundTask
 from ..runtime.component_feedback import add_error
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
-from ..runtime.component_feedback import run_again
 from ..runtime.component_feedback import set_message
 from ..runtime.local_solve import local_solve
 from ..runtime.progress import Progress
@@ -121,6 +121,8 @@ def solve(
     memory.take(inputs)
     if memory.task is not None and not memory.task.running:
         memory.collect(memory.task)
+    if not run:
+        memory.cancel()
     if run and memory.task is None and memory.answered != memory.fingerprint:
         memory.task = BackgroundTask(_solving(*inputs))
     if memory.task is not None:
@@ -135,7 +137,8 @@ def _same(one: object, other: object) -> bool:
 def _address(server: Any) -> Optional[Address]:
     """Return the server of a wire: an address of Server, or a text."""
     if isinstance(server, str):
-        return Address(server.strip()) if server.strip() else None
+        url = server.strip()
+        return Address(url if "://" in url else f"http://{url}") if url else None
     return server
 
 
@@ -158,7 +161,13 @@ def _wait(component: Any, memory: Memory, task: BackgroundTask[SolveOutputs], fo
     set_message(component, _reached(progress))
     if progress.note:
         add_warning(component, progress.note)
-    run_again(component, POLL_INTERVAL, forget)
+
+    def is_over() -> bool:
+        set_message(component, _reached(task.progress))
+        # A balloon comes and goes with a run of the component.
+        return not task.running or task.progress.note != progress.note
+
+    poll(component, POLL_INTERVAL, is_over, forget)
     return memory.shown._replace(status="running", progress=progress.part)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Any
 
 from ...errors import ProblemError
+from .wires import check_wires
 
-__all__ = ["add_error", "add_remark", "add_warning", "as_list", "reports_errors", "run_again", "set_message", "unwrapped"]
+__all__ = ["add_error", "add_remark", "add_warning", "as_list", "poll", "reports_errors", "run_again", "set_message", "unwrapped"]
 
 
 def set_message(component: Any, text: str) -> None:
@@ -44,6 +46,39 @@ def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object
     component.OnPingDocument().ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(callback))
 
 
+def poll(component: Any, milliseconds: int, is_over: Callable[[], bool], on_deleted: Callable[[], object]) -> None:
+    """Look every so often whether something is over, and only then let Grasshopper run a component, and what hangs on it, again.
+
+    Parameters
+    ----------
+    component
+        The component.
+    milliseconds
+        Between two looks.
+    is_over
+        Asked each time; it may set the component's message meanwhile.
+    on_deleted
+        Called if the component is not on the canvas any more.
+    """
+    from Grasshopper.Kernel import GH_Document
+
+    def callback(document: Any) -> None:
+        if component.OnPingDocument() is None:
+            on_deleted()
+        elif is_over():
+            component.ExpireSolution(False)
+        else:
+            redraw = getattr(component, "OnDisplayExpired", None)
+            if redraw is not None:
+                redraw(True)
+            schedule()
+
+    def schedule() -> None:
+        component.OnPingDocument().ScheduleSolution(milliseconds, GH_Document.GH_ScheduleDelegate(callback))
+
+    schedule()
+
+
 def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
     """Make a function of a component answer user errors with red balloons and empty outputs.
 
@@ -54,10 +89,14 @@ def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
     """
 
     def decorate(function: Callable) -> Callable:
+        names = list(inspect.signature(function).parameters)[1:]
+
         @functools.wraps(function)
         def run(component: Any, *inputs: Any) -> Any:
             try:
-                return function(component, *map(unwrapped, inputs))
+                given = [unwrapped(value) for value in inputs]
+                check_wires(dict(zip(names, given)))
+                return function(component, *given)
             except ProblemError as error:
                 sentences = list(map(str, error.problems))
             except (ValueError, OSError) as error:

@@ -1,0 +1,130 @@
+"""Wires: what may come along each input of a component, and the sentence where something else does."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Callable
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Any
+from typing import NamedTuple
+
+from ...datastructures import CGCMesh
+from ...datastructures import SolveResult
+from ...errors import CGCError
+from ...model.constraints import Constraint
+from ...solvers import Settings
+from .address import Address
+
+__all__ = ["check_wires"]
+
+
+class Wire(NamedTuple):
+    """What an input takes."""
+
+    fits: Callable[[Any], bool]  # whether one value does
+    wanted: str  # what to connect
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def _is_whole(value: Any) -> bool:
+    return _is_number(value) and float(value) == int(value)
+
+
+def _is_switch(value: Any) -> bool:
+    return isinstance(value, bool) or (_is_number(value) and value in (0, 1))
+
+
+def _is_geometry(value: Any) -> bool:
+    """Tell whether a value may be geometry of Rhino, of which there are too many classes to name."""
+    return not isinstance(value, (str, bytes, numbers.Number, CGCMesh, SolveResult, Settings, Constraint, Address))
+
+
+def _is_mesh(value: Any) -> bool:
+    return _is_geometry(value) and hasattr(value, "Vertices") and hasattr(value, "Faces")
+
+
+def _is_point(value: Any) -> bool:
+    """Points, and rows of numbers as scripts make them."""
+    return _is_geometry(value) and not hasattr(value, "Faces") and not hasattr(value, "PointAt")
+
+
+def _is_curve(value: Any) -> bool:
+    return _is_geometry(value) and not hasattr(value, "Faces")
+
+
+def _is_plane(value: Any) -> bool:
+    return _is_geometry(value) and hasattr(value, "Origin")
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+_SWITCH = Wire(_is_switch, "a toggle, True or False")
+_TEXT = Wire(_is_text, "a text, from a panel or a value list")
+_NUMBER = Wire(_is_number, "a number")
+
+# By the names of inputs, which mean the same on every component.
+WIRES = {
+    "cgc_mesh": Wire(lambda value: isinstance(value, CGCMesh), "the output cgc_mesh of CGC Mesh, Target, Solve or Example"),
+    "settings": Wire(lambda value: isinstance(value, Settings), "the output of Settings"),
+    "constraints": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of Constraints"),
+    "others": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of another Constraints"),
+    "server": Wire(lambda value: isinstance(value, (Address, str)), "the output of Server, or its address as a text"),
+    "result": Wire(lambda value: isinstance(value, SolveResult), "the output result of Solve"),
+    "mesh": Wire(_is_mesh, "a mesh"),
+    "K": Wire(_is_number, "numbers, in 1 / (model unit)²"),
+    "region": Wire(_is_whole, "numbers of regions, counted from 0"),
+    "point": Wire(_is_point, "points"),
+    "points": Wire(_is_point, "points"),
+    "supports": Wire(_is_point, "points"),
+    "creases": Wire(_is_curve, "curves"),
+    "curve": Wire(_is_curve, "a curve"),
+    "plane": Wire(_is_plane, "a plane"),
+    "mirror": Wire(_is_plane, "a plane"),
+    "height": _NUMBER,
+    "aside": _NUMBER,
+    "number": Wire(_is_whole, "a whole number"),
+    **dict.fromkeys(("flip", "run", "reset"), _SWITCH),
+    **dict.fromkeys(("fix", "show", "path", "url", "key", "python", "variant", "method"), _TEXT),
+}
+
+
+def check_wires(inputs: Mapping[str, Any]) -> None:
+    """Raise an error with a sentence for the first input that something else is connected to than it takes.
+
+    Parameters
+    ----------
+    inputs
+        Values or lists of values by the names of inputs, None where nothing is connected.
+    """
+    for name, value in inputs.items():
+        wire = WIRES.get(name)
+        if wire is None or value is None:
+            continue
+        for one in _values(value):
+            inner = getattr(one, "Value", one) if type(one).__name__.startswith("GH_") else one
+            if inner is not None and not wire.fits(inner):
+                raise CGCError(f"the input {name} gets {_kind(inner)}; connect {wire.wanted}")
+
+
+def _values(value: Any) -> Sequence[Any]:
+    """Return the values of a list, and one alone as a list of one; points may be rows of numbers."""
+    is_list = type(value) is list or type(value).__name__.startswith("List") or (type(value) is tuple and not all(map(_is_number, value)))
+    return list(value) if is_list else [value]
+
+
+def _kind(value: Any) -> str:
+    """Say what a value is, as a user of Grasshopper calls it."""
+    if isinstance(value, str):
+        return f"the text {value[:30]!r}"
+    if isinstance(value, bool):
+        return f"the value {value}"
+    if isinstance(value, numbers.Number):
+        return f"the number {value}"
+    name = {"CGCMesh": "CGC mesh", "SolveResult": "result of Solve"}.get(type(value).__name__, type(value).__name__)
+    return f"{'an' if name[0] in 'AEIOaeio' else 'a'} {name}"

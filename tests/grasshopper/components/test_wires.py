@@ -1,0 +1,77 @@
+"""Wrong wires: one sentence that names the input, what it gets and what to connect."""
+
+from __future__ import annotations
+
+import re
+import types
+
+import pytest
+
+from compas_cgc import AtHeight
+from compas_cgc import CGCMesh
+from compas_cgc import FlowSettings
+
+from ...support.gh_stand_ins import place
+from ...support.gh_stand_ins import rhino  # noqa: F401
+from ...support.gh_stand_ins import square
+
+
+def dome():
+    mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    return mesh
+
+
+MESH, TEXT, NUMBER = square(2), "K=0.03", 7.5
+pytestmark = pytest.mark.usefixtures("rhino")
+
+SURFACES = ("Solve", "Analyse", "Regions", "Target", "Constraints", "Write3dm")
+WRONG = [
+    *((name, "cgc_mesh", wrong) for name in SURFACES for wrong in (MESH, TEXT, NUMBER)),
+    ("Solve", "settings", TEXT),
+    ("Solve", "settings", NUMBER),
+    ("Solve", "constraints", TEXT),
+    ("Solve", "constraints", [NUMBER]),
+    ("Solve", "server", NUMBER),
+    ("Solve", "run", TEXT),
+    ("History", "result", dome()),
+    ("History", "result", TEXT),
+    ("Mesh", "mesh", dome()),
+    ("Mesh", "mesh", TEXT),
+    ("Mesh", "supports", [TEXT]),
+    ("Mesh", "creases", [NUMBER]),
+    ("Mesh", "fix", NUMBER),
+    ("Target", "K", [TEXT]),
+    ("Target", "region", [0.5]),
+    ("Target", "point", [MESH]),
+    ("Constraints", "plane", NUMBER),
+    ("Constraints", "others", [TEXT]),
+    ("Constraints", "height", TEXT),
+    ("Analyse", "show", NUMBER),
+]
+
+
+def test_there_are_thirty_of_them():
+    assert len(WRONG) >= 30
+
+
+@pytest.mark.parametrize(("name", "wire", "wrong"), WRONG, ids=lambda value: value if isinstance(value, str) else type(value).__name__)
+def test_a_wrong_wire_is_one_sentence(name, wire, wrong):
+    placed = place(name)
+    inputs = {"cgc_mesh": dome()} if "cgc_mesh" in {one.name for one in placed.bundle.inputs} else {}
+    out = placed.run(**{**inputs, wire: wrong})
+    (sentence,) = placed.said("Error")
+    assert re.match(rf"the input {wire} gets .+; connect .+", sentence)
+    assert all(value is None for value in out.values())
+
+
+def test_what_is_wrapped_or_has_gaps_goes_through():
+    placed = place("Target")
+    wrapped = types.new_class("GH_Number")()
+    wrapped.Value = 0.02
+    out = placed.run(cgc_mesh=dome(), K=[wrapped])
+    assert out["cgc_mesh"] is not None and not placed.said("Error")
+    placed = place("Solve")
+    out = placed.run(cgc_mesh=dome(), settings=FlowSettings(), constraints=[None, AtHeight([12], 1.0)], run=False)
+    assert not placed.said("Error")
