@@ -41,8 +41,8 @@ class Choice(NamedTuple):
 
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar")
 SECOND = [
-    Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing"})),
-    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape"})),
+    Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
+    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
 ]
 
 

@@ -52,7 +52,9 @@ def shaken(problem: CGCProblem) -> CGCProblem:
     return problem.with_vertices(problem.vertices + rng.normal(scale=0.3, size=problem.vertices.shape) + [0, 0, 2.0])
 
 
-@pytest.mark.parametrize("goal", [Rise(3.0), Height("crown", 3.0), Volume(300.0), Volume(9.0, level=1.0), Area(250.0), Length([0, 5, 60], 9.0)])
+@pytest.mark.parametrize(
+    "goal", [Rise(3.0), Height("crown", 3.0), Volume(300.0), Volume(9.0, level=1.0), Area(250.0), Length([0, 5, 60], 9.0)]
+)
 def test_derivatives_of_goals_of_the_whole(goal):
     problem = shaken(roof())
     (own,) = bind(problem.with_constraints([goal])).equations
@@ -131,7 +133,11 @@ WRONG = {
     "above below": ([Above(3.0), Below(2.0)], {}, "the lowest height 3 and the greatest height 2 contradict"),
     "clearance over crown": ([Height("crown", 2.0), Clearance((5, 5, 8, 8), 3.0)], {}, "the clearance 3 and the height 2 of the crown"),
     "clearance over ceiling": ([Below(2.0), Clearance((5, 5, 8, 8), 3.0)], {}, "the clearance 3 and the greatest height 2 contradict"),
-    "vertex over ceiling": ([Below(2.0), Height([60], 3.0)], {}, "the height 3 of vertices and the greatest height 2 contradict .* vertex 60"),
+    "vertex over ceiling": (
+        [Below(2.0), Height([60], 3.0)],
+        {},
+        "the height 3 of vertices and the greatest height 2 contradict .* vertex 60",
+    ),
     "vertex under floor": ([Above(2.0), Height([60], 1.0)], {}, "the lowest height 2 and the height 1 of vertices contradict .* vertex 60"),
     "crown under a support": ([Height("crown", -1.0)], {}, "the height -1 of the crown lies below the support at vertex 0"),
     "gate beside the mesh": ([Clearance((100, 100, 104, 103), 2.5)], {}, "over a place where the mesh has nothing"),
@@ -154,7 +160,11 @@ WRONG = {
     "not a number": ([{"kind": "volume", "volume": float("nan")}], {}, "volume of a constraint of kind volume must be a finite number"),
     "a word for a number": ([{"kind": "rise", "rise": "4 m"}], {}, "rise of a constraint of kind rise must be a finite number"),
     "a box of three": ([{"kind": "clearance", "where": [0, 0, 4], "height": 2}], {}, "must be a list of \\[x, y\\]"),
-    "a box inside out": ([{"kind": "clearance", "where": [4, 0, 0, 3], "height": 2}], {}, "a region, a box x0, y0, x1, y1 or a closed line"),
+    "a box inside out": (
+        [{"kind": "clearance", "where": [4, 0, 0, 3], "height": 2}],
+        {},
+        "a region, a box x0, y0, x1, y1 or a closed line",
+    ),
     "a word for vertices": ([{"kind": "above", "height": 2, "vertices": "crwn"}], {}, "or 'all', not 'crwn'"),
     "a line of two": ([{"kind": "within", "points": [[0, 0], [1, 0]]}], {}, "the closed line to stay within must be 3 or more"),
     "newton with two goals": ([Rise(3.0), Volume(300.0)], {"method": "newton"}, "projection"),

@@ -1,0 +1,52 @@
+"""A rough surface gets a second chance; what is fair is returned."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import solve
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
+
+from ..support import shapes
+
+
+def bent_sheet(n: int = 20) -> CGCProblem:
+    """A piece of a cylinder with K = 0, held along one straight edge and half of an arc, from a start with a wave in it."""
+    vertices, faces = shapes.grid(n)
+    x, y = vertices[:, :2].T
+    turn = x - 0.5
+    vertices = np.column_stack([np.sin(turn), y, np.cos(turn)])
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[(x < 1e-9) | ((y < 1e-9) & (x < 0.5))] = FIXED
+    wave = 0.05 * np.sin(7 * x) * np.cos(5 * y)
+    wave[roles == FIXED] = 0.0
+    return CGCProblem(vertices + wave[:, None] * np.column_stack([np.sin(turn), 0 * y, np.cos(turn)]), faces, roles, 0.0)
+
+
+def test_a_developable_is_found_free_of_a_wavy_drawing():
+    problem = bent_sheet()
+    straight = solve(problem, method="projection")
+    found = solve(problem)
+    assert straight.converged and not straight.verdict.fair
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "free of the drawing it is fairer" in found.message
+
+
+def test_a_dome_that_is_fair_at_once_is_solved_once():
+    vertices, faces = shapes.grid(12)
+    problem = CGCProblem(vertices, faces).with_supports("corners").with_targets(1.0)
+    result = solve(problem)
+    assert result.verdict.fair and "rough" not in result.message
+    assert result.iterations == solve(problem, method="projection").iterations
+
+
+@pytest.mark.parametrize("status", ["cancelled"])
+def test_what_is_cancelled_is_not_tried_again(status):
+    steps = []
+    result = solve(bent_sheet(10), callback=lambda state: steps.append(state.step) or len(steps) == 2)
+    assert result.status == status and len(steps) == 2
