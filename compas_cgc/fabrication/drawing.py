@@ -104,7 +104,7 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
             lines += [Line("MARK", points + origin) for points in marks]
             texts.append(text._replace(place=text.place + origin))
     size = step * [across, rows] - [GAP * length, GAP * width]
-    return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.units)
+    return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
 
 
 def _extent(patterns: Patterns) -> tuple[float, float]:

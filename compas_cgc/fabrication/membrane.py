@@ -35,7 +35,7 @@ from .plane_layout import among
 from .shape_operators import principal_curvatures
 from .shape_operators import shape_operators
 
-__all__ = ["EdgeLoads", "MembraneState", "membrane"]
+__all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "nodal_load", "stress_at_vertices"]
 
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 BALANCED = 1e-9  # out of balance, against the load, of a state that is none
@@ -388,3 +388,10 @@ def stress_at_vertices(state: MembraneState) -> FloatArray:
         np.add.at(total, F[:, k], tensors * areas[:, None, None])
         np.add.at(area, F[:, k], areas)
     return total / np.maximum(area, np.finfo(float).tiny)[:, None, None]
+
+
+def forces_at_vertices(state: MembraneState) -> FloatArray:
+    """Return N1 and N2 at every vertex (n, 2), the mean over its faces [F/L]."""
+    F, n = state.problem.faces, len(state.problem.vertices)
+    count = np.maximum(np.bincount(F.ravel(), minlength=n), 1)
+    return np.column_stack([np.bincount(F.ravel(), np.repeat(state.forces[:, k], 3), n) / count for k in (0, 1)])

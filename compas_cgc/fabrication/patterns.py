@@ -44,21 +44,21 @@ from .pieces import best_box
 from .pieces import cut_to_fit
 from .plane_layout import among
 from .plane_layout import cut_open
-from .plane_layout import lay_out
+from .plane_layout import unfold
 from .rulings import Ruling
 from .rulings import Straightness
 from .rulings import rulings_of
 from .seams import opens_to_disks
 from .seams import seam_edges
 
-__all__ = ["Development", "Patterns", "Piece", "unroll"]
+__all__ = ["Unrolling", "Patterns", "Piece", "unroll"]
 
 CLOSED = 1e-6  # gap, against the size of a region, up to which its faces close up
 CONE = 1e-9  # angle defect [rad] of a vertex where none is asked, from which on a seam has to pass through it
 ROOM = 1e-9  # of a sheet, that is left free at its edges
 
 
-class Development(NamedTuple):
+class Unrolling(NamedTuple):
     """How a region came into the plane."""
 
     region: int
@@ -88,16 +88,16 @@ class Patterns:
     Every number refers to the mesh: nodes by the names of its vertices, those that cuts have made by higher numbers.
     """
 
+    problem: CGCProblem
     patchwork: Patchwork  # faces with their places on the sheets
     pieces: list[Piece]
     seams: list[Seam]
-    developments: list[Development]
+    unrollings: list[Unrolling]
     strains: FloatArray  # (m, 2) principal strains of the faces
     folds: FloatArray  # (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0
     rulings: list[Ruling]  # where a region is ruled
     straightness: dict[int, Straightness]  # of the rulings, by region
     sheet: Optional[tuple[float, float]]  # length and width [L]; None where there is no end of it
-    units: Optional[str]
 
     @property
     def sheets(self) -> int:
@@ -132,7 +132,7 @@ class Patterns:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
             lines.append(f"{self.sheets} sheets of {self.sheet[0]:g} x {self.sheet[1]:g}, {100 * used:.0f} % used")
         lines.append(f"the two sides of every seam agree to {self.seam_mismatch:.2g}")
-        for own in self.developments:
+        for own in self.unrollings:
             if own.unrolled:
                 lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")
             else:
@@ -194,9 +194,9 @@ def unroll(
     if strain is not None and not strain > 0:
         raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
-    flat, developments = _developed(problem, _chosen(problem, regions), given)
-    curved = np.array([not own.unrolled for own in developments])
-    position = {own.region: i for i, own in enumerate(developments)}
+    flat, unrollings = _developed(problem, _chosen(problem, regions), given)
+    curved = np.array([not own.unrolled for own in unrollings])
+    position = {own.region: i for i, own in enumerate(unrollings)}
     is_curved = curved[[position[region] for region in flat.region.tolist()]]
 
     def too_wide(piece: int, own: Patchwork) -> bool:
@@ -213,9 +213,9 @@ def unroll(
         raise CGCError(str(error)) from None
     cut = _flattened(cut, np.array([bent[parent] for parent in cut.parent.tolist()]))
     placed, on_sheet = _on_sheets(cut, sheet, spacing)
-    ruled = [own.region for own in developments if own.unrolled] if rulings != 0 else []
+    ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings)
-    return _patterns(problem, placed, on_sheet, developments, sheet, lines, straightness)
+    return _patterns(problem, placed, on_sheet, unrollings, sheet, lines, straightness)
 
 
 def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
@@ -253,18 +253,18 @@ def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
 # ----------------------------------------------------------------------
 
 
-def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, list[Development]]:
+def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, list[Unrolling]]:
     """Return the chosen regions in the plane, each a piece by itself, and how they came there."""
     label, targets = problem.regions(), problem.region_targets()
-    planes, sides, faces, developments = [], [], [], []
+    planes, sides, faces, unrollings = [], [], [], []
     for region in regions:
         own = np.flatnonzero(label == region)
-        plane, seams, development = _region(problem, region, own, targets[region], given)
+        plane, seams, unrolling = _region(problem, region, own, targets[region], given)
         side = np.where(_sides_among(problem.faces[own], seams, len(problem.vertices)), SEAM, EDGE)
         planes.append(plane)
         sides.append(side)
         faces.append(own)
-        developments.append(development)
+        unrollings.append(unrolling)
     parent = np.concatenate(faces)
     F = problem.faces[parent]
     side = np.concatenate(sides)
@@ -282,7 +282,7 @@ def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) 
         region=label[parent],
         parent=parent,
     )
-    return flat, developments
+    return flat, unrollings
 
 
 def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
@@ -292,7 +292,7 @@ def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
 
 def _region(
     problem: CGCProblem, region: int, own: IntArray, target: Optional[float], given: Optional[Edges]
-) -> tuple[FloatArray, Edges, Development]:
+) -> tuple[FloatArray, Edges, Unrolling]:
     """Return a region's corners in the plane (m, 3, 2), the edges that were cut for it, and how it went."""
     edges = edge_faces(problem.faces[own])
     faces, origin = cut_open(problem.faces[own], edges[edges[:, 3] >= 0])
@@ -307,7 +307,7 @@ def _region(
     else:
         every = edge_faces(faces)[:, :2]
         cuts = every[among(origin[every], given, len(problem.vertices))]
-    layout = lay_out(V, faces, cuts)
+    layout = unfold(V, faces, cuts)
     size = float(np.linalg.norm(np.ptp(V, axis=0)))
     if given is not None and not opens_to_disks(layout.faces) and layout.gap > CLOSED * size:
         raise CGCError(f"region {region} goes round a hole that no seam opens; lead a seam from one open edge to the other, or name none")
@@ -325,7 +325,7 @@ def _region(
     else:
         plane, gap, error = layout.plane[layout.faces], layout.gap, layout.edge_error
         cuts = cuts[~_close_again(faces, plane, cuts, CLOSED * size)]
-    return plane, origin[cuts], Development(region, target, flat, gap, error, len(cuts))
+    return plane, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts))
 
 
 def _close_again(faces: IntArray, plane: FloatArray, cuts: Edges, tolerance: float) -> np.ndarray:
@@ -403,7 +403,7 @@ def _patterns(
     problem: CGCProblem,
     own: Patchwork,
     on_sheet: list[int],
-    developments: list[Development],
+    unrollings: list[Unrolling],
     sheet: Optional[tuple[float, float]],
     rulings: list[Ruling],
     straightness: dict[int, Straightness],
@@ -421,7 +421,7 @@ def _patterns(
         label = f"{_letters(region)}{within[region]}"
         pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece])))
     seams, folds = seams_between(own), _folds(problem, own)
-    return Patterns(own, pieces, seams, developments, strains, folds, rulings, straightness, sheet, problem.drawing.units)
+    return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, sheet)
 
 
 def _folds(problem: CGCProblem, own: Patchwork) -> FloatArray:

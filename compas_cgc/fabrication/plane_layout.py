@@ -21,7 +21,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
 
-__all__ = ["PlaneLayout", "cut_open", "lay_out"]
+__all__ = ["PlaneLayout", "cut_open", "unfold"]
 
 
 class PlaneLayout(NamedTuple):
@@ -34,7 +34,7 @@ class PlaneLayout(NamedTuple):
     edge_error: float  # largest relative difference between an edge in the plane and in space
 
 
-def lay_out(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = None) -> PlaneLayout:
+def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = None) -> PlaneLayout:
     """Lay a mesh out in the plane, face after face.
 
     Every face keeps its shape, and a rigid motion carries it to the edge that it shares with the one before it, breadth

@@ -1,0 +1,73 @@
+"""Membrane forces as files: for Rhino, for finite elements, for COMPAS."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Union
+
+from .._version import __version__
+from ..fabrication.membrane import MembraneState
+from ._files import written
+from .inp import inp_text
+from .patterns import suffix_among
+
+__all__ = ["FORCE_SUFFIXES", "force_suffix", "forces_json", "write_forces"]
+
+FORCE_SUFFIXES = (".3dm", ".inp", ".json")
+
+
+def force_suffix(path: Union[str, os.PathLike]) -> str:
+    """Return the suffix of a file that forces can be written to, in small letters.
+
+    Raises
+    ------
+    FileError
+        If forces are not written to files of that kind.
+    """
+    return suffix_among(path, FORCE_SUFFIXES, "forces")
+
+
+def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
+    """Write forces in the format of the suffix, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        A .3dm with maps, crosses, reactions and line loads; an .inp for CalculiX and Abaqus; or a COMPAS .json, whose
+        mesh has the forces as attributes.
+    state
+        What :func:`compas_cgc.fabrication.membrane` gave.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    """
+    suffix = force_suffix(path)
+    if suffix == ".3dm":
+        from .rhino.forces import write_force_layers
+
+        write_force_layers(path, state)
+        return
+    text = inp_text(state) if suffix == ".inp" else forces_json(state)
+    with written(path) as temporary:
+        temporary.write_bytes(text.encode("utf-8"))
+
+
+def forces_json(state: MembraneState) -> str:
+    """Return the mesh as COMPAS data: ``N1``, ``N2``, ``direction`` of faces, ``load``, ``reaction`` of vertices, ``force`` of edges."""
+    from ..datastructures import CGCMesh
+
+    mesh = CGCMesh.from_problem(state.problem)
+    vertices, faces = list(mesh.vertices()), list(mesh.faces())
+    for face, (N1, N2), (direction, _) in zip(faces, state.forces.tolist(), state.directions.tolist()):
+        mesh.face_attributes(face, ["N1", "N2", "direction"], [N1, N2, direction])
+    for vertex, load, reaction in zip(vertices, state.load.tolist(), state.reactions.tolist()):
+        mesh.vertex_attributes(vertex, ["load", "reaction"], [load, reaction])
+    for (u, v), force in zip(state.edges.tolist(), state.edge_forces.tolist()):
+        mesh.edge_attribute((vertices[u], vertices[v]), "force", force)
+    for (u, v), load in zip(state.edge_loads.edges.tolist(), state.edge_loads.load.tolist()):
+        mesh.edge_attribute((vertices[u], vertices[v]), "line_load", load)
+    mesh.attributes["membrane"] = {"version": __version__, "pressure": state.pressure, "weight": state.weight, "report": state.summary()}
+    return json.dumps(json.loads(mesh.to_jsonstring())) + "\n"

@@ -1,0 +1,87 @@
+"""Curves to build along as files."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Union
+
+from ..errors import CGCError
+from ..fabrication.curves import CurveNet
+from ._files import written
+from .patterns import suffix_among
+
+__all__ = ["NET_SUFFIXES", "net_suffix", "write_net"]
+
+NET_SUFFIXES = (".3dm", ".dxf", ".json")
+
+
+def net_suffix(path: Union[str, os.PathLike]) -> str:
+    """Return the suffix of a file that curves can be written to, in small letters.
+
+    Raises
+    ------
+    FileError
+        If curves are not written to files of that kind.
+    """
+    return suffix_among(path, NET_SUFFIXES, "curves")
+
+
+def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
+    """Write curves as polylines in the format of the suffix, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        A .3dm or .dxf with a layer for each kind and family, or a .json with points, lengths and nodes.
+    net
+        What :func:`compas_cgc.fabrication.curve_net` gave.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    CGCError
+        If a package is missing that the format needs.
+    """
+    suffix = net_suffix(path)
+    if suffix == ".3dm":
+        from .rhino.nets import write_net_layers
+
+        write_net_layers(path, net)
+        return
+    with written(path) as temporary:
+        if suffix == ".json":
+            temporary.write_bytes((json.dumps(net_data(net)) + "\n").encode("utf-8"))
+        else:
+            _write_dxf(str(temporary), net)
+
+
+def net_data(net: CurveNet) -> dict:
+    """Return curves, nodes and sides as plain data."""
+    return {
+        "spacing": net.spacing,
+        "curves": [
+            {"region": own.region, "kind": own.kind, "family": own.family, "length": own.length, "points": own.points.tolist()}
+            for own in net.curves
+        ],
+        "nodes": net.nodes.tolist(),
+        "sides": net.sides.tolist(),
+        "lengths": net.lengths.tolist(),
+        "report": net.summary(),
+    }
+
+
+def _write_dxf(path: str, net: CurveNet) -> None:
+    try:
+        import ezdxf
+    except ImportError:
+        raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
+    document = ezdxf.new("R2010")
+    space = document.modelspace()
+    for curve in net.curves:
+        layer = f"{curve.kind}s {curve.family + 1}".upper().replace(" ", "_")
+        if layer not in document.layers:
+            document.layers.add(layer)
+        space.add_polyline3d(curve.points.tolist(), dxfattribs={"layer": layer})
+    document.saveas(path)

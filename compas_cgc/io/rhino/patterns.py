@@ -1,0 +1,60 @@
+"""Patterns in a .3dm: the sheets beside the model, and the pieces in place."""
+
+from __future__ import annotations
+
+import os
+from typing import Union
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...fabrication.drawing import LAYERS
+from ...fabrication.drawing import draw_sheets
+from ...fabrication.patterns import Patterns
+from .archive import write_archive
+from .meshes import mesh_from_arrays
+from .write import LayerWriter
+from .write import new_archive
+
+__all__ = ["PATTERNS", "write_pattern_layers"]
+
+PATTERNS = "CGC Patterns"
+
+
+def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, nodes: bool = True) -> None:
+    """Write patterns as a .3dm file: a layer for each kind of line, and the pieces as meshes where they belong.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    """
+    problem = patterns.problem
+    writer = LayerWriter(new_archive(problem))
+    drawing = draw_sheets(patterns, nodes=nodes)
+    # Beside the model, so that neither hides the other.
+    low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
+    beside = np.array([high[0] + 0.2 * float(np.linalg.norm(high - low)), low[1], low[2]])
+    layers = {name: writer.layer(f"{PATTERNS}::{_title(name)}", colour, visible=name != "NODE") for name, colour in LAYERS.items()}
+    for line in drawing.lines:
+        points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
+        writer.polyline(_lifted(points) + beside, writer.attributes(layers[line.layer]))
+    for text in drawing.texts:
+        writer.dot(text.text, _lifted(text.place[None])[0] + beside, writer.attributes(layers[text.layer]))
+    in_place = writer.layer(f"{PATTERNS}::In place", (140, 110, 60), visible=False)
+    own = patterns.patchwork
+    for number, piece in enumerate(patterns.pieces):
+        used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
+        text = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
+        attributes = writer.attributes(in_place, piece.label, {**text, "largest strain": repr(piece.strain)})
+        writer.mesh(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)), attributes)
+    writer.document_text([("compas_cgc.patterns", patterns.summary())])
+    write_archive(writer.archive, path, 7)
+
+
+def _title(name: str) -> str:
+    return name.replace("_", " ").capitalize()
+
+
+def _lifted(points: FloatArray) -> FloatArray:
+    return np.column_stack([points, np.zeros(len(points))])
