@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from ..errors import CGCError
 from .arguments import reading
+from .arguments import with_targets
 
 if TYPE_CHECKING:
     from ..model.problem import CGCProblem
@@ -28,18 +28,11 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     Raises
     ------
     CGCError
-        If it cannot be read, or is rough.
+        If it cannot be read.
     """
-    from ..analysis import verdict
     from ..io import read_problem
-    from .solve import with_targets
 
     read = read_problem(arguments.input, **reading(arguments), result=True)
     for note in read.notes:
         print(f"{arguments.input}: {note}")
-    problem = with_targets(read.checked(), arguments.target).without_dummies()
-    if not arguments.rough:
-        judged = verdict(problem)
-        if not judged.fair:
-            raise CGCError(f"the surface is {judged}; solve it first, or take it as it is with --rough")
-    return problem
+    return with_targets(read.checked(), arguments.target)

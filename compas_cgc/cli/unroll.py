@@ -29,7 +29,7 @@ examples:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = "Lay a solved surface out as flat pieces within sheets, with labels, folds, rulings and marks along seams."
-    parser.epilog = _EPILOG.replace("%", "%%") if "%(" in _EPILOG else _EPILOG
+    parser.epilog = _EPILOG
     parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help="a .dxf, .svg, .csv or .3dm file; several times")
     parser.add_argument("--sheet", metavar="LxW", help="length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: no end of it)")
@@ -61,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
         regions=arguments.region,
         spacing=arguments.spacing,
         rulings=arguments.rulings,
+        rough=arguments.rough,
     )
     print(patterns)
     for output in arguments.output:

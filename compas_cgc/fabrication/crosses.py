@@ -8,7 +8,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from .membrane import MembraneState
+from .membrane_state import MembraneState
 
 __all__ = ["Crosses", "crosses"]
 

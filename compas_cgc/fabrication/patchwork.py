@@ -65,6 +65,17 @@ def pairs_of_equal(one: IntArray, other: IntArray) -> tuple[IntArray, IntArray, 
     return one[first], first, second
 
 
+def weights_in(corners: FloatArray, points: FloatArray) -> FloatArray:
+    """Return the barycentric weights of points (k, 3) in triangles (k, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = b - a, c - a, points - a
+    uu, uv, vv = (np.einsum("ij,ij->i", x, y) for x, y in ((u, u), (u, v), (v, v)))
+    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
+    area = uu * vv - uv * uv
+    s, t = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
+    return np.column_stack([1.0 - s - t, s, t])
+
+
 def outline_sides(patchwork: Patchwork) -> Mask:
     """Tell which sides bound their piece (m, 3)."""
     mate = mates(patchwork.faces)

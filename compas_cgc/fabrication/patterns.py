@@ -40,6 +40,7 @@ from .patchwork import SEAM
 from .patchwork import Patchwork
 from .patchwork import mates
 from .patchwork import outline_sides
+from .patchwork import weights_in
 from .pieces import best_box
 from .pieces import cut_to_fit
 from .plane_layout import among
@@ -50,6 +51,7 @@ from .rulings import Straightness
 from .rulings import rulings_of
 from .seams import opens_to_disks
 from .seams import seam_edges
+from .solved import solved_problem
 
 __all__ = ["Unrolling", "Patterns", "Piece", "unroll"]
 
@@ -158,6 +160,7 @@ def unroll(
     regions: Optional[Sequence[int]] = None,
     spacing: float = 0.0,
     rulings: Optional[float] = None,
+    rough: bool = False,
 ) -> Patterns:
     """Lay a surface out as flat pieces, each within a sheet.
 
@@ -179,6 +182,8 @@ def unroll(
         Distance between pieces on a sheet [L].
     rulings
         Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size.
+    rough
+        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
     Returns
     -------
@@ -187,31 +192,30 @@ def unroll(
     Raises
     ------
     CGCError
-        If a region of K = 0 does not unroll, seams do not open it, there is no such region, or the sheet is no sheet.
+        If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, or the sheet is no sheet.
     """
-    problem = surface.to_problem().without_dummies()
+    problem = solved_problem(surface, rough)
     sheet = _checked_sheet(sheet)
     if strain is not None and not strain > 0:
         raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
-    flat, unrollings = _developed(problem, _chosen(problem, regions), given)
-    curved = np.array([not own.unrolled for own in unrollings])
-    position = {own.region: i for i, own in enumerate(unrollings)}
-    is_curved = curved[[position[region] for region in flat.region.tolist()]]
+    flat, cuts, unrollings = _developed(problem, _chosen(problem, regions), given)
+    curved = {own.region for own in unrollings if not own.unrolled}
 
-    def too_wide(piece: int, own: Patchwork) -> bool:
+    def flattened(own: Patchwork, piece: int) -> Patchwork:
+        return _flattened(problem, cuts, own, piece) if own.region[own.piece == piece][0] in curved else own
+
+    def too_wide(own: Patchwork, piece: int) -> bool:
         faces = own.piece == piece
-        if strain is None or not bent[own.parent[faces][0]]:
+        if strain is None or own.region[faces][0] not in curved:
             return False
-        return flatten(own.space, own.faces[faces]).largest > strain
+        return bool(np.abs(_strains(own, faces)).max() > strain)
 
-    bent = dict(zip(flat.parent.tolist(), is_curved.tolist()))
     limits = (np.inf, np.inf) if sheet is None else (sheet[0] * (1 - ROOM), sheet[1] * (1 - ROOM))
     try:
-        cut = cut_to_fit(flat, limits, too_wide)
+        cut = cut_to_fit(flat, limits, flattened, too_wide)
     except ValueError as error:
         raise CGCError(str(error)) from None
-    cut = _flattened(cut, np.array([bent[parent] for parent in cut.parent.tolist()]))
     placed, on_sheet = _on_sheets(cut, sheet, spacing)
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings)
@@ -229,8 +233,6 @@ def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float
 
 def _chosen(problem: CGCProblem, regions: Optional[Sequence[int]]) -> list[int]:
     count = int(problem.regions().max(initial=-1)) + 1
-    if count == 0:
-        raise CGCError("there are no faces to unroll; give a mesh with some")
     if regions is None:
         return list(range(count))
     wrong = [region for region in regions if not 0 <= region < count]
@@ -253,10 +255,11 @@ def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
 # ----------------------------------------------------------------------
 
 
-def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, list[Unrolling]]:
-    """Return the chosen regions in the plane, each a piece by itself, and how they came there."""
+def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, Edges, list[Unrolling]]:
+    """Return the chosen regions in the plane, each a piece by itself, the edges cut for it, and how they came there."""
     label, targets = problem.regions(), problem.region_targets()
     planes, sides, faces, unrollings = [], [], [], []
+    cuts = [problem.creases]
     for region in regions:
         own = np.flatnonzero(label == region)
         plane, seams, unrolling = _region(problem, region, own, targets[region], given)
@@ -264,6 +267,7 @@ def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) 
         planes.append(plane)
         sides.append(side)
         faces.append(own)
+        cuts.append(seams)
         unrollings.append(unrolling)
     parent = np.concatenate(faces)
     F = problem.faces[parent]
@@ -282,7 +286,7 @@ def _developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) 
         region=label[parent],
         parent=parent,
     )
-    return flat, unrollings
+    return flat, np.vstack(cuts), unrollings
 
 
 def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
@@ -346,23 +350,31 @@ def _close_again(faces: IntArray, plane: FloatArray, cuts: Edges, tolerance: flo
 # ----------------------------------------------------------------------
 
 
-def _flattened(own: Patchwork, curved: np.ndarray) -> Patchwork:
-    """Flatten every curved piece by itself."""
+def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> Patchwork:
+    """Flatten a curved piece by itself: the whole faces that it has a part of, so that no sliver has a say."""
+    faces = own.piece == piece
+    parents, position = np.unique(own.parent[faces], return_inverse=True)
+    whole = problem.faces[parents]
+    edges = edge_faces(whole)
+    joined = edges[(edges[:, 3] >= 0) & ~among(edges[:, :2], cuts, len(problem.vertices))]
+    opened, origin = cut_open(whole, joined)
+    corners = flatten(problem.vertices[origin], opened).plane[opened]
+    weights = weights_in(np.repeat(problem.vertices[whole][position], 3, axis=0), own.space[own.faces[faces]].reshape(-1, 3))
     plane = own.plane.copy()
-    for piece in np.unique(own.piece[curved]):
-        faces = own.piece == piece
-        opened, origin = cut_open(own.faces[faces], _within(own, faces))
-        plane[faces] = flatten(own.space[origin], opened).plane[opened]
+    plane[faces] = np.einsum("fcw,fwk->fck", weights.reshape(-1, 3, 3), corners[position])
     return replace(own, plane=plane)
 
 
-def _within(own: Patchwork, faces: np.ndarray) -> Edges:
-    """Return the edges between two faces of a piece that are not cut (e, 4), faces counted within the piece."""
-    edges = edge_faces(own.faces[faces])
-    edges = edges[edges[:, 3] >= 0]
-    out = outline_sides(own)[faces]
-    column = np.argmax(own.faces[faces][edges[:, 2]] == edges[:, :1], axis=1)
-    return edges[~out[edges[:, 2], column]]
+def _strains(own: Patchwork, faces: np.ndarray) -> FloatArray:
+    """Return the principal strains of faces (k, 2): of every whole face those of its largest part."""
+    flat = principal_strains(own.space, own.faces[faces], own.plane[faces])[0]
+    areas, parents = face_areas(own.space, own.faces[faces]), own.parent[faces]
+    order = np.lexsort((-areas, parents, own.piece[faces]))
+    key = own.piece[faces].astype(np.int64) * (int(parents.max()) + 1) + parents
+    _, first, inverse = np.unique(key[order], return_index=True, return_inverse=True)
+    strains = np.empty_like(flat)
+    strains[order] = flat[order][first][inverse.ravel()]
+    return strains
 
 
 def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: float) -> tuple[Patchwork, list[int]]:
@@ -409,7 +421,7 @@ def _patterns(
     straightness: dict[int, Straightness],
 ) -> Patterns:
     loops = outline_loops(own)
-    strains = principal_strains(own.space, own.faces, own.plane)[0]
+    strains = _strains(own, np.ones(len(own.faces), bool))
     areas = face_areas(own.space, own.faces)
     first = np.unique(own.piece, return_index=True)[1]
     largest, in_space = np.zeros(len(loops)), np.bincount(own.piece, areas)

@@ -49,7 +49,10 @@ def best_box(points: FloatArray, sheet: tuple[float, float]) -> Box:
 
 
 def cut_to_fit(
-    patchwork: Patchwork, sheet: tuple[float, float], too_wide: Optional[Callable[[int, Patchwork], bool]] = None
+    patchwork: Patchwork,
+    sheet: tuple[float, float],
+    flattened: Optional[Callable[[Patchwork, int], Patchwork]] = None,
+    too_wide: Optional[Callable[[Patchwork, int], bool]] = None,
 ) -> Patchwork:
     """Cut pieces by straight lines until each lies within a sheet, and does not lie over itself.
 
@@ -59,6 +62,8 @@ def cut_to_fit(
         The surface; its pieces may have any size.
     sheet
         Length and width [L].
+    flattened
+        Lays a piece into the plane anew before it is looked at. Default: pieces keep their places.
     too_wide
         Tells of a piece that fits whether it has to be cut all the same.
 
@@ -78,8 +83,10 @@ def cut_to_fit(
         if not open_:
             return connected_pieces(own)
         for piece in open_:
+            if flattened is not None:
+                own = flattened(own, piece)
             box = best_box(own.plane[own.piece == piece].reshape(-1, 2), sheet)
-            if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(piece, own)):
+            if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(own, piece)):
                 done.add(piece)
                 continue
             if own.piece.max() > MOST_PIECES:

@@ -8,13 +8,13 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..discrete.arrays import IntArray
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .curves import CurveNet
 from .curves import curve_net
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
+from .patchwork import weights_in
 
 __all__ = ["Ruling", "Straightness", "rulings_of"]
 
@@ -43,7 +43,7 @@ def rulings_of(
     straightness = {}
     for region in regions:
         try:
-            net = curve_net(problem, spacing, regions=[region])
+            net = curve_net(problem, spacing, regions=[region], rough=True)
         except CGCError:
             continue  # Flat, or too coarse to tell.
         off = np.array([curve.straightness for curve in net.curves])
@@ -61,7 +61,8 @@ def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
     end = np.vstack([curve.points[1:] for curve in curves])
     number = np.repeat(np.arange(len(curves)), [len(curve.faces) for curve in curves])
     _, segment, face = pairs_of_equal(np.concatenate([curve.faces for curve in curves]), own.parent)
-    a, b = _weights(own, face, start[segment]), _weights(own, face, end[segment])
+    corners = own.space[own.faces[face]]
+    a, b = weights_in(corners, start[segment]), weights_in(corners, end[segment])
     low, high = _clipped(a, b)
     kept = high - low > 1e-9
     segment, face, a, b, low, high = segment[kept], face[kept], a[kept], b[kept], low[kept], high[kept]
@@ -78,17 +79,6 @@ def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
         if len(part):
             rulings.append(Ruling(int(piece[part[0]]), np.vstack([places[0][part], places[1][part[-1:]]])))
     return rulings
-
-
-def _weights(own: Patchwork, face: IntArray, points: FloatArray) -> FloatArray:
-    """Return the barycentric weights of points (k, 3) in faces (k, 3)."""
-    a, b, c = own.space[own.faces[face]].transpose(1, 0, 2)
-    u, v, w = b - a, c - a, points - a
-    uu, uv, vv = (np.einsum("ij,ij->i", x, y) for x, y in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
-    area = uu * vv - uv * uv
-    s, t = (vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area
-    return np.column_stack([1.0 - s - t, s, t])
 
 
 def _clipped(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,7 +7,7 @@ import os
 from typing import Union
 
 from .._version import __version__
-from ..fabrication.membrane import MembraneState
+from ..fabrication.membrane_state import MembraneState
 from ._files import written
 from .inp import inp_text
 from .patterns import suffix_among

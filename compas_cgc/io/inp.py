@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..fabrication.membrane import MembraneState
+from ..fabrication.membrane_state import MembraneState
 from ..model.roles import CREASE
 from ..model.roles import FIXED
 from ..model.roles import FREE

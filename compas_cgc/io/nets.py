@@ -8,6 +8,7 @@ from typing import Union
 
 from ..errors import CGCError
 from ..fabrication.curves import CurveNet
+from ..fabrication.curves import plural
 from ._files import written
 from .patterns import suffix_among
 
@@ -80,7 +81,7 @@ def _write_dxf(path: str, net: CurveNet) -> None:
     document = ezdxf.new("R2010")
     space = document.modelspace()
     for curve in net.curves:
-        layer = f"{curve.kind}s {curve.family + 1}".upper().replace(" ", "_")
+        layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")
         if layer not in document.layers:
             document.layers.add(layer)
         space.add_polyline3d(curve.points.tolist(), dxfattribs={"layer": layer})

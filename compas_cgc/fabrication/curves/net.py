@@ -20,6 +20,7 @@ from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ..patchwork import pairs_of_equal
 from ..shape_operators import shape_operators
+from ..solved import solved_problem
 from .trace import ASYMPTOTIC
 from .trace import CURVATURE
 from .trace import RULING
@@ -28,7 +29,7 @@ from .trace import Traced
 from .trace import direction_field
 from .trace import trace
 
-__all__ = ["CurveNet", "NetCurve", "curve_net"]
+__all__ = ["CurveNet", "NetCurve", "curve_net", "plural"]
 
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
@@ -36,6 +37,11 @@ PLANE = 1e-4  # curvature times size, below which a region is a plane
 SHORT = 0.05  # of the spacing: curves shorter than this are left out
 CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
 MOST = 2000  # curves of a region
+
+
+def plural(kind: str) -> str:
+    """Return the name of several curves of a kind."""
+    return kind.replace("line ", "lines ") if kind.startswith("line ") else f"{kind}s"
 
 
 class NetCurve(NamedTuple):
@@ -68,12 +74,13 @@ class CurveNet:
         for kind in NAMES.values():
             own = [curve for curve in self.curves if curve.kind == kind]
             if own:
-                text = f"{len(own)} {kind}s, {sum(curve.length for curve in own):.6g} long together"
+                text = f"{len(own)} {plural(kind) if len(own) > 1 else kind}, {sum(curve.length for curve in own):.6g} long together"
                 if kind == NAMES[RULING]:
                     bow = np.array([curve.straightness for curve in own])
                     text += f", off their chords by {100 * np.median(bow):.2g} % (median), {100 * bow.max():.2g} % at most"
                 lines.append(text)
-        if len(self.lengths) and self.spacing:
+        # Others cross at one spacing along the first two only.
+        if len(self.lengths) and self.spacing and all(curve.kind == NAMES[ASYMPTOTIC] for curve in self.curves):
             low, high = self.lengths.min() / self.spacing, self.lengths.max() / self.spacing
             lines.append(f"{len(self.nodes)} nodes, {len(self.sides)} sides of {low:.4f} to {high:.4f} of the spacing {self.spacing:g}")
         return "\n".join([*lines, *self.notes])
@@ -87,6 +94,7 @@ def curve_net(
     *,
     through: Union[str, ArrayLike, None] = None,
     regions: Optional[Sequence[int]] = None,
+    rough: bool = False,
 ) -> CurveNet:
     """Trace the curves that a surface is built along: lines of curvature where K > 0, asymptotic curves where K < 0, rulings where K = 0.
 
@@ -105,6 +113,8 @@ def curve_net(
         each region.
     regions
         Which to take. Default: all.
+    rough
+        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
     Returns
     -------
@@ -113,9 +123,9 @@ def curve_net(
     Raises
     ------
     CGCError
-        If a region has no one target K, no direction of the kind, or the spacing is not positive.
+        If the surface is rough, a region has no one target K or no direction of the kind, or the spacing is not positive.
     """
-    problem = surface.to_problem().without_dummies()
+    problem = solved_problem(surface, rough)
     if spacing is not None and not (np.isfinite(spacing) and spacing > 0):
         raise CGCError(f"the spacing must be more than 0, not {spacing:g}")
     targets, label = problem.region_targets(), problem.regions()

@@ -8,8 +8,8 @@ from typing import Union
 import numpy as np
 
 from ...fabrication.crosses import crosses
-from ...fabrication.membrane import MembraneState
-from ...fabrication.membrane import forces_at_vertices
+from ...fabrication.membrane_state import MembraneState
+from ...fabrication.membrane_state import forces_at_vertices
 from .archive import write_archive
 from .colours import largest
 from .colours import signed_colours

@@ -6,6 +6,7 @@ import os
 from typing import Union
 
 from ...fabrication.curves import CurveNet
+from ...fabrication.curves import plural
 from .archive import write_archive
 from .meshes import mesh_from_arrays
 from .write import LayerWriter
@@ -27,7 +28,7 @@ def write_net_layers(path: Union[str, os.PathLike], net: CurveNet) -> None:
     """
     writer = LayerWriter(new_archive(net.problem))
     for number, curve in enumerate(net.curves):
-        layer = writer.layer(f"{CURVES}::{curve.kind.capitalize()}s {curve.family + 1}", COLOURS[curve.family])
+        layer = writer.layer(f"{CURVES}::{plural(curve.kind).capitalize()} {curve.family + 1}", COLOURS[curve.family])
         text = {"region": str(curve.region), "length": repr(curve.length), "off its chord": repr(curve.straightness)}
         writer.polyline(curve.points, writer.attributes(layer, f"curve {number}", text))
     if len(net.nodes):

@@ -34,6 +34,7 @@ from ..model.roles import FIXED
 from .plane_layout import among
 from .shape_operators import principal_curvatures
 from .shape_operators import shape_operators
+from .solved import solved_problem
 
 __all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "nodal_load", "stress_at_vertices"]
 
@@ -89,7 +90,7 @@ class MembraneState:
     __str__ = summary
 
 
-def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, edge_beams: bool = True) -> MembraneState:
+def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, edge_beams: bool = True, rough: bool = False) -> MembraneState:
     """Return the membrane forces of a solved surface, and edge forces that balance its load exactly.
 
     Parameters
@@ -103,6 +104,8 @@ def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, 
     edge_beams
         Whether free edges have beams that take the forces of the surface. Without, the surface has to be in balance
         without them, which few are.
+    rough
+        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
     Returns
     -------
@@ -111,10 +114,10 @@ def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, 
     Raises
     ------
     CGCError
-        If there is no such state: no load, a region of K = 0, no support or beam around a region, a free edge that
+        If the surface is rough, or there is no such state: no load, a region of K = 0, no support or beam around a region, a free edge that
         cannot be left unloaded.
     """
-    problem = surface.to_problem().without_dummies()
+    problem = solved_problem(surface, rough)
     if pressure == 0.0 and weight == 0.0:
         raise CGCError("there is no load; give a pressure, a weight or both")
     V, F = problem.vertices, problem.faces
@@ -179,8 +182,6 @@ def nodal_load(V: Vertices, F: Faces, pressure: float, weight: float) -> Vectors
 
 
 def _check(problem: CGCProblem, targets: list[Optional[float]]) -> None:
-    if not targets:
-        raise CGCError("there are no faces to carry a load; give a mesh with some")
     label, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
     for region, K in enumerate(targets):
         if K is None:
