@@ -7,6 +7,7 @@ directions. Its discrete counterpart is a force ``p fold / (2 K)`` in every edge
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 from typing import Optional
@@ -14,6 +15,7 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
 
 from ..discrete import edge_faces
 from ..discrete import face_areas
@@ -243,33 +245,17 @@ def _in_balance(
 ) -> tuple[FloatArray, Vectors, float]:
     """Return the edge forces in balance nearest to those at the start, what these leave, and the largest rest against the load.
 
-    Nearest in energy: of an edge that stands for a strip of the surface, force squared times length over the strip's width.
+    Nearest by the sum over all stresses squared, as in an elastic membrane.
     """
-    u, v = bars[:, 0], bars[:, 1]
-    vector = V[v] - V[u]
-    length = np.linalg.norm(vector, axis=1)
-    areas = np.r_[face_areas(V, F), 0.0]
-    strip = (areas[bars[:, 2]] + areas[bars[:, 3]]) / length**2
-    row = np.full(len(V), -1)
-    row[balanced] = np.arange(balanced.sum())
-    along = vector / length[:, None]
-    entries = []
-    for node, sign in ((u, 1.0), (v, -1.0)):
-        kept = np.flatnonzero(row[node] >= 0)
-        for axis in range(3):
-            entries.append((3 * row[node[kept]] + axis, kept, sign * along[kept, axis]))
-    rows, columns, values = (np.concatenate(part) for part in zip(*entries))
-    A = sparse.csr_matrix((values, (rows, columns)), shape=(3 * int(balanced.sum()), len(bars)))
+    A = _equilibrium(V, bars, balanced)
     wanted = load[balanced].ravel()
     forces = start.copy()
     before = np.zeros_like(load)
     before[balanced] = (A @ forces + wanted).reshape(-1, 3)
     if not len(wanted):
         return forces, before, 0.0
-    M = A @ sparse.diags(strip) @ A.T
-    lifted = (M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
-    factor = factorise(lifted, symmetric=True, points=np.repeat(V[balanced], 3, axis=0), refine=False)
-    size = float(np.linalg.norm(load, axis=1).mean())
+    correct = _by_strips(V, F, bars, balanced, A) if start.any() else _by_stresses(V, F, bars, A)
+    size = _size(load)
     rest = np.inf
     for _ in range(20):
         missing = A @ forces + wanted
@@ -277,9 +263,58 @@ def _in_balance(
         if largest < 1e-14 or largest > 0.5 * rest:
             break
         rest = largest
-        forces = forces - strip * (A.T @ factor.solve(missing))
+        forces = forces - correct(missing)
     rest = float(np.linalg.norm((A @ forces + wanted).reshape(-1, 3), axis=1).max()) / size
     return forces, before, rest
+
+
+def _equilibrium(V: Vertices, bars: Edges, balanced: Mask) -> sparse.csr_matrix:
+    """Return the matrix from edge forces to the pull at vertices that are to balance (3 k, b)."""
+    u, v = bars[:, 0], bars[:, 1]
+    along = V[v] - V[u]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    row = np.full(len(V), -1)
+    row[balanced] = np.arange(balanced.sum())
+    entries = []
+    for node, sign in ((u, 1.0), (v, -1.0)):
+        kept = np.flatnonzero(row[node] >= 0)
+        for axis in range(3):
+            entries.append((3 * row[node[kept]] + axis, kept, sign * along[kept, axis]))
+    rows, columns, values = (np.concatenate(part) for part in zip(*entries))
+    return sparse.csr_matrix((values, (rows, columns)), shape=(3 * int(balanced.sum()), len(bars)))
+
+
+def _by_strips(V: Vertices, F: Faces, bars: Edges, balanced: Mask, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
+    """Return what gives the smallest edge forces for a pull, each edge standing for a strip of the surface: for small corrections."""
+    areas = np.r_[face_areas(V, F), 0.0]
+    length = np.linalg.norm(V[bars[:, 1]] - V[bars[:, 0]], axis=1)
+    strip = (areas[bars[:, 2]] + areas[bars[:, 3]]) / length**2
+    M = A @ sparse.diags(strip) @ A.T
+    lifted = (M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
+    factor = factorise(lifted, symmetric=True, points=np.repeat(V[balanced], 3, axis=0), refine=False)
+    return lambda missing: strip * (A.T @ factor.solve(missing))
+
+
+def _by_stresses(V: Vertices, F: Faces, bars: Edges, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
+    """Return what gives the edge forces of least stress, squared and summed over the faces, for a pull: whichever way edges run."""
+    areas = face_areas(V, F)
+    vector = V[bars[:, 1]] - V[bars[:, 0]]
+    length = np.linalg.norm(vector, axis=1)
+    share = np.where(bars[:, 3] >= 0, 0.5, 1.0)
+    entries = []
+    for side in (2, 3):
+        kept = np.flatnonzero(bars[:, side] >= 0)
+        face = bars[kept, side]
+        dyad = (vector[kept, :, None] * vector[kept, None, :]).reshape(-1, 9)
+        weight = share[kept] / length[kept] / np.sqrt(areas[face])
+        entries.append((9 * face[:, None] + np.arange(9), np.repeat(kept[:, None], 9, axis=1), weight[:, None] * dyad))
+    rows, columns, values = (np.concatenate([part.ravel() for part in parts]) for parts in zip(*entries))
+    G = sparse.csr_matrix((values, (rows, columns)), shape=(9 * len(F), len(bars)))
+    W = G.T @ G
+    W = W / float(W.diagonal().mean())
+    system = sparse.bmat([[W, A.T], [A, -LIFT * sparse.identity(A.shape[0])]], format="csc")
+    factor = splu(system)
+    return lambda missing: factor.solve(np.r_[np.zeros(A.shape[1]), missing])[: A.shape[1]]
 
 
 def _no_state(rest: float, edge_beams: bool) -> str:

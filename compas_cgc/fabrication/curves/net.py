@@ -36,6 +36,8 @@ FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 PLANE = 1e-4  # curvature times size, below which a region is a plane
 SHORT = 0.05  # of the spacing: curves shorter than this are left out
 CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
+GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
+ROUND = 1e-3  # difference of the principal curvatures, against their mean, below which a region is a sphere
 MOST = 2000  # curves of a region
 
 
@@ -143,7 +145,7 @@ def curve_net(
         field = _field(problem, region, own)
         size = float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[own]].reshape(-1, 3), axis=0)))
         step = spacing or size / 12.0
-        if _is_flat(field, size):
+        if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
             traced = _grown(field, kind, step, size)
@@ -188,7 +190,16 @@ def _is_flat(field: DirectionField, size: float) -> bool:
 def _why(field: DirectionField, kind: int, size: float) -> str:
     if _is_flat(field, size):
         return ": it is a plane, on which any line will do"
-    return "; is it solved, and does a point lie on it?" if kind == RULING else "; is it solved?"
+    if kind == CURVATURE and _is_round(field):
+        return ": it is a sphere, on which any line will do"
+    return "; is it solved, and does a point lie on it?"
+
+
+def _is_round(field: DirectionField) -> bool:
+    S = field.operators[np.unique(field.faces)]
+    mean = np.trace(S, axis1=1, axis2=2)
+    spread = np.sqrt(np.maximum(2.0 * np.einsum("fij,fij->f", S, S) - mean**2, 0.0))
+    return bool(np.median(spread / np.maximum(np.abs(mean), np.finfo(float).tiny)) < ROUND)
 
 
 def _points(problem: CGCProblem, through: Union[str, ArrayLike, None]) -> Optional[Vectors]:
@@ -258,57 +269,101 @@ def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
     return best[1], best[2]
 
 
+class _Growth:
+    """A net that grows: its curves by family, and where along each it is crossed."""
+
+    def __init__(self, field: DirectionField):
+        self.field = field
+        self.curves: list[list[Traced]] = [[], []]
+        self.crossed: list[list[list[float]]] = [[], []]  # arc lengths, by family and curve
+
+    def add(self, family: int, curve: Traced) -> list[tuple[int, int]]:
+        """Add a curve, and return it and those that it crosses by family and number."""
+        number = len(self.curves[family])
+        touched = [(family, number)]
+        own: list[float] = []
+        for i, other in enumerate(self.curves[1 - family]):
+            meetings = _meetings(self.field, curve, other)
+            own += [s for s, _ in meetings]
+            self.crossed[1 - family][i] += [t for _, t in meetings]
+            if meetings:
+                touched.append((1 - family, i))
+        self.curves[family].append(curve)
+        self.crossed[family].append(own)
+        return touched
+
+    def uncrowded(self, family: int, new: Traced, place: Vectors, spacing: float) -> Traced:
+        """Return the part of a new curve around its mark up to where it comes near to one that is there, or nothing of it."""
+        if len(new.points) < 2:
+            return new
+        at = _arc_lengths(new)
+        mark = float(at[np.argmin(np.linalg.norm(new.points - place, axis=1))])
+        low, high = -np.inf, np.inf
+        for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
+            for s, own in _meetings(self.field, curve, new) if there else ():
+                if min(abs(s - t) for t in there) < CROWDED * spacing:
+                    if abs(own - mark) < 0.1 * spacing:
+                        return Traced(new.points[:1], new.faces[:0])
+                    low, high = (max(low, own), high) if own < mark else (low, min(high, own))
+        kept = np.flatnonzero((at > low) & (at < high))
+        return Traced(new.points[kept], new.faces[kept[:-1]])
+
+
 def _grown(field: DirectionField, kind: int, spacing: float, size: float) -> list[list[Traced]]:
     """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by."""
     centres = field.vertices[field.faces].mean(axis=1)
-    face = int(np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1)))
-    traced: list[list[Traced]] = [[], []]
+    face = _first_face(field, kind, centres, size)
+    growth = _Growth(field)
+    # Rulings are marked off along the first curve across them.
     for family in (0, 1):
         curve = trace(field, kind, family, face, centres[face])
         if len(curve.points) < 2:
             return [[], []]
-        traced[family].append(curve)
-    while sum(map(len, traced)) < MOST:
-        grew = False
-        for family in (0, 1):
-            # Curves of a family may be crossed in new places each time that the other one has grown.
-            for curve in traced[family][:]:
-                for face, place in _open_marks(field, curve, traced[1 - family], spacing):
-                    new = trace(field, kind, 1 - family, face, place)
-                    if _long(new, spacing) and not _crowds(field, new, traced, family, spacing):
-                        traced[1 - family].append(new)
-                        grew = True
-                if kind == RULING:
-                    # Rulings are marked off along the first curve across them only.
-                    break
-        if not grew or kind == RULING:
-            break
-    return [traced[0], []] if kind == RULING else traced
+        growth.add(family, curve)
+    waiting = [(1, 0)] if kind == RULING else [(0, 0), (1, 0)]
+    tried = set()
+    while waiting and sum(map(len, growth.curves)) < MOST:
+        family, number = waiting.pop(0)
+        curve = growth.curves[family][number]
+        for mark in _open_marks(curve, growth.crossed[family][number], spacing, kind == CURVATURE):
+            key = (family, number, round(mark / spacing, 3))
+            if key in tried:
+                continue
+            tried.add(key)
+            start, place = _place(curve, _arc_lengths(curve), mark)
+            new = growth.uncrowded(1 - family, trace(field, kind, 1 - family, start, place), place, spacing)
+            if _long(new, spacing):
+                touched = growth.add(1 - family, new)
+                waiting += [] if kind == RULING else [each for each in touched if each not in waiting]
+    return [growth.curves[0], []] if kind == RULING else growth.curves
 
 
-def _crowds(field: DirectionField, new: Traced, traced: list[list[Traced]], family: int, spacing: float) -> bool:
-    """Tell whether a new curve crosses one of a family next to a crossing that is there, having left the region in between."""
-    for curve in traced[family]:
-        for s, _ in _meetings(field, curve, new):
-            for other in traced[1 - family]:
-                if any(abs(s - t) < CROWDED * spacing for t, _ in _meetings(field, curve, other)):
-                    return True
-    return False
+def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float) -> int:
+    """Return the face to begin at: in the middle; for lines of curvature that of the half around it with the clearest directions."""
+    away = np.linalg.norm(centres - centres.mean(axis=0), axis=1)
+    if kind != CURVATURE:
+        return int(np.argmin(away))
+    S = field.operators[field.faces].mean(axis=1)
+    trace_, square = np.trace(S, axis1=1, axis2=2), np.einsum("fij,fij->f", S, S)
+    spread = np.maximum(2.0 * square - trace_**2, 0.0)
+    return int(np.argmax(np.where(away <= max(0.25 * size, away.min()), spread, -1.0)))
 
 
 def _long(curve: Traced, spacing: float) -> bool:
     return len(curve.points) > 1 and float(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum()) > SHORT * spacing
 
 
-def _open_marks(field: DirectionField, curve: Traced, others: list[Traced], spacing: float) -> list[tuple[int, Vectors]]:
-    """Return the places at multiples of the spacing beyond the outermost crossings of a curve."""
-    at = _arc_lengths(curve)
-    crossed = sorted(s for other in others for s, _ in _meetings(field, curve, other))
+def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bool) -> list[float]:
+    """Return the multiples of the spacing beyond the outermost crossings of a curve, and in gaps where these are wanted."""
     if not crossed:
         return []
-    low, high = crossed[0], crossed[-1]
-    marks = [*np.arange(high + spacing, at[-1], spacing), *np.arange(low - spacing, 0.0, -spacing)]
-    return [_place(curve, at, mark) for mark in marks]
+    length = float(_arc_lengths(curve)[-1])
+    crossed = sorted(crossed)
+    marks = [*np.arange(crossed[-1] + spacing, length, spacing).tolist(), *np.arange(crossed[0] - spacing, 0.0, -spacing).tolist()]
+    for s, t in zip(crossed[:-1], crossed[1:]) if between else ():
+        count = int((t - s) / spacing + 1.0 - GAP)
+        marks += [s + (t - s) * k / (count + 1) for k in range(1, count + 1)]
+    return marks
 
 
 def _arc_lengths(curve: Traced) -> FloatArray:
