@@ -24,11 +24,15 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Find the membrane forces of a surface of constant K in each region, and edge forces in exact balance with the load."
+    parser.description = (
+        "Find the membrane forces of a surface of constant K in each region, and edge forces in exact balance with the load."
+    )
     parser.epilog = _EPILOG
     parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help="a .3dm, .inp or .json file; several times")
-    parser.add_argument("--pressure", type=float, default=0.0, metavar="P", help="load along the normals for each area, outwards where positive")
+    parser.add_argument(
+        "--pressure", type=float, default=0.0, metavar="P", help="load along the normals for each area, outwards where positive"
+    )
     parser.add_argument("--weight", type=float, default=0.0, metavar="G", help="load downwards for each area of the surface")
     parser.add_argument("--no-edge-beams", action="store_true", help="leave free edges unloaded, where that is possible")
     parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")

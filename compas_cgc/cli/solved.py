@@ -17,7 +17,11 @@ __all__ = ["add_solved", "read_solved"]
 def add_solved(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for what is asked of a solved surface."""
     parser.add_argument(
-        "--target", action="append", default=[], metavar="[REGION=]K", help="K that the surface has been solved for, where the file does not say"
+        "--target",
+        action="append",
+        default=[],
+        metavar="[REGION=]K",
+        help="K that the surface has been solved for, where the file does not say",
     )
     parser.add_argument("--rough", action="store_true", help="take a surface that check calls rough all the same")
 

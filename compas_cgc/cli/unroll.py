@@ -31,10 +31,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = "Lay a solved surface out as flat pieces within sheets, with labels, folds, rulings and marks along seams."
     parser.epilog = _EPILOG
     parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
-    parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help="a .dxf, .svg, .csv or .3dm file; several times")
-    parser.add_argument("--sheet", metavar="LxW", help="length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: no end of it)")
+    parser.add_argument(
+        "-o", "--output", required=True, action="append", metavar="OUT", help="a .dxf, .svg, .csv or .3dm file; several times"
+    )
+    parser.add_argument(
+        "--sheet", metavar="LxW", help="length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: no end of it)"
+    )
     parser.add_argument("--strain", metavar="E", help="largest strain of flattened pieces, such as 0.002 or 0.2%%")
-    parser.add_argument("--seam", action="append", metavar="V,V,...", help="a path of vertices to cut along, in place of those that are found")
+    parser.add_argument(
+        "--seam", action="append", metavar="V,V,...", help="a path of vertices to cut along, in place of those that are found"
+    )
     parser.add_argument("--region", action="append", type=int, metavar="N", help="take this region only; several times")
     parser.add_argument("--spacing", type=float, default=0.0, metavar="D", help="distance between pieces on a sheet (default 0)")
     parser.add_argument("--rulings", type=float, metavar="D", help="distance between the rulings drawn, 0 for none")

@@ -11,9 +11,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .outlines import Loop
 from .outlines import Seam
+from .patchwork import EDGE
 from .patterns import Patterns
 from .patterns import Piece
-from .patchwork import EDGE
 
 __all__ = ["LAYERS", "Drawing", "Line", "Text", "draw_sheets"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from pathlib import Path
 from typing import Union
 
 from .._atomic_write import replacing
@@ -15,7 +15,7 @@ __all__ = ["write_dxf"]
 _UNITS = {"Inches": 1, "Feet": 2, "Millimeters": 4, "Centimeters": 5, "Meters": 6, "Kilometers": 7, "Yards": 10}  # $INSUNITS
 
 
-def write_dxf(path: Union[str, os.PathLike], drawing: Drawing) -> None:
+def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
     """Write a drawing as DXF R2010: closed outlines as LWPOLYLINE on the layer OUTLINE, anticlockwise, holes clockwise.
 
     Parameters
@@ -31,12 +31,12 @@ def write_dxf(path: Union[str, os.PathLike], drawing: Drawing) -> None:
         If ezdxf is not installed, or finds a fault in what is written.
     """
     try:
-        import ezdxf
         from ezdxf import colors
+        from ezdxf import filemanagement
         from ezdxf.enums import TextEntityAlignment
     except ImportError:
         raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
-    document = ezdxf.new("R2010", units=_UNITS.get(drawing.units or "Meters", 0))
+    document = filemanagement.new("R2010", units=_UNITS.get(drawing.units or "Meters", 0))
     for name, colour in LAYERS.items():
         document.layers.add(name, true_color=colors.rgb2int(colour))
     space = document.modelspace()

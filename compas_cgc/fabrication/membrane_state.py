@@ -85,14 +85,17 @@ class MembraneState:
             if len(load):
                 lines.append(f"line load on {name}: up to {load.max():.4g}, median {np.median(load):.4g}")
         if np.isfinite(self.out_of_balance):
-            lines.append(f"the formula is out of balance by {self.out_of_balance:.2g} of the load, put right by {100 * self.correction:.2g} % of the forces")
+            mend = f"put right by {100 * self.correction:.2g} % of the forces"
+            lines.append(f"the formula is out of balance by {self.out_of_balance:.2g} of the load, {mend}")
         lines.append(f"balanced to {self.imbalance:.1g} of the load")
         return "\n".join([*lines, *self.remarks])
 
     __str__ = summary
 
 
-def membrane(surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, edge_beams: bool = True, rough: bool = False) -> MembraneState:
+def membrane(
+    surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, *, edge_beams: bool = True, rough: bool = False
+) -> MembraneState:
     """Return the membrane forces of a solved surface, and edge forces that balance its load exactly.
 
     Parameters
@@ -240,9 +243,7 @@ def _size(load: Vectors) -> float:
     return float(np.linalg.norm(load, axis=1).mean())
 
 
-def _in_balance(
-    V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vectors, balanced: Mask
-) -> tuple[FloatArray, Vectors, float]:
+def _in_balance(V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vectors, balanced: Mask) -> tuple[FloatArray, Vectors, float]:
     """Return the edge forces in balance nearest to those at the start, what these leave, and the largest rest against the load.
 
     Nearest by the sum over all stresses squared, as in an elastic membrane.
@@ -408,7 +409,7 @@ def _remarks(loads: EdgeLoads, edge_beams: bool) -> tuple[str, ...]:
     creases = np.linalg.norm(loads.load[loads.kind == 1], axis=1)
     remarks = []
     if len(free) and edge_beams:
-        remarks.append(f"free edges need an edge beam for a line load of up to {free.max():.4g}; a membrane alone does not leave them unloaded")
+        remarks.append(f"free edges need an edge beam for a line load of up to {free.max():.4g}; no membrane leaves them unloaded")
     if len(creases):
         remarks.append(f"creases have to carry line loads of up to {creases.max():.4g} to the supports")
     return tuple(remarks)

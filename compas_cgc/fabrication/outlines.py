@@ -10,7 +10,6 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .patchwork import CREASE
 from .patchwork import CUT
-from .patchwork import SEAM
 from .patchwork import SIDES
 from .patchwork import Patchwork
 from .patchwork import mates
@@ -41,13 +40,13 @@ class Seam(NamedTuple):
 def outline_loops(patchwork: Patchwork) -> list[list[Loop]]:
     """Return the loops around every piece, the outer one first."""
     out = outline_sides(patchwork)
-    u, v = patchwork.faces[out], np.roll(patchwork.faces, -1, axis=1)[out]
     start, piece = patchwork.plane[out], np.broadcast_to(patchwork.piece[:, None], out.shape)[out]
     tail, head = _fans(patchwork, out)
     loops: list[list[Loop]] = [[] for _ in range(int(patchwork.piece.max()) + 1)]
     after = {int(corner): i for i, corner in enumerate(tail.tolist())}
-    seen = np.zeros(len(u), bool)
-    for first in range(len(u)):
+    nodes = patchwork.faces[out]
+    seen = np.zeros(len(nodes), bool)
+    for first in range(len(nodes)):
         if seen[first]:
             continue
         chain, at = [], first
@@ -55,7 +54,7 @@ def outline_loops(patchwork: Patchwork) -> list[list[Loop]]:
             seen[at] = True
             chain.append(at)
             at = after[int(head[at])]
-        loops[piece[first]].append(Loop(u[chain], start[chain]))
+        loops[piece[first]].append(Loop(nodes[chain], start[chain]))
     for own in loops:
         own.sort(key=lambda loop: -signed_area(loop.points))
     return loops
@@ -78,7 +77,7 @@ def seams_between(patchwork: Patchwork) -> list[Seam]:
     right = mate[left]
     kind = np.clip(patchwork.side.ravel()[left], CUT, CREASE)
     keys = np.column_stack([piece[left], piece[right], kind])
-    seams = []
+    seams: list[Seam] = []
     for key in np.unique(keys, axis=0):
         chosen = left[(keys == key).all(axis=1)]
         for chain in _chains(patchwork, chosen):

@@ -129,7 +129,8 @@ class Patterns:
     def summary(self) -> str:
         """Return what was made, in lines."""
         count = len(self.pieces)
-        lines = [f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seams, area {self.area:.8g} (in space {self.area_in_space:.8g})"]
+        area = f"area {self.area:.8g} (in space {self.area_in_space:.8g})"
+        lines = [f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seams, {area}"]
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
             lines.append(f"{self.sheets} sheets of {self.sheet[0]:g} x {self.sheet[1]:g}, {100 * used:.0f} % used")
@@ -314,22 +315,26 @@ def _region(
     layout = unfold(V, faces, cuts)
     size = float(np.linalg.norm(np.ptp(V, axis=0)))
     if given is not None and not opens_to_disks(layout.faces) and layout.gap > CLOSED * size:
-        raise CGCError(f"region {region} goes round a hole that no seam opens; lead a seam from one open edge to the other, or name none")
+        raise CGCError(_no_seam(region))
     if flat and layout.gap > CLOSED * size:
         worst = problem.names.vertices[origin[np.argmax(np.where(asked, defect, 0.0))]]
         raise CGCError(
-            f"region {region} does not unroll: its faces leave gaps of up to {layout.gap:.3g} ({100 * layout.gap / size:.2g} % of its size), "
-            f"most of all at vertex {worst}; solve it to K = 0 first"
+            f"region {region} does not unroll: its faces leave gaps of up to {layout.gap:.3g} "
+            f"({100 * layout.gap / size:.2g} % of its size), most of all at vertex {worst}; solve it to K = 0 first"
         )
     if not flat:
         if not opens_to_disks(layout.faces):
-            raise CGCError(f"region {region} goes round a hole that no seam opens; lead a seam from one open edge to the other, or name none")
+            raise CGCError(_no_seam(region))
         plane = flatten(V[layout.origin], layout.faces).plane[layout.faces]
         gap, error = 0.0, float("nan")
     else:
         plane, gap, error = layout.plane[layout.faces], layout.gap, layout.edge_error
         cuts = cuts[~_close_again(faces, plane, cuts, CLOSED * size)]
     return plane, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts))
+
+
+def _no_seam(region: int) -> str:
+    return f"region {region} goes round a hole that no seam opens; lead a seam from one open edge to the other, or name none"
 
 
 def _close_again(faces: IntArray, plane: FloatArray, cuts: Edges, tolerance: float) -> np.ndarray:
@@ -426,7 +431,8 @@ def _patterns(
     first = np.unique(own.piece, return_index=True)[1]
     largest, in_space = np.zeros(len(loops)), np.bincount(own.piece, areas)
     np.maximum.at(largest, own.piece, np.abs(strains).max(axis=1))
-    pieces, within = [], {}
+    pieces: list[Piece] = []
+    within: dict[int, int] = {}
     for piece, region in enumerate(own.region[first].tolist()):
         within[region] = within.get(region, 0) + 1
         area = sum(signed_area(loop.points) for loop in loops[piece])

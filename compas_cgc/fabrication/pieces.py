@@ -76,6 +76,10 @@ def cut_to_fit(
     ValueError
         If the sheet is so small that thousands of pieces would come of it.
     """
+    too_many = f"more than {MOST_PIECES} pieces would come of a sheet of {sheet[0]:g} x {sheet[1]:g}; give a larger one"
+    ahead, back = patchwork.plane[:, 1] - patchwork.plane[:, 0], patchwork.plane[:, 2] - patchwork.plane[:, 0]
+    if 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() > MOST_PIECES * sheet[0] * sheet[1]:
+        raise ValueError(too_many)
     own = connected_pieces(patchwork)
     done: set[int] = set()
     while True:
@@ -90,7 +94,7 @@ def cut_to_fit(
                 done.add(piece)
                 continue
             if own.piece.max() > MOST_PIECES:
-                raise ValueError(f"more than {MOST_PIECES} pieces would come of a sheet of {sheet[0]:g} x {sheet[1]:g}; give a larger one")
+                raise ValueError(too_many)
             own = _parted(_halved(own, piece, box, sheet), piece)
 
 

@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.sparse.csgraph import connected_components
@@ -22,6 +23,8 @@ from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
 
 __all__ = ["PlaneLayout", "cut_open", "unfold"]
+
+ComplexArray = NDArray[np.complex128]
 
 
 class PlaneLayout(NamedTuple):
@@ -101,7 +104,7 @@ def edge_error(vertices: Vertices, faces: Faces, corners: FloatArray) -> float:
     return float(np.abs(np.linalg.norm(ahead, axis=2) / length - 1.0).max(initial=0.0))
 
 
-def flat_triangles(vertices: Vertices, faces: Faces) -> FloatArray:
+def flat_triangles(vertices: Vertices, faces: Faces) -> ComplexArray:
     """Return every face by itself in the plane, its first corner at 0 and its first edge along x: complex (m, 3) [L]."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     ab, ac = b - a, c - a
@@ -146,7 +149,7 @@ def _corner(F: Faces, faces: IntArray, vertices: IntArray) -> IntArray:
 
 
 @njit(cache=True)
-def _carried(own: FloatArray, order: IntArray, before: IntArray, corner: IntArray) -> tuple[FloatArray, FloatArray]:
+def _carried(own: ComplexArray, order: IntArray, before: IntArray, corner: IntArray) -> tuple[ComplexArray, ComplexArray]:
     """Return the rigid motions z -> turn z + shift that lay the faces out, each from that of the face before it."""
     turn, shift = np.ones(len(before), np.complex128), np.zeros(len(before), np.complex128)
     for f in order:

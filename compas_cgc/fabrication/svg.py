@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from pathlib import Path
 from typing import Union
 
 from .._atomic_write import write_text
@@ -15,7 +15,7 @@ _UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Inches": "in"}
 _IN_MM = {"Meters": 1000.0, "Kilometers": 1e6, "Feet": 304.8, "Yards": 914.4}
 
 
-def write_svg(path: Union[str, os.PathLike], drawing: Drawing) -> None:
+def write_svg(path: Union[str, Path], drawing: Drawing) -> None:
     """Write a drawing as SVG, in the place of an older file when it is complete."""
     write_text(path, svg_text(drawing))
 

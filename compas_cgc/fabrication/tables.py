@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import os
+from pathlib import Path
 from typing import Union
 
 import numpy as np
@@ -21,7 +21,7 @@ __all__ = ["edge_table", "write_edge_table"]
 _HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
 
 
-def write_edge_table(path: Union[str, os.PathLike], patterns: Patterns) -> None:
+def write_edge_table(path: Union[str, Path], patterns: Patterns) -> None:
     """Write :func:`edge_table` as CSV, in the place of an older file when it is complete."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -38,7 +38,8 @@ def inp_text(state: MembraneState, thickness: float = 0.01, modulus: float = 1e9
     label = problem.regions()
     for region in range(int(label.max()) + 1):
         lines.append(f"*ELEMENT, TYPE=M3D3, ELSET=REGION{region}")
-        lines += [f"{f + 1}, {a + 1}, {b + 1}, {c + 1}" for f, (a, b, c) in zip(np.flatnonzero(label == region), problem.faces[label == region].tolist())]
+        own = np.flatnonzero(label == region)
+        lines += [f"{f}, {a}, {b}, {c}" for f, (a, b, c) in zip((own + 1).tolist(), (problem.faces[own] + 1).tolist())]
     lines += ["*ELSET, ELSET=ALL", *(f"REGION{region}," for region in range(int(label.max()) + 1))]
     for name, role in (("SUPPORTS", FIXED), ("CREASES", CREASE), ("FREE_EDGES", FREE)):
         nodes = (np.flatnonzero(problem.roles == role) + 1).tolist()

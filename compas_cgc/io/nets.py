@@ -75,10 +75,10 @@ def net_data(net: CurveNet) -> dict:
 
 def _write_dxf(path: str, net: CurveNet) -> None:
     try:
-        import ezdxf
+        from ezdxf import filemanagement
     except ImportError:
         raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
-    document = ezdxf.new("R2010")
+    document = filemanagement.new("R2010")
     space = document.modelspace()
     for curve in net.curves:
         layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")

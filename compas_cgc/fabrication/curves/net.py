@@ -162,7 +162,8 @@ def curve_net(
         curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
     if not curves:
         raise CGCError("; ".join(empty))
-    return CurveNet(problem, spacing or (step if len(chosen) == 1 else None), curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
+    one = spacing or (step if len(chosen) == 1 else None)
+    return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
 
 
 def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArray) -> int:
@@ -401,7 +402,7 @@ def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[f
     slack = 1e-9
     met = (across != 0.0) & (s >= -slack) & (s <= 1.0 + slack) & (t >= -slack) & (t <= 1.0 + slack)
     at, there = _arc_lengths(one), _arc_lengths(other)
-    found = []
+    found: list[tuple[float, float]] = []
     for k in np.flatnonzero(met).tolist():
         i, j = first[k], second[k]
         place = (float(at[i] + s[k] * (at[i + 1] - at[i])), float(there[j] + t[k] * (there[j + 1] - there[j])))
@@ -413,7 +414,9 @@ def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[f
 
 def _crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vectors, IntArray, FloatArray]:
     """Return the nodes of a net (k, 3), the sides between them (s, 2), and their lengths along the curves (s,)."""
-    nodes, on_first, on_second = [], {}, {}
+    nodes: list[Vectors] = []
+    on_first: dict[int, list[tuple[float, int]]] = {}
+    on_second: dict[int, list[tuple[float, int]]] = {}
     for i, one in enumerate(traced[0]):
         for j, other in enumerate(traced[1]):
             for s, t in _meetings(field, one, other):

@@ -45,8 +45,8 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     own = patterns.patchwork
     for number, piece in enumerate(patterns.pieces):
         used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
-        text = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
-        attributes = writer.attributes(in_place, piece.label, {**text, "largest strain": repr(piece.strain)})
+        figures = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
+        attributes = writer.attributes(in_place, piece.label, {**figures, "largest strain": repr(piece.strain)})
         writer.mesh(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)), attributes)
     writer.document_text([("compas_cgc.patterns", patterns.summary())])
     write_archive(writer.archive, path, 7)

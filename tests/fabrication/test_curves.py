@@ -1,0 +1,132 @@
+"""Curves to build along: nets against closed forms, under refinement, in files, and what is refused."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc import solve
+from compas_cgc.fabrication import curve_net
+from compas_cgc.io.nets import write_net
+
+from ..support.constant_curvature import cone
+from ..support.constant_curvature import revolved_patch
+from ..support.shapes import grid
+
+
+def patch(n, K) -> CGCProblem:
+    return CGCProblem(*revolved_patch(n, K)).with_supports("boundary").with_targets(K)
+
+
+def test_an_asymptotic_net_has_equal_sides_the_more_the_finer_the_mesh():
+    """Chebyshev: asymptotic curves of constant K < 0 cross at equal distances."""
+    off = [np.abs(curve_net(patch(n, -0.02), 0.5).lengths / 0.5 - 1.0).max() for n in (20, 40)]
+    assert off[0] < 0.01 and off[1] < 0.5 * off[0]
+
+
+def test_asymptotic_curves_do_not_bend_in_the_normal_direction():
+    net = curve_net(patch(40, -0.02), 1.0)
+    r0, K = 4.0, -0.02
+    for curve in net.curves:
+        if curve.length < 2.0:
+            continue
+        # Normal curvature by chords: of the points on the closed form, along its normal.
+        points = curve.points[:: max(1, len(curve.points) // 12)]
+        r = np.hypot(points[:, 1], points[:, 2])
+        slope = np.sign(points[:, 0]) * np.sqrt((r**2 - r0**2).clip(0) * -K)
+        normal = np.column_stack([-slope, *(points[:, 1:] / r[:, None] * np.sqrt(1 - slope**2)[:, None]).T])
+        chord = points[1:] - points[:-1]
+        fall = np.einsum("ij,ij->i", normal[1:] - normal[:-1], chord) / np.einsum("ij,ij->i", chord, chord)
+        assert np.abs(fall).max() < 0.1 * np.sqrt(-K)
+
+
+def test_the_net_of_a_saddle_solved_from_a_flat_start():
+    vertices, faces = grid(24, 15.0)
+    result = solve(CGCProblem(vertices, faces).with_supports("corners").with_targets(-0.01), method="projection")
+    net = curve_net(result, 1.0)
+    assert result.converged
+    assert len(net.lengths) > 300
+    assert np.abs(net.lengths - 1.0).max() < 0.02
+
+
+def test_lines_of_curvature_are_meridians_and_circles():
+    net = curve_net(patch(24, 0.02), 0.5)
+    kinds = {0: 0, 1: 0}
+    for curve in net.curves:
+        if curve.length < 1.0:
+            continue
+        turn = np.ptp(np.arctan2(curve.points[:, 1], curve.points[:, 2]))
+        along = np.ptp(curve.points[:, 0])
+        assert min(turn * 4.0, along) < 0.02 * curve.length
+        kinds[int(along < turn)] += 1
+    assert min(kinds.values()) >= 5
+
+
+@pytest.mark.parametrize("through", [None, "supports", [[3.0, 0.0, 0.0], [0.0, 3.0, 0.0]]], ids=["a net", "supports", "points"])
+def test_rulings_of_a_cone_run_towards_its_apex(through):
+    net = curve_net(CGCProblem(*cone(12, 60)).with_supports("boundary").with_targets(0.0), 0.8, through=through)
+    assert len(net.curves) >= 2
+    for curve in net.curves:
+        end, start = curve.points[-1] - [0, 0, 6.0], curve.points[0] - [0, 0, 6.0]
+        across = np.linalg.norm(np.cross(start, end)) / np.linalg.norm(start) / np.linalg.norm(end)
+        assert across < 0.02 and curve.length > 0.9 * np.hypot(3.0, 1.5)
+        assert curve.straightness < 0.01
+
+
+def test_curves_do_not_depend_on_where_a_surface_stands():
+    problem = patch(16, -0.02)
+    turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, -1.0, 2.0], [2.0, 0.1, 1.0]]))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    still, moved = curve_net(problem, 1.0), curve_net(problem.with_vertices(problem.vertices @ turn.T + [50.0, 0.0, 3.0]), 1.0)
+    assert [curve.length for curve in moved.curves] == pytest.approx([curve.length for curve in still.curves], rel=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".3dm", ".dxf", ".json"])
+def test_files_hold_the_curves(suffix, tmp_path):
+    net = curve_net(patch(12, -0.02), 1.0)
+    path = tmp_path / f"net{suffix}"
+    write_net(path, net)
+    if suffix == ".json":
+        found = [len(curve["points"]) for curve in json.loads(path.read_text())["curves"]]
+    elif suffix == ".dxf":
+        ezdxf = pytest.importorskip("ezdxf")
+        document = ezdxf.readfile(path)
+        assert not document.audit().errors
+        found = [len(line) for line in document.modelspace().query("POLYLINE")]
+        assert {line.dxf.layer for line in document.modelspace()} == {"ASYMPTOTIC_CURVES_1", "ASYMPTOTIC_CURVES_2"}
+    else:
+        from compas_cgc.io.rhino.archive import list_items
+        from compas_cgc.io.rhino.archive import read_archive
+
+        items = list_items(read_archive(path))
+        found = [len(item.geometry.TryGetPolyline()) for item in items if item.kind == "curve"]
+        assert {item.layer for item in items if item.kind == "curve"} == {f"CGC Curves::Asymptotic curves {k}" for k in (1, 2)}
+    assert found == [len(curve.points) for curve in net.curves]
+
+
+def sphere() -> CGCProblem:
+    vertices, faces = grid(8, 4.0)
+    vertices[:, :2] -= 2.0
+    vertices[:, 2] = np.sqrt(100.0 - vertices[:, 0] ** 2 - vertices[:, 1] ** 2)
+    return CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01)
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: curve_net(patch(8, -0.02), 0.0), "the spacing must be more than 0"),
+        (lambda: curve_net(CGCProblem(*revolved_patch(8, 0.02)), 1.0), "no one target K"),
+        (lambda: curve_net(sphere(), 1.0), "it is a sphere"),
+        (lambda: curve_net(CGCProblem(*grid(6)).with_supports("boundary").with_targets(0.0), 0.1), "it is a plane"),
+        (lambda: curve_net(patch(8, -0.02), through=[[0.0, 0.0]]), "of the shape"),
+        (lambda: curve_net(patch(8, -0.02), through=[[90.0, 0.0, 0.0]]), "does a point lie on it"),
+    ],
+    ids=["spacing", "target", "sphere", "plane", "points", "far away"],
+)
+def test_what_cannot_be_traced_is_refused_in_a_sentence(call, sentence):
+    with pytest.raises(CGCError, match=sentence):
+        call()

@@ -1,0 +1,175 @@
+"""Membrane forces: closed forms, balance under refinement, finite elements, files, and what has no such state."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc.discrete import face_areas
+from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication.membrane_state import stress_at_vertices
+from compas_cgc.io.forces import write_forces
+
+from ..support.constant_curvature import cone
+from ..support.constant_curvature import revolved_patch
+from ..support.membrane_elements import membrane_stresses
+from ..support.shapes import grid
+
+
+def patch(n, K) -> CGCProblem:
+    return CGCProblem(*revolved_patch(n, K)).with_supports("boundary").with_targets(K)
+
+
+def unsupported() -> CGCProblem:
+    return CGCProblem(*revolved_patch(6, 0.02)).with_targets(0.02)
+
+
+def inside(n, margin):
+    i, j = np.divmod(np.arange((n + 1) ** 2), n + 1)
+    return (np.minimum(i, j) >= margin) & (np.maximum(i, j) <= n - margin)
+
+
+def test_a_sphere_under_pressure_has_half_pressure_times_radius():
+    vertices, faces = grid(16, 8.0)
+    vertices[:, :2] -= 4.0
+    vertices[:, 2] = np.sqrt(100.0 - vertices[:, 0] ** 2 - vertices[:, 1] ** 2)
+    state = membrane(CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01), pressure=3.0)
+    assert state.forces == pytest.approx(15.0, rel=1e-2)
+    assert np.linalg.norm(state.edge_loads.load, axis=1) == pytest.approx(15.0, rel=2e-2)
+
+
+@pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
+def test_along_a_surface_of_revolution_the_forces_are_those_of_its_rings(K):
+    """Along the meridian p (r^2 + c) / 2 r cos: for N = p cof S / 2 K that is p k / 2 K, k the curvature of the ring."""
+    n = 24
+    state = membrane(patch(n, K), pressure=1.0)
+    V = state.problem.vertices
+    r = np.hypot(V[:, 1], V[:, 2])
+    slope2 = (16.0 - r**2) * K  # of r along the meridian, squared: of 4 cos or 4 cosh
+    ring = np.sqrt(1.0 - slope2) / r
+    N = stress_at_vertices(state)
+    # Across the meridian stands the circle around the axis.
+    around = np.column_stack([0 * r, V[:, 2], -V[:, 1]]) / r[:, None]
+    normal_to_ring = np.trace(N, axis1=1, axis2=2) - np.einsum("ni,nij,nj->n", around, N, around)
+    inner = inside(n, 2)
+    assert normal_to_ring[inner] == pytest.approx(ring[inner] / (2 * K), rel=5e-3)
+    assert np.einsum("ni,nij,nj->n", around, N, around)[inner] == pytest.approx(1.0 / (2 * ring[inner]), rel=5e-3)
+
+
+@pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
+def test_the_formula_is_balanced_the_better_the_finer_the_mesh(K):
+    states = [membrane(patch(n, K), pressure=1.0) for n in (10, 20, 40)]
+    errors = np.array([state.out_of_balance for state in states])
+    assert (np.log2(errors[:-1] / errors[1:]) > 1.5).all()
+    assert states[-1].correction < 0.01
+    for state in states:
+        assert state.imbalance < 1e-12
+        total = state.reactions.sum(axis=0) + state.load.sum(axis=0)
+        assert np.abs(total).max() < 1e-10 * np.linalg.norm(state.load, axis=1).sum()
+
+
+@pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
+def test_finite_elements_find_the_same_forces(K):
+    pytest.importorskip("skfem")
+    n = 40
+    state = membrane(patch(n, K), pressure=1.0)
+    V, F = state.problem.vertices, state.problem.faces
+    elements = membrane_stresses(V, F, 1.0, state.edge_loads.edges, -state.edge_loads.load)
+    areas, total, weight = face_areas(V, F), np.zeros((len(V), 3, 3)), np.zeros(len(V))
+    for k in range(3):
+        np.add.at(total, F[:, k], elements * areas[:, None, None])
+        np.add.at(weight, F[:, k], areas)
+    ours, inner = stress_at_vertices(state), inside(n, 5)
+    off = np.linalg.norm(ours - total / weight[:, None, None], axis=(1, 2)) / np.linalg.norm(ours, axis=(1, 2))
+    assert off[inner].max() < 0.03
+
+
+def test_self_weight_is_balanced_and_compresses_a_dome():
+    state = membrane(patch(16, 0.02), weight=2.0)
+    area = face_areas(state.problem.vertices, state.problem.faces).sum()
+    assert state.imbalance < 1e-12
+    assert state.reactions.sum(axis=0) + state.load.sum(axis=0) == pytest.approx([0, 0, 0], abs=1e-9 * area)
+    assert state.load[:, 2].sum() == pytest.approx(-2.0 * area, rel=1e-12)
+    assert state.forces[:, 1].max() < 0
+
+
+def test_forces_turn_with_the_surface_and_scale_with_the_load():
+    problem = patch(10, 0.02)
+    turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, -1.0, 2.0], [2.0, 0.1, 1.0]]))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    still = membrane(problem, pressure=1.0)
+    moved = membrane(problem.with_vertices(problem.vertices @ turn.T), pressure=-2.0)
+    assert moved.edge_forces == pytest.approx(-2.0 * still.edge_forces, rel=1e-6, abs=1e-9)
+    assert moved.reactions == pytest.approx(-2.0 * still.reactions @ turn.T, rel=1e-6, abs=1e-9)
+
+
+def test_a_crease_takes_what_its_two_sides_leave_over():
+    """Two domes that meet in a valley: the load on the crease is the sum of both, along the bisector."""
+    vertices, faces = revolved_patch(12, 0.02)
+    low = vertices.min(axis=0)
+    both = np.vstack([vertices, vertices * [-1.0, 1.0, 1.0] + [2 * low[0], 0.0, 0.0]])
+    n = len(vertices)
+    twin = np.arange(2 * n)
+    on = np.flatnonzero(np.abs(vertices[:, 0] - low[0]) < 1e-9)
+    twin[on + n] = on
+    used, renumbered = np.unique(twin[np.vstack([faces, faces[:, ::-1] + n])], return_inverse=True)
+    problem = CGCProblem(both[used], renumbered.reshape(-1, 3)).with_supports("boundary").with_creases([on.tolist()]).with_targets(0.02)
+    state = membrane(problem, pressure=1.0)
+    on_crease = state.edge_loads.load[state.edge_loads.kind == 1]
+    assert len(on_crease) == 12
+    # By symmetry nothing across.
+    assert np.abs(on_crease[:, 0]).max() < 1e-9
+    assert np.linalg.norm(on_crease, axis=1).min() > 0.1
+    assert any("creases" in remark for remark in state.remarks)
+
+
+def test_files_hold_the_forces(tmp_path):
+    state = membrane(patch(6, 0.02), pressure=1.5)
+    paths = [tmp_path / f"forces{suffix}" for suffix in (".inp", ".json", ".3dm")]
+    for path in paths:
+        write_forces(path, state)
+    text = paths[0].read_text()
+    elements = text.split("ELSET=REGION0\n")[1].split("*")[0].split()
+    assert text.count("M3D3") == 1 and "ALL, P, 1.5" in text and "*BOUNDARY\nSUPPORTS, 1, 3" in text
+    assert len(elements) == 4 * len(state.problem.faces)
+    from compas.data import json_load
+
+    mesh = json_load(paths[1])
+    assert [mesh.face_attribute(face, "N1") for face in mesh.faces()] == state.forces[:, 0].tolist()
+    assert np.array([mesh.vertex_attribute(v, "reaction") for v in mesh.vertices()]) == pytest.approx(state.reactions)
+    assert json.loads(paths[1].read_text())["data"]["attributes"]["membrane"]["pressure"] == 1.5
+    from compas_cgc.io.rhino.archive import list_items
+    from compas_cgc.io.rhino.archive import read_archive
+
+    items = list_items(read_archive(paths[2]))
+    layers = {item.layer for item in items}
+    assert {f"CGC Membrane::{name}" for name in ("N1", "N2", "Crosses N1", "Crosses N2", "Reactions", "Line loads")} <= layers
+    drawn = {item.text["n1"] for item in items if item.layer == "CGC Membrane::Crosses N1"}
+    assert {repr(force) for force in state.forces[:, 0].tolist()} == drawn
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: membrane(patch(6, 0.02)), "there is no load"),
+        (lambda: membrane(CGCProblem(*cone(5, 20)).with_supports("boundary").with_targets(0.0), 1.0), "region 0 has K = 0"),
+        (
+            lambda: membrane(unsupported(), 1.0, edge_beams=False),
+            "leaves the free edges unloaded",
+        ),
+        (lambda: membrane(CGCProblem(*revolved_patch(6, 0.02)).with_supports("boundary"), 1.0), "no one target K"),
+    ],
+    ids=["no load", "K = 0", "free edges", "no target"],
+)
+def test_where_there_is_no_membrane_state_a_sentence_says_why(call, sentence):
+    with pytest.raises(CGCError, match=sentence):
+        call()
+
+
+def test_free_edges_are_said_to_need_beams():
+    state = membrane(unsupported(), 1.0)
+    assert any("edge beam" in remark for remark in state.remarks)

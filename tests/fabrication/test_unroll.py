@@ -1,0 +1,262 @@
+"""Unrolling: lengths, areas and seams against closed forms, every format read back, and what is refused."""
+
+from __future__ import annotations
+
+import csv
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc.discrete import face_areas
+from compas_cgc.fabrication import draw_sheets
+from compas_cgc.fabrication import flatten
+from compas_cgc.fabrication import unfold
+from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication import widest_panel
+from compas_cgc.fabrication.nesting import nest
+from compas_cgc.fabrication.outlines import signed_area
+from compas_cgc.fabrication.seams import opens_to_disks
+from compas_cgc.fabrication.seams import seam_edges
+from compas_cgc.io.patterns import write_patterns
+
+from ..support.constant_curvature import cone
+from ..support.constant_curvature import revolved_patch
+from ..support.shapes import grid
+from ..support.shapes import icosphere
+from ..support.shapes import torus
+
+SHEET = (3.0, 1.5)
+
+
+def ring(rows=8, around=30) -> CGCProblem:
+    return CGCProblem(*cone(rows, around)).with_supports("boundary").with_targets(0.0)
+
+
+def vault(n=12) -> CGCProblem:
+    """Two barrels of one radius over a square, which meet along its diagonals: four regions of K = 0."""
+    vertices, faces = grid(n, 8.0)
+    x, y = (vertices[:, :2] - 4.0).T
+    vertices[:, 2] = np.sqrt(25.0 - np.minimum(np.abs(x), np.abs(y)) ** 2)
+    # Every square is split along the diagonal of the vault that is nearer to it.
+    a, b, c, d = (faces[::2, 0], faces[::2, 1], faces[::2, 2], faces[1::2, 2])
+    falling = (x[a] + x[c]) * (y[a] + y[c]) < -1e-9
+    first = np.where(falling[:, None], np.column_stack([a, b, d]), np.column_stack([a, b, c]))
+    second = np.where(falling[:, None], np.column_stack([b, c, d]), np.column_stack([a, c, d]))
+    faces = np.stack([first, second], axis=1).reshape(-1, 3)
+    m = n + 1
+    creases = [[i * m + i for i in range(m)], [i * m + n - i for i in range(m)]]
+    return CGCProblem(vertices, faces).with_supports("boundary").with_creases(creases).with_targets(0.0)
+
+
+@pytest.fixture(scope="module")
+def cut():
+    """The vault on sheets of 3.0 x 1.5."""
+    return unroll(vault(), SHEET, rough=True)
+
+
+@pytest.mark.parametrize(("rows", "around"), [(5, 24), (100, 200)])
+def test_a_ring_of_any_size_keeps_its_edges_and_closes(rows, around):
+    vertices, faces = cone(rows, around)
+    seams = seam_edges(vertices, faces, np.zeros(len(vertices), bool))
+    laid = unfold(vertices, faces, seams)
+    assert len(seams) == rows - 1
+    assert laid.edge_error < 1e-11 and laid.gap < 1e-11
+    # A frustum lies in a sector: its outermost points at the distance of the bottom from the apex.
+    slant = np.hypot(3.0, 6.0)
+    apart = np.linalg.norm(laid.plane[:, None] - laid.plane[None, :1], axis=2).max()
+    assert apart <= 2 * slant
+
+
+def test_frames_are_carried_without_growing_errors():
+    """The angle of the sector, after a way all around: 2 pi r / l of the polygon that the frustum's edge is."""
+    vertices, faces = cone(4, 90)
+    seams = seam_edges(vertices, faces, np.zeros(len(vertices), bool))
+    laid = unfold(vertices, faces, seams)
+    bottom = laid.plane[np.isin(laid.origin, np.arange(90))]
+    slant = np.hypot(3.0, 6.0)
+    chord = 2 * 3.0 * np.sin(np.pi / 90)
+    sector = 90 * 2 * np.arcsin(chord / 2 / slant)
+    farthest = 2 * slant * np.sin(min(sector, np.pi) / 2)
+    assert np.linalg.norm(bottom[:, None] - bottom[None], axis=2).max() == pytest.approx(farthest, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("shape", "cones", "count"),
+    [(torus(8, 10), False, 2), (icosphere(0), True, 1), (grid(4), False, 0)],
+    ids=["two ways around a torus", "through every corner of an icosahedron", "none for a disk"],
+)
+def test_seams_open_every_surface_to_a_disk(shape, cones, count):
+    vertices, faces = shape
+    seams = seam_edges(vertices, faces, np.full(len(vertices), cones))
+    laid = unfold(vertices, faces, seams)
+    assert opens_to_disks(laid.faces)
+    assert (len(seams) > 0) == (count > 0)
+    if cones:
+        assert set(seams.ravel().tolist()) == set(range(len(vertices)))
+        assert laid.gap < 1e-13
+
+
+def test_pieces_keep_area_lie_within_their_sheet_and_fit_each_other(cut):
+    area = face_areas(cut.problem.vertices, cut.problem.faces).sum()
+    assert cut.area == pytest.approx(area, rel=1e-12) and cut.area_in_space == pytest.approx(area, rel=1e-12)
+    assert cut.seam_mismatch < 1e-12
+    assert len(cut.pieces) > 4 and cut.largest_strain < 1e-12
+    for piece in cut.pieces:
+        points = np.concatenate([loop.points for loop in piece.loops])
+        assert points.min() >= 0 and (points.max(axis=0) <= SHEET).all()
+    for seam in cut.seams:
+        here, there = (np.linalg.norm(np.diff(side, axis=0), axis=1) for side in seam.sides)
+        assert np.abs(here - there).max() < 1e-12
+    # Every outline belongs to one seam, twice, or ends the surface.
+    outline = sum(len(loop.nodes) for piece in cut.pieces for loop in piece.loops)
+    along = sum(len(seam.nodes) - 1 for seam in cut.seams)
+    assert outline > 2 * along > 0
+
+
+def test_pieces_on_a_sheet_do_not_overlap(cut):
+    shapely = pytest.importorskip("shapely")
+    for sheet in range(cut.sheets):
+        own = [shapely.Polygon(piece.loops[0].points) for piece in cut.pieces if piece.sheet == sheet]
+        together = shapely.union_all(own).area
+        assert together == pytest.approx(sum(polygon.area for polygon in own), rel=1e-9)
+
+
+def test_unrolling_does_not_depend_on_where_a_surface_stands(cut):
+    turn = np.linalg.qr(np.array([[1.0, 2.0, 0.5], [0.3, -1.0, 2.0], [2.0, 0.1, 1.0]]))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    moved = unroll(cut.problem.with_vertices(cut.problem.vertices @ turn.T + [300.0, -20.0, 7.0]), rough=True)
+    still = unroll(cut.problem, rough=True)
+    assert [piece.area for piece in moved.pieces] == pytest.approx([piece.area for piece in still.pieces], rel=1e-11)
+
+
+def test_a_flat_surface_with_a_hole_needs_no_seam():
+    vertices, faces = grid(6, 2.0)
+    middle = vertices[faces].mean(axis=1)
+    faces = faces[np.abs(middle[:, :2] - 1.0).max(axis=1) > 0.34]
+    patterns = unroll(CGCProblem(vertices, faces).with_targets(0.0))
+    assert len(patterns.pieces) == 1 and not patterns.seams
+    assert len(patterns.pieces[0].loops) == 2
+    assert patterns.area == pytest.approx(face_areas(vertices, faces).sum(), rel=1e-13)
+
+
+def test_rulings_of_a_cone_are_straight_and_lie_on_their_pieces():
+    patterns = unroll(ring(10, 60), SHEET)
+    assert patterns.straightness[0].median < 1e-3
+    assert patterns.rulings
+    for ruling in patterns.rulings:
+        outline = patterns.pieces[ruling.piece].loops[0].points
+        assert (ruling.points >= outline.min(axis=0) - 1e-9).all() and (ruling.points <= outline.max(axis=0) + 1e-9).all()
+
+
+@pytest.mark.parametrize("suffix", [".dxf", ".svg", ".csv", ".3dm"])
+def test_every_format_holds_the_pieces(cut, suffix, tmp_path):
+    path = tmp_path / f"cut{suffix}"
+    write_patterns(path, cut)
+    if suffix == ".csv":
+        rows = list(csv.DictReader(path.open()))
+        assert {row["piece"] for row in rows} == {piece.label for piece in cut.pieces}
+        assert max(abs(float(row["length in space"]) / float(row["length in plane"]) - 1) for row in rows) < 1e-11
+        assert {row["seam"] for row in rows} - {""} == {str(seam.number) for seam in cut.seams}
+        return
+    outlines, texts = READERS[suffix](path)
+    assert sum(map(signed_area, outlines)) == pytest.approx(cut.area, rel=1e-12)
+    assert {piece.label for piece in cut.pieces} <= set(texts)
+
+
+def read_dxf(path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.readfile(path)
+    assert not document.audit().errors
+    space = document.modelspace()
+    lines = [np.array([point[:2] for point in line.get_points()]) for line in space.query('LWPOLYLINE[layer=="OUTLINE"]')]
+    return lines, [text.dxf.text for text in space.query("TEXT")]
+
+
+def read_svg(path):
+    space = {"svg": "http://www.w3.org/2000/svg"}
+    root = ElementTree.parse(path).getroot()
+    lines = []
+    for polygon in root.findall(".//svg:g[@id='OUTLINE']/svg:polygon", space):
+        lines.append(np.array([[float(x) for x in pair.split(",")] for pair in polygon.get("points").split()]) * [1, -1])
+    return lines, [text.text for text in root.findall(".//svg:text", space)]
+
+
+def read_layers(path):
+    from compas_cgc.io.rhino.archive import list_items
+    from compas_cgc.io.rhino.archive import read_archive
+
+    items = list_items(read_archive(path))
+    lines = [item.geometry.TryGetPolyline() for item in items if item.layer == "CGC Patterns::Outline"]
+    return [np.array([(p.X, p.Y) for p in line])[:-1] for line in lines], [item.geometry.Text for item in items if item.kind == "text dot"]
+
+
+READERS = {".dxf": read_dxf, ".svg": read_svg, ".3dm": read_layers}
+
+
+def test_marks_stand_at_the_same_nodes_on_both_sides(cut):
+    drawing = draw_sheets(cut)
+    marks = [line for line in drawing.lines if line.layer == "MARK"]
+    assert len(marks) % 2 == 0 and len(marks) >= 2
+    assert sum(text.layer == "SEAM" for text in drawing.texts) == 2 * len(cut.seams)
+
+
+# ----------------------------------------------------------------------
+# K other than 0
+# ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("width", [5.0, 2.5, 1.25])
+def test_strain_of_flattened_panels_follows_the_rule(width):
+    """The width by the rule for the strain that comes out, within 10 % of the panel's."""
+    vertices, faces = grid(16, width)
+    vertices[:, :2] -= width / 2
+    vertices[:, 2] = np.sqrt(100.0 - vertices[:, 0] ** 2 - vertices[:, 1] ** 2)
+    found = flatten(vertices, faces)
+    assert widest_panel(0.01, found.largest) == pytest.approx(width, rel=0.1)
+    assert found.strains.max() == pytest.approx(-found.strains.min(), rel=1e-9)
+
+
+def test_a_dome_is_cut_until_the_strain_is_small_enough():
+    patterns = unroll(CGCProblem(*revolved_patch(16, 0.02)).with_supports("boundary").with_targets(0.02), SHEET, strain=0.001)
+    assert patterns.largest_strain <= 0.001
+    assert all((np.concatenate([loop.points for loop in piece.loops]).max(axis=0) <= SHEET).all() for piece in patterns.pieces)
+    assert patterns.area == pytest.approx(patterns.area_in_space, rel=2e-3)
+
+
+# ----------------------------------------------------------------------
+# What is refused
+# ----------------------------------------------------------------------
+
+
+def crumpled() -> CGCProblem:
+    problem = ring(8, 30)
+    rng = np.random.default_rng(1)
+    return problem.with_vertices(problem.vertices + 0.05 * rng.standard_normal(problem.vertices.shape))
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: unroll(crumpled()), "the surface is rough"),
+        (lambda: unroll(crumpled(), rough=True), "does not unroll: its faces leave gaps"),
+        (lambda: unroll(ring(), seams=[[0, 1]]), "no seam opens"),
+        (lambda: unroll(ring(), seams=[[0, 200]]), "does not follow an edge"),
+        (lambda: unroll(ring(), (0.0, 1.0)), "a sheet must have a length and a width"),
+        (lambda: unroll(ring(), (0.004, 0.003)), "give a larger one"),
+        (lambda: unroll(ring(), regions=[3]), "there is no region 3"),
+        (lambda: unroll(ring(), strain=-1.0), "more than 0"),
+        (lambda: flatten(*icosphere(1)), "0 open edges"),
+    ],
+    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a tiny sheet", "no region", "strain", "closed"],
+)
+def test_what_cannot_be_unrolled_is_refused_in_a_sentence(call, sentence):
+    with pytest.raises(CGCError, match=sentence):
+        call()
+
+
+def test_a_rectangle_larger_than_the_sheet_is_refused():
+    with pytest.raises(ValueError, match="does not lie within a sheet"):
+        nest([(1.0, 1.0), (4.0, 1.0)], SHEET)
