@@ -177,6 +177,31 @@ def example(pen):
         pen.line([*outline, outline[0]], width=1.2)
 
 
+def unroll(pen):
+    """A piece of paper that comes off a roll."""
+    sheet_of = [(3, 21), (21, 21), (17, 11), (7, 11)]
+    pen.area(sheet_of, SAND)
+    pen.line([*sheet_of, sheet_of[0]])
+    pen.line([(10, 12), (8.5, 20)], TEAL, 1.2)
+    pen.line([(14, 12), (15.5, 20)], TEAL, 1.2)
+    pen.dot(12, 7, 4.2, CLAY)
+    pen.ring(12, 7, 4.2)
+
+
+def membrane(pen):
+    """A dome with the two forces in it."""
+    dome(pen, base=21, height=15)
+    pen.line([(7, 14), (17, 14)], RED, 2.2)
+    pen.line([(12, 9.5), (12, 18.5)], TEAL, 2.2)
+
+
+def net(pen):
+    """Laths that cross at equal distances."""
+    for k in range(3):
+        pen.line([(3 + 6 * k, 3), (9 + 6 * k, 21)], TEAL, 1.8)
+        pen.line([(21 - 6 * k, 3), (15 - 6 * k, 21)], CLAY, 1.8)
+
+
 def info(pen):
     """An i."""
     pen.dot(12, 12, 9.5, TEAL)
@@ -191,14 +216,17 @@ ICONS = {
     "CGC_Example": example,
     "CGC_History": history,
     "CGC_Info": info,
+    "CGC_Membrane": membrane,
     "CGC_Mesh": mesh,
     "CGC_Mould": mould,
+    "CGC_Net": net,
     "CGC_Read3dm": read_3dm,
     "CGC_Regions": regions,
     "CGC_Settings": settings,
     "CGC_Server": server,
     "CGC_Solve": solve,
     "CGC_Target": target,
+    "CGC_Unroll": unroll,
     "CGC_Write3dm": write_3dm,
 }
 

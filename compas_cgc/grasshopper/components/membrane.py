@@ -1,0 +1,70 @@
+"""Membrane: forces in a solved surface under a load."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...fabrication import membrane as membrane_forces
+from ...fabrication.crosses import crosses
+from ...fabrication.membrane_state import forces_at_vertices
+from ...io.forces import write_forces
+from ...io.rhino.colours import signed_colours
+from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...io.rhino.rhinocommon import polyline_to_rhino
+from ..runtime.component_feedback import add_remark
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
+
+__all__ = ["MembraneOutputs", "membrane"]
+
+
+class MembraneOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    mesh: Any
+    N1: Optional[list[float]]
+    N2: Optional[list[float]]
+    tension: Any
+    compression: Any
+    reactions: Any
+    line_loads: Optional[list[float]]
+    report: Optional[str]
+
+
+@reports_errors(MembraneOutputs)
+def membrane(
+    component: Any, cgc_mesh: Any, pressure: Optional[float], weight: Optional[float], path: Optional[str], write: Optional[bool]
+) -> MembraneOutputs:
+    """Find the forces under a pressure and self weight, and write them when it is told to."""
+    if cgc_mesh is None:
+        add_warning(component, "connect a CGC mesh that has been solved")
+        return MembraneOutputs(*[None] * len(MembraneOutputs._fields))
+    if not pressure and not weight:
+        pressure = 1.0
+    state = membrane_forces(cgc_mesh, pressure or 0.0, weight or 0.0)
+    for remark in state.remarks:
+        add_remark(component, remark)
+    at_vertices = forces_at_vertices(state)
+    limit = float(np.percentile(np.abs(at_vertices), 98)) or 1.0
+    drawn = crosses(state)
+    lines, forces = drawn.lines.reshape(-1, 2, 3), drawn.forces.T.ravel()
+    loaded = np.abs(state.reactions).max(axis=1) > 0
+    places = state.problem.vertices[loaded]
+    if path and write:
+        write_forces(path.strip(), state)
+    set_message(component, f"N1 to {state.forces[:, 0].max():.3g}, N2 from {state.forces[:, 1].min():.3g}")
+    return MembraneOutputs(
+        mesh=mesh_from_arrays(state.problem.vertices, state.problem.faces, signed_colours(at_vertices[:, 0], limit)),
+        N1=at_vertices[:, 0].tolist(),
+        N2=at_vertices[:, 1].tolist(),
+        tension=[polyline_to_rhino(line) for line in lines[forces > 0]],
+        compression=[polyline_to_rhino(line) for line in lines[forces <= 0]],
+        reactions=[polyline_to_rhino([at, at + drawn.reaction_scale * force]) for at, force in zip(places, state.reactions[loaded])],
+        line_loads=np.linalg.norm(state.edge_loads.load, axis=1).tolist(),
+        report=state.summary(),
+    )

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Trace curves to build along: lines of curvature where K > 0, an asymptotic net of equal sides where K < 0, rulings where K = 0.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.grasshopper.components.net import net
+
+
+class Net(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, cgc_mesh, spacing: float, through):
+        out = net(ghenv.Component, cgc_mesh, spacing, through)  # noqa: F821
+        return out.first, out.second, out.nodes, out.sides, out.report

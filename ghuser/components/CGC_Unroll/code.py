@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Lay a solved surface out as flat pieces within sheets; regions of K = 0 keep all their lengths.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.grasshopper.components.unroll import unroll
+
+
+class Unroll(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, cgc_mesh, length: float, width: float, strain: float, spacing: float, path: str, write: bool):
+        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write)  # noqa: F821
+        return out.outlines, out.folds, out.rulings, out.marks, out.sheets, out.labels, out.places, out.pieces, out.report
