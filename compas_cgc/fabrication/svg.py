@@ -12,6 +12,7 @@ from .drawing import Drawing
 __all__ = ["svg_text", "write_svg"]
 
 _UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Inches": "in"}
+_LETTERS = 100
 _IN_MM = {"Meters": 1000.0, "Kilometers": 1e6, "Feet": 304.8, "Yards": 914.4}
 
 
@@ -42,9 +43,11 @@ def svg_text(drawing: Drawing) -> str:
         for text in drawing.texts:
             if text.layer == layer and text.height > 0:
                 x, y = text.place.tolist()
+                # Letters smaller than a unit are set badly by many programs, so they are made large and shrunk.
+                size = text.height / _LETTERS
                 lines.append(
-                    f'<text x="{x:.6g}" y="{height + top - y + 0.35 * text.height:.6g}" font-size="{text.height:.3g}" text-anchor="middle" '
-                    f'font-family="sans-serif" fill="{paint}" stroke="none">{text.text}</text>'
+                    f'<text transform="translate({x:.6g} {height + top - y + 0.35 * text.height:.6g}) scale({size:.6g})" '
+                    f'font-size="{_LETTERS}" text-anchor="middle" font-family="sans-serif" fill="{paint}" stroke="none">{text.text}</text>'
                 )
         lines.append("</g>")
     return "\n".join([*lines, "</svg>", ""])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
 from ..model.problem import CGCProblem
@@ -9,6 +10,8 @@ from .reading import ReadProblem
 from .rhino.units import unit_suffix
 
 __all__ = ["describe"]
+
+STRAIN = 0.002  # that many sheet materials take
 
 
 def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
@@ -32,8 +35,15 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     for number, K in enumerate(targets):
         faces = problem.faces[label == number]
         place = ", ".join(f"{x:.4g}" for x in problem.vertices[faces].mean(axis=(0, 1)))
-        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}'}")
+        lines.append(f"- region {number} around ({place}): {len(faces)} faces, {'no target' if K is None else f'K = {K:g}{_panels(K)}'}")
     return "\n".join(lines), [*read.diagnostics, *check(problem)]
+
+
+def _panels(K: float) -> str:
+    """Return what a curvature means for flat sheets."""
+    if not K:
+        return "; unrolls into flat sheets without strain"
+    return f"; flat sheets up to {widest_panel(K, STRAIN):.2g} wide are strained by {100 * STRAIN:g} % at most"
 
 
 def _head(problem: CGCProblem) -> str:

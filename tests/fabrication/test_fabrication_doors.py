@@ -1,0 +1,144 @@
+"""Patterns, forces and curves by the command line, by Grasshopper, and as the tutorial has them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import CGCProblem
+from compas_cgc import write
+from compas_cgc.cli import main
+from compas_cgc.cli.unroll import sheet_size
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import unroll
+
+from ..support.constant_curvature import cone
+from ..support.constant_curvature import revolved_patch
+from ..support.gh_stand_ins import Point3d
+from ..support.gh_stand_ins import place
+from ..support.gh_stand_ins import rhino  # noqa: F401
+
+TUTORIAL = Path(__file__).parents[2] / "docs" / "fabrication.md"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A solved cone, dome and saddle, and a crumpled cone."""
+    folder = tmp_path_factory.mktemp("solved")
+    rng = np.random.default_rng(2)
+    vertices, faces = cone(6, 24)
+    for name, shape, K in (
+        ("cone", (vertices, faces), 0.0),
+        ("rough", (vertices + 0.1 * rng.standard_normal(vertices.shape), faces), 0.0),
+        ("dome", revolved_patch(10, 0.02), 0.02),
+        ("saddle", revolved_patch(10, -0.02), -0.02),
+    ):
+        write(folder / f"{name}.3dm", CGCProblem(*shape).with_supports("boundary").with_targets(K))
+    return folder
+
+
+def test_commands_write_what_python_gives(files, tmp_path, capsys):
+    assert (
+        main(["unroll", str(files / "cone.3dm"), "-o", str(tmp_path / "cut.svg"), "-o", str(tmp_path / "cut.csv"), "--sheet", "3x1.5"]) == 0
+    )
+    assert unroll(CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5)).summary() in capsys.readouterr().out
+    assert main(["membrane", str(files / "dome.3dm"), "-o", str(tmp_path / "forces.inp"), "--pressure", "2"]) == 0
+    assert "balanced to" in capsys.readouterr().out
+    assert main(["net", str(files / "saddle.3dm"), "-o", str(tmp_path / "net.json"), "--spacing", "1"]) == 0
+    assert "asymptotic curves" in capsys.readouterr().out
+    assert {path.name for path in tmp_path.iterdir()} == {"cut.svg", "cut.csv", "forces.inp", "net.json"}
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("unroll", "rough.3dm", "-o", "out.dxf"), "the surface is rough"),
+        (("unroll", "rough.3dm", "-o", "out.dxf", "--rough"), "does not unroll"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--sheet", "large"), "--sheet must be LENGTHxWIDTH"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--strain", "much"), "--strain must be a number"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "no seam opens"),
+        (("unroll", "cone.3dm", "-o", "out.pdf"), "patterns are written to .dxf"),
+        (("membrane", "dome.3dm", "-o", "out.3dm"), "there is no load"),
+        (("membrane", "cone.3dm", "-o", "out.3dm", "--pressure", "1"), "has K = 0"),
+        (("net", "saddle.3dm", "-o", "out.3dm", "--through", "1,2"), "--through must be X,Y,Z"),
+        (("net", "saddle.3dm", "-o", "out.3dm", "--region", "4"), "there is no such region"),
+    ],
+)
+def test_wrong_orders_end_in_a_sentence_and_write_nothing(files, tmp_path, capsys, words, sentence):
+    command, source, flag, out, *rest = words
+    assert main([command, str(files / source), flag, str(tmp_path / out), *rest]) == 2
+    assert sentence in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_sheets_are_given_in_the_units_of_the_drawing_or_in_others():
+    assert sheet_size("3.0x1.5", "Meters") == (3.0, 1.5)
+    assert sheet_size("3000 x 1500mm", "Meters") == pytest.approx((3.0, 1.5))
+    assert sheet_size("3x1.5m", "Millimeters") == pytest.approx((3000.0, 1500.0))
+
+
+def test_check_says_how_wide_flat_sheets_may_be(files, capsys):
+    main(["check", str(files / "dome.3dm")])
+    assert "flat sheets up to 1.5 wide are strained by 0.2 % at most" in capsys.readouterr().out
+
+
+def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch, capsys):
+    text = TUTORIAL.read_text(encoding="utf-8").split("## From a drawing to cut sheets")[1].split("\n## ")[0]
+    monkeypatch.chdir(tmp_path)
+    scope: dict = {}
+    for language, block in re.findall(r"```(py|sh)\n(.*?)```", text, re.S):
+        if language == "py":
+            exec(compile(block, str(TUTORIAL), "exec"), scope)
+        for line in block.splitlines() if language == "sh" else ():
+            assert main(line.split()[1:]) == 0, line
+    said = capsys.readouterr().out
+    assert "18 pieces" in said and "unrolls into flat sheets without strain" in said
+    assert {path.suffix for path in tmp_path.iterdir()} == {".3dm", ".dxf", ".csv"}
+    assert len(scope["outlines"]) == len(scope["patterns"].pieces)
+
+
+# ----------------------------------------------------------------------
+# Grasshopper
+# ----------------------------------------------------------------------
+
+
+def solved(shape, K) -> CGCMesh:
+    return CGCMesh.from_problem(CGCProblem(*shape).with_supports("boundary").with_targets(K))
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_unroll(tmp_path):
+    mesh = solved(cone(6, 24), 0.0)
+    path = tmp_path / "cut.dxf"
+    out = place("Unroll").run(cgc_mesh=mesh, length=3.0, width=1.5, path=str(path), write=True)
+    patterns = unroll(mesh, (3.0, 1.5))
+    assert out["labels"] == [piece.label for piece in patterns.pieces]
+    assert len(out["pieces"]) == len(out["places"]) == len(patterns.pieces) == len(out["outlines"])
+    assert out["report"] == patterns.summary() and path.exists()
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_membrane():
+    mesh = solved(revolved_patch(8, 0.02), 0.02)
+    out = place("Membrane").run(cgc_mesh=mesh, pressure=2.0)
+    assert out["report"] == membrane(mesh, 2.0).summary()
+    assert len(out["N1"]) == mesh.number_of_vertices() and min(out["N2"]) > 0
+    assert not out["compression"] and len(out["tension"]) == 2 * mesh.number_of_faces()
+    placed = place("Membrane")
+    assert placed.run(cgc_mesh=solved(cone(5, 20), 0.0))["report"] is None
+    assert "K = 0" in placed.said("Error")[0]
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_net():
+    mesh = solved(revolved_patch(12, -0.02), -0.02)
+    out = place("Net").run(cgc_mesh=mesh, spacing=1.0)
+    net = curve_net(mesh, 1.0)
+    assert len(out["first"]) + len(out["second"]) == len(net.curves) and out["sides"] == net.lengths.tolist()
+    through = place("Net").run(cgc_mesh=mesh, through=[Point3d(0.0, 0.0, 4.0)])
+    assert len(through["first"]) == len(through["second"]) == 1
