@@ -19,6 +19,8 @@ from ..discrete import face_normals
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..meshing import path_edges
 from ..model.problem import CGCProblem
@@ -308,7 +310,7 @@ def _region(
     cones = (defect > CONE) & ~asked
     flat = target == 0.0 or (target is None and not (defect[asked] > CLOSED).any())
     if given is None:
-        cuts = seam_edges(V, faces, cones & flat)
+        cuts = seam_edges(V, faces, cones if flat else _ends_of_a_slit(V, inner))
     else:
         every = edge_faces(faces)[:, :2]
         cuts = every[among(origin[every], given, len(problem.vertices))]
@@ -331,6 +333,15 @@ def _region(
         plane, gap, error = layout.plane[layout.faces], layout.gap, layout.edge_error
         cuts = cuts[~_close_again(faces, plane, cuts, CLOSED * size)]
     return plane, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts))
+
+
+def _ends_of_a_slit(vertices: Vertices, inner: Mask) -> Mask:
+    """Mark two vertices far apart on a surface without an open edge, between which it is slit; none on others (n,)."""
+    ends = np.zeros(len(vertices), bool)
+    if inner.all():
+        first = int(np.argmax(np.linalg.norm(vertices - vertices.mean(axis=0), axis=1)))
+        ends[[first, int(np.argmax(np.linalg.norm(vertices - vertices[first], axis=1)))]] = True
+    return ends
 
 
 def _no_seam(region: int) -> str:

@@ -226,6 +226,12 @@ def test_a_dome_is_cut_until_the_strain_is_small_enough():
     assert patterns.area == pytest.approx(patterns.area_in_space, rel=2e-3)
 
 
+def test_a_closed_sphere_is_slit_and_cut():
+    patterns = unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), SHEET, strain=0.02, rough=True)
+    assert patterns.largest_strain <= 0.02
+    assert patterns.area == pytest.approx(patterns.area_in_space, rel=0.02)
+
+
 # ----------------------------------------------------------------------
 # What is refused
 # ----------------------------------------------------------------------
