@@ -92,7 +92,7 @@ def sheet_size(text: str, units: Optional[str]) -> tuple[float, float]:
     try:
         length, width = (float(part) for part in found.groups()[:2]) if found else (math.nan, math.nan)
     except ValueError:
-        length = math.nan
+        length = width = math.nan
     if not found or math.isnan(length):
         raise CGCError(f"--sheet must be LENGTHxWIDTH, such as 3.0x1.5 or 3000x1500mm, not {text!r}")
     if found.group(3) is None:

@@ -102,8 +102,8 @@ def principal_strains(vertices: Vertices, faces: Faces, corners: FloatArray) -> 
     own = np.stack([flat.real, flat.imag], axis=2)
     before = np.stack([own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]], axis=2)
     after = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
-    stretch = np.linalg.svd(after @ np.linalg.inv(before))
-    return stretch.S - 1.0, stretch.U[:, :, 0]
+    turned, stretch, _ = np.linalg.svd(after @ np.linalg.inv(before))
+    return stretch - 1.0, turned[:, :, 0]
 
 
 def _conformal(V: Vertices, F: Faces, loop: np.ndarray) -> FloatArray:

@@ -178,7 +178,10 @@ def nodal_load(V: Vertices, F: Faces, pressure: float, weight: float) -> Vectors
     """Return the load at every vertex: a third of that on each face around it (n, 3) [F]."""
     area = face_areas(V, F)[:, None]
     each = (pressure * face_normals(V, F) - np.array([0.0, 0.0, weight])) * area / 3.0
-    return np.column_stack([np.bincount(F.ravel(), np.repeat(each[:, axis], 3), len(V)) for axis in range(3)])
+    total = np.zeros((len(V), 3))
+    for corner in range(3):
+        np.add.at(total, F[:, corner], each)
+    return total
 
 
 # ----------------------------------------------------------------------
@@ -235,7 +238,10 @@ def _pull(V: Vertices, bars: Edges, forces: FloatArray) -> Vectors:
     u, v = bars[:, 0], bars[:, 1]
     along = V[v] - V[u]
     each = forces[:, None] * along / np.linalg.norm(along, axis=1, keepdims=True)
-    return np.column_stack([np.bincount(u, each[:, k], len(V)) - np.bincount(v, each[:, k], len(V)) for k in range(3)])
+    total = np.zeros((len(V), 3))
+    np.add.at(total, u, each)
+    np.subtract.at(total, v, each)
+    return total
 
 
 def _size(load: Vectors) -> float:

@@ -165,7 +165,9 @@ def _with_nodes(own: Patchwork, crossing: Mask, height: FloatArray) -> Patchwork
     pieces = [_divided(own, new, middles, count) for count in range(4)]
     owner = np.concatenate([piece[0] for piece in pieces])
     order = np.argsort(owner, kind="stable")
-    faces, plane, side = (np.concatenate([piece[k] for piece in pieces])[order] for k in (1, 2, 3))
+    faces = np.concatenate([piece[1] for piece in pieces])[order]
+    plane = np.concatenate([piece[2] for piece in pieces])[order]
+    side = np.concatenate([piece[3] for piece in pieces])[order]
     owner = owner[order]
     return Patchwork(np.vstack([own.space, nodes]), names, faces, plane, side, own.piece[owner], own.region[owner], own.parent[owner])
 

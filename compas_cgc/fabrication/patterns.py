@@ -322,7 +322,8 @@ def _region(
         worst = problem.names.vertices[origin[np.argmax(np.where(asked, defect, 0.0))]]
         raise CGCError(
             f"region {region} does not unroll: its faces leave gaps of up to {layout.gap:.3g} "
-            f"({100 * layout.gap / size:.2g} % of its size), most of all at vertex {worst}; solve it to K = 0 first"
+            f"({100 * layout.gap / size:.2g} % of its size), most of all at vertex {worst}; "
+            "solve it to K = 0 first, on irregular meshes with the measure exact"
         )
     if not flat:
         if not opens_to_disks(layout.faces):
