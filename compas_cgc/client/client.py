@@ -193,6 +193,22 @@ class Client:
             return content
         return {"id": id, **{name: unpack(value) for name, value in json.loads(content).items()}}
 
+    def moulds(self, id: str, **options: object) -> dict:
+        """Return the moulds that panels of a result are made on.
+
+        Parameters
+        ----------
+        id
+            The job.
+        options
+            ``size`` or ``count`` of the panels, ``along``, ``material``, ``thickness`` [mm], ``tolerance`` [mm], ``rough``.
+        """
+        return self._json("GET", f"/api/v1/jobs/{quote(id)}/moulds?{_query(options)}")
+
+    def moulds_file(self, id: str, **options: object) -> bytes:
+        """Return the bytes of a ``3dm`` file with moulds and panels, see :meth:`moulds`."""
+        return self.request("GET", f"/api/v1/jobs/{quote(id)}/moulds?{_query({**options, 'format': '3dm'})}")
+
     def cancel(self, id: str) -> dict:
         """Stop a job and return its status."""
         return self._json("POST", f"/api/v1/jobs/{quote(id)}/cancel")
@@ -265,6 +281,11 @@ class Client:
             return json.loads(self.request(method, path, body))
         except ValueError:
             raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
+
+
+def _query(options: dict[str, object]) -> str:
+    words = {name: str(value).lower() if isinstance(value, bool) else str(value) for name, value in options.items() if value is not None}
+    return urlencode(words)
 
 
 def _packed(rows: Rows, kind: str) -> Union[dict, list]:

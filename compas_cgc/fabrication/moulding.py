@@ -102,8 +102,7 @@ def moulds(
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not (math.isfinite(thickness) and thickness > 0.0):
         raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
-    if not len(panels):
-        raise CGCError("there are no panels; divide the surface into some first")
+    _check_panels(problem, panels)
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
     found = None if rough else verdict(problem)
@@ -124,6 +123,20 @@ def moulds(
         for piece in groups[K]:
             results[piece.panel.name] = _fitted(problem, piece, made[-1], fits, stuff, thickness, unit)
     return MouldReport(made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs)
+
+
+def _check_panels(problem: CGCProblem, panels: Sequence[Panel]) -> None:
+    """Refuse panels that are none, or that cannot be told apart."""
+    if not len(panels):
+        raise CGCError("there are no panels; divide the surface into some first")
+    called: set[str] = set()
+    for panel in panels:
+        if panel.name in called:
+            raise CGCError(f"two panels are called {panel.name}; give each a name of its own")
+        called.add(panel.name)
+        own = np.asarray(panel.faces)
+        if not own.size or own.dtype.kind not in "iu" or own.min() < 0 or own.max() >= len(problem.faces):
+            raise CGCError(f"the faces of panel {panel.name} must be some of the {len(problem.faces)} of the mesh, by their positions")
 
 
 def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[float]]) -> float:

@@ -243,6 +243,13 @@ def test_what_has_no_mould_is_refused_in_a_sentence(roof):
         moulds(roof, [across], thickness=0.0)
     with pytest.raises(ValueError, match="there are no panels"):
         moulds(roof, [])
+    with pytest.raises(ValueError, match="two panels are called by hand"):
+        moulds(roof, [across, across])
+    for faces in ([], [10**6], [0.5]):
+        with pytest.raises(ValueError, match="the faces of panel odd must be some of the 1152"):
+            moulds(roof, [Panel("odd", 0, np.array(faces))])
+    with pytest.raises(ValueError, match="a region of 128 triangles cannot be divided into 1000000 panels"):
+        panels(roof, count=1_000_000)
 
 
 def test_a_crumpled_surface_is_refused(roof):

@@ -71,6 +71,8 @@ def test_the_moulds_of_a_result(server, tmp_path):
     told = json.loads(content)
     assert status == 200 and len(told["panels"]) == 4 and told["moulds"][0]["kind"] == "sphere" and "12 mm of timber" in told["text"]
     assert all(panel["edge_error"] < 1e-11 for panel in told["panels"])
+    assert server.client.moulds(job, count=4, material="timber", thickness=12, rough=True)["panels"] == told["panels"]
+    assert server.client.moulds_file(job, count=4).startswith(b"3D Geometry File Format ")
     status, headers, content = ask(server, "GET", f"{path}?size=0.5&format=3dm")
     assert status == 200 and "moulds.3dm" in headers["Content-Disposition"]
     (tmp_path / "moulds.3dm").write_bytes(content)
