@@ -66,6 +66,8 @@ def _option_input(name: str, nickname: str, option: str) -> Input:
 
 def _default(option: Option) -> Union[float, int, str]:
     """Return what Hops sends where nothing is connected, which it cannot leave out."""
+    if option.kind is str:
+        return option.default
     common = option.name in AutoSettings.options()
     return 0.0 if common else getattr(METHODS[owners(option.name)[0]].settings(), option.name)
 
