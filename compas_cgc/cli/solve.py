@@ -20,6 +20,8 @@ from .exits import DONE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
 from .exits import ROUGH
+from .goals import add_goals
+from .goals import goals_of
 
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
@@ -42,6 +44,7 @@ examples:
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.01 --target 4=0.04 --s 0.5
   compas-cgc solve plan.obj -o dome.obj --supports boundary --target 0.1
+  compas-cgc solve roof.3dm -o roof_solved.3dm --rise 4 --above 2.5@gate --unknown all
 """
 
 
@@ -62,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    add_goals(parser)
     add_options(parser)
     add_reading(parser)
     parser.set_defaults(run=run)
@@ -86,8 +90,15 @@ def run(arguments: argparse.Namespace) -> int:
         say(f"note: {remark}")
     analysis = analyse(result, problem)
     say(_summary(result, analysis))
+    change = None
+    if arguments.sensitivity and result.converged:
+        from ..solvers.sensitivity import sensitivity
+
+        change = sensitivity(result)
+        for sentence in change.sentences():
+            say(sentence)
     if arguments.report:
-        _write_report(arguments, result, analysis)
+        _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
     return _write_surface(arguments, result, analysis)
 
 
@@ -97,7 +108,8 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
         problem = problem.with_supports(arguments.supports)
     if arguments.flip:
         problem = problem.flipped()
-    return with_targets(problem, arguments.target)
+    problem = with_targets(problem, arguments.target)
+    return problem.with_constraints(goals_of(arguments, dict(problem.drawing.places)))
 
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:
@@ -126,11 +138,11 @@ def _summary(result: SolveResult, analysis: SurfaceReport) -> str:
     return f"{judgement}\n{counts}, {creases} creases\n{result.message} ({result.seconds:.2f} s)\n{figures}"
 
 
-def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport) -> None:
+def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, more: dict) -> None:
     from .._atomic_write import write_text
     from .._version import __version__
 
-    report = {"version": __version__, "input": Path(arguments.input).name, **result.to_dict(), **analysis.to_dict()}
+    report = {"version": __version__, "input": Path(arguments.input).name, **result.to_dict(), **analysis.to_dict(), **more}
     write_text(arguments.report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
 
 

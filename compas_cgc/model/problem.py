@@ -59,6 +59,7 @@ class Drawing(NamedTuple):
     name: str = "mesh"
     units: Optional[str] = None  # unit system such as ``Meters``
     tolerance: Optional[float] = None  # distance within which points are one [L]
+    places: tuple[tuple[str, Sequence[Sequence[float]]], ...] = ()  # closed lines in plan by name [L]
 
 
 class PosesProblem(Protocol):

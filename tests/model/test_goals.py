@@ -52,9 +52,10 @@ def shaken(problem: CGCProblem) -> CGCProblem:
     return problem.with_vertices(problem.vertices + rng.normal(scale=0.3, size=problem.vertices.shape) + [0, 0, 2.0])
 
 
-@pytest.mark.parametrize(
-    "goal", [Rise(3.0), Height("crown", 3.0), Volume(300.0), Volume(9.0, level=1.0), Area(250.0), Length([0, 5, 60], 9.0)]
-)
+WHOLE = [Rise(3.0), Height("crown", 4.0), Volume(300.0), Volume(300.0, level=-1.0), Area(250.0), Length([0, 5, 60], 9.0)]
+
+
+@pytest.mark.parametrize("goal", WHOLE)
 def test_derivatives_of_goals_of_the_whole(goal):
     problem = shaken(roof())
     (own,) = bind(problem.with_constraints([goal])).equations
@@ -75,8 +76,7 @@ def test_volume_and_area_do_not_ask_which_way_faces_turn():
 
 def test_goals_scale_and_move_with_the_model():
     """In the local frame every goal lacks the same part of its number."""
-    goals = [Rise(3.0), Height("crown", 4.0), Volume(300.0), Volume(300.0, -1.0), Area(250.0), Length([0, 5, 60], 9.0)]
-    problem = shaken(roof()).with_constraints(goals)
+    problem = shaken(roof()).with_constraints(WHOLE)
     local, frame = problem.local()
     for own, moved in zip(bind(problem).equations, bind(local).equations):
         lack = own.value(problem.vertices) - own.wanted
@@ -136,9 +136,9 @@ WRONG = {
     "vertex over ceiling": (
         [Below(2.0), Height([60], 3.0)],
         {},
-        "the height 3 of vertices and the greatest height 2 contradict .* vertex 60",
+        "the height 3 of vertices and the greatest .* vertex 60",
     ),
-    "vertex under floor": ([Above(2.0), Height([60], 1.0)], {}, "the lowest height 2 and the height 1 of vertices contradict .* vertex 60"),
+    "vertex under floor": ([Above(2.0), Height([60], 1.0)], {}, "the lowest height 2 and the height 1 of .* vertex 60"),
     "crown under a support": ([Height("crown", -1.0)], {}, "the height -1 of the crown lies below the support at vertex 0"),
     "gate beside the mesh": ([Clearance((100, 100, 104, 103), 2.5)], {}, "over a place where the mesh has nothing"),
     "gate over no region": ([Clearance(7, 2.5)], {}, "over region 7, but the mesh has 1"),
@@ -163,7 +163,7 @@ WRONG = {
     "a box inside out": (
         [{"kind": "clearance", "where": [4, 0, 0, 3], "height": 2}],
         {},
-        "a region, a box x0, y0, x1, y1 or a closed line",
+        "a box x0, y0, x1, y1 or a closed line",
     ),
     "a word for vertices": ([{"kind": "above", "height": 2, "vertices": "crwn"}], {}, "or 'all', not 'crwn'"),
     "a line of two": ([{"kind": "within", "points": [[0, 0], [1, 0]]}], {}, "the closed line to stay within must be 3 or more"),

@@ -28,7 +28,15 @@ LAYERS = [
 ]
 PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which names everything
 INSIDE = {
-    "solvers": [{"settings"}, {"method", "carried"}, {"newton", "projection"}, {"flow"}, {"registry"}, {"selection"}, {"run"}],
+    "solvers": [
+        {"settings"},
+        {"method", "carried"},
+        {"newton", "projection"},
+        {"flow"},
+        {"registry"},
+        {"selection"},
+        {"run", "sensitivity"},
+    ],
     "server": [{"errors", "limits"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
     "grasshopper": [{"runtime", "build"}, {"components"}],
     "paper": [{"examples"}, {"reproduction", "benchmarks"}],

@@ -113,7 +113,7 @@ def as_drawn(constraint: Constraint, vertices: FloatArray) -> Optional[Drawn]:
     if isinstance(constraint, OnCurve):
         points = np.asarray(constraint.points, dtype=np.float64)
         return Drawn("", "curve", np.concatenate([points, points[:1]]) if constraint.closed else points, None, {})
-    if not isinstance(constraint, (AtHeight, Fixed)) or not len(constraint.vertices):
+    if not isinstance(constraint, (AtHeight, Fixed)) or isinstance(constraint.vertices, str) or not len(constraint.vertices):
         return None
     places = vertices[list(constraint.vertices)]
     if isinstance(constraint, Fixed):

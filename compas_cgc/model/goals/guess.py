@@ -11,6 +11,8 @@ from ...discrete import face_areas
 from ...discrete import face_normals
 from ..constraints import CROWN
 from ..constraints import AtHeight
+from ..problem import CGCProblem
+from ..roles import FIXED
 from .bound import support_height
 from .bound import unknown_regions
 from .kinds import Above
@@ -19,8 +21,6 @@ from .kinds import Clearance
 from .kinds import Length
 from .kinds import Rise
 from .kinds import Volume
-from ..problem import CGCProblem
-from ..roles import FIXED
 from .measures import length
 
 __all__ = ["guessed"]
@@ -74,4 +74,3 @@ def _cap(problem: CGCProblem) -> float:
 
 def _cap_curvature(rise: float, radius: float) -> float:
     return (2.0 * rise / (rise**2 + radius**2)) ** 2
-

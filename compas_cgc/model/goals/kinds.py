@@ -42,6 +42,8 @@ __all__ = [
     "Volume",
     "Whole",
     "Within",
+    "in_plan",
+    "is_of_whole",
 ]
 
 NEAR = 1e-9  # of a line, against its size, that is on it
@@ -358,6 +360,11 @@ class Unknown(Constraint):
     def __post_init__(self) -> None:
         if isinstance(self.regions, str) and self.regions != ALL:
             raise ValueError(f"regions of unknown K must be their numbers or 'all', not {self.regions!r}")
+
+
+def is_of_whole(goal: Constraint) -> bool:
+    """Return whether a goal is one number of the whole surface, or K that is to be found."""
+    return isinstance(goal, (Whole, Unknown)) or (isinstance(goal, AtHeight) and isinstance(goal.vertices, str))
 
 
 def in_plan(points: Any, name: str, fewest: int) -> FloatArray:

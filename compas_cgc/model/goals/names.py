@@ -24,7 +24,9 @@ __all__ = ["goal_name"]
 def goal_name(goal: Constraint) -> str:
     """Return a goal in words, with its number in the units that it is in."""
     if isinstance(goal, AtHeight):
-        return f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
+        return (
+            f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
+        )
     numbers = {
         Rise: ("rise", "rise"),
         Volume: ("volume", "volume"),

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...model.constraint_data import as_constraints
 from ...model.constraints import check_indices
+from ...model.goals.kinds import Unknown
+from ...model.goals.kinds import is_of_whole
 from ...model.problem import CGCProblem
 from ...model.problem import Targets
 from ...model.roles import DUMMY
@@ -27,7 +29,7 @@ from .decoding import whole
 
 __all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "settings_of"]
 
-OPTIONS = ("supports", "creases", "targets", "constraints", "method", "settings", "flip", "live", "name", "id")
+OPTIONS = ("supports", "creases", "targets", "constraints", "goals", "unknown", "method", "settings", "flip", "live", "name", "id")
 USER_ROLES = tuple(role for i, role in enumerate(ROLES) if i != DUMMY)
 
 
@@ -48,7 +50,10 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
     _check_supports(options, count)
     _check_creases(options.get("creases"), count)
     _check_targets(options.get("targets"), count)
-    _check_constraints(options.get("constraints"), options.get("method", "auto") if settings is None else method_of(settings), count)
+    method = options.get("method", "auto") if settings is None else method_of(settings)
+    for name in ("constraints", "goals"):
+        _check_constraints(options.get(name), method, count, name)
+    _check_unknown(options.get("unknown"))
 
 
 def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem:
@@ -71,7 +76,9 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
         problem = problem.with_supports(options["supports"])
     if options.get("targets") is not None:
         problem = problem.with_targets(_targets(options["targets"]))
-    return problem.with_constraints(options.get("constraints") or ())
+    unknown = options.get("unknown")
+    found = [Unknown(unknown)] if unknown else []
+    return problem.with_constraints([*(options.get("constraints") or ()), *(options.get("goals") or ()), *found])
 
 
 def settings_of(options: Mapping[str, Any], limits: Limits) -> Optional[Settings]:
@@ -165,20 +172,34 @@ def _check_targets(value: object, count: Optional[int]) -> None:
         number(value, "'targets'")
 
 
-def _check_constraints(value: object, method: str, count: Optional[int]) -> None:
+def _check_constraints(value: object, method: str, count: Optional[int], name: str) -> None:
     if not value:
         return
     if not isinstance(value, list):
-        raise Unprocessable("'constraints' must be a list of objects with a 'kind'")
-    if method != "auto" and not METHODS[method].holds_constraints:
-        able = " or ".join(own.name for own in METHODS.values() if own.holds_constraints)
-        raise Unprocessable(f"only the method {able} holds constraints; use it, or auto")
+        raise Unprocessable(f"'{name}' must be a list of objects with a 'kind'")
     try:
-        check_indices(as_constraints(value), 2**31 if count is None else count)
+        constraints = as_constraints(value)
+        check_indices(constraints, 2**31 if count is None else count)
     except OverflowError:
         raise Unprocessable("a constraint names a vertex that does not exist") from None
     except ValueError as error:
         raise Unprocessable(str(error)) from None
+    # One goal of the whole surface is for Newton's method too; whether it is one is seen with the mesh.
+    if method == "newton" and all(map(is_of_whole, constraints)):
+        return
+    if method != "auto" and not METHODS[method].holds_constraints:
+        able = " or ".join(own.name for own in METHODS.values() if own.holds_constraints)
+        raise Unprocessable(f"only the method {able} holds constraints; use it, or auto")
+
+
+def _check_unknown(value: object) -> None:
+    if value is None or value == "all":
+        return
+    if not isinstance(value, list):
+        raise Unprocessable("'unknown' must be a list of regions whose K is to be found, or \"all\"")
+    for region in value:
+        if whole(region, "every region of 'unknown'") < 0:
+            raise Unprocessable(f"'unknown' names region {region}, which does not exist")
 
 
 def _fixed(roles: list[str], problem: CGCProblem) -> list[int]:

@@ -102,6 +102,16 @@ METHODS = {
 }
 
 
+CONSTRAINT_LIST = {
+    "type": "array",
+    "items": {
+        "type": "object",
+        "required": ["kind"],
+        "properties": {"kind": {"enum": list(CONSTRAINTS)}, "vertices": {"oneOf": [{"type": "string"}, INDICES]}},
+    },
+}
+
+
 def request_schema() -> dict:
     """Return the schema of a request, with the methods and constraints that there are."""
     return {
@@ -126,13 +136,11 @@ def request_schema() -> dict:
                 ],
                 "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
             },
-            "constraints": {
-                "type": "array",
-                "items": {
-                    "type": "object",
-                    "required": ["kind"],
-                    "properties": {"kind": {"enum": list(CONSTRAINTS)}, "vertices": INDICES},
-                },
+            "constraints": CONSTRAINT_LIST,
+            "goals": {**CONSTRAINT_LIST, "description": "the same; a place of its own for heights, volumes and the like"},
+            "unknown": {
+                "oneOf": [{"enum": ["all"]}, INDICES],
+                "description": "regions whose K is found with the surface; the targets of the answer hold it",
             },
             "method": {"enum": list(method_names()), "description": "see /api/v1/methods"},
             "settings": settings_schema(),

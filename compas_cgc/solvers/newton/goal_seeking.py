@@ -99,4 +99,3 @@ def _step(system: System, shape: Shape, K: float, goal: Equation, shortest: floa
 def _missing(system: System, shape: Shape, goal: Equation) -> float:
     """Return the norm of what is missing, of defects and of the goal."""
     return float(np.hypot(np.linalg.norm(shape.residual), goal.value(shape.vertices) - goal.wanted))
-

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 from typing import Optional
 
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...model.constraints import ClosestPoints
-from ...model.constraints import PositionConstraint
 from ...model.goals.bound import Side
 from ...model.goals.kinds import Bound
 
@@ -25,10 +23,10 @@ PRESSING = 1e-12  # force, against the largest, that is none
 STICKY = 4  # times that a vertex may let go of a side
 
 
-@dataclass(frozen=True)
-class Touching(PositionConstraint):
-    """Vertices that touch a side."""
+class Touching(NamedTuple):
+    """Vertices that touch a side, as a constraint of their places."""
 
+    vertices: Sequence[int]
     side: Bound
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
@@ -53,7 +51,7 @@ class Contact(NamedTuple):
         nobody, never = np.zeros(len(movable), bool), np.zeros(len(movable), np.int64)
         return cls(tuple(sides), movable, edges, (nobody,) * len(sides), (nobody,) * len(sides), (never,) * len(sides))
 
-    def constraints(self) -> list[PositionConstraint]:
+    def constraints(self) -> list[Touching]:
         """Return the places of the vertices that touch."""
         return [Touching(np.flatnonzero(own).tolist(), side.goal) for side, own in zip(self.sides, self.touching) if own.any()]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from .exact import exactly
 from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
 from .gauss_newton import descend

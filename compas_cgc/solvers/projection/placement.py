@@ -6,6 +6,7 @@ import copy
 from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
+from typing import Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
 from ...model.goals.kinds import Level
 from ...model.problem import CGCProblem
+from .contact import Touching
 from .symmetry import Image
 
 __all__ = ["Freedoms", "Places", "movable_vertices"]
@@ -74,7 +76,9 @@ class Places:
         n = len(start)
         self.start = start
         self.movable = movable
-        self.constraints = [(indices(constraint.vertices, n), constraint) for constraint in constraints]
+        self.constraints: list[tuple[IntArray, Union[PositionConstraint, Touching]]] = [
+            (indices(constraint.vertices, n), constraint) for constraint in constraints
+        ]
         self.symmetries = symmetries
         self._always = self.constraints
         # A level edge that is bound besides, to a height, is level without being one.
@@ -88,7 +92,7 @@ class Places:
             self.head[later], self.turn[later], self.shift[later] = new, image.turn, image.shift
         self._refuse_astray()
 
-    def holding(self, more: Sequence[PositionConstraint]) -> Places:
+    def holding(self, more: Sequence[Touching]) -> Places:
         """Return the same places with more constraints, instead of those that were held so before."""
         places = copy.copy(self)
         n = len(self.start)

@@ -19,6 +19,7 @@ from ...errors import ProblemError
 from ...model.goals.bound import bind
 from ...model.goals.bound import unknown_regions
 from ...model.goals.contradictions import refuse_impossible
+from ...model.goals.guess import guessed
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
@@ -26,7 +27,6 @@ from ...model.result import Solution
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
 from .goal_seeking import goal_ways
-from ...model.goals.guess import guessed
 from .iterate import Point
 from .limits import limit
 from .messages import cause
@@ -74,7 +74,9 @@ class Projector:
             raise MeshError("the mesh has no faces")
         self.settings = settings or ProjectionSettings()
         if self.settings.measure in EXACT and unknown_regions(problem):
-            raise ProblemError([f"K is not found in the measure {self.settings.measure}; find it in the measure defect, then ask for it here"])
+            raise ProblemError(
+                [f"K is not found in the measure {self.settings.measure}; find it in the measure defect, then ask for it here"]
+            )
         self.problem = guessed(problem)
         self._local, self._frame = self.problem.local()
         self._system = System(self._local, self.settings, bind(self._local, problem.constraints))

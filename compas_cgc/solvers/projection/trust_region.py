@@ -65,7 +65,9 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
             ratio = 0.0
             if there is not None and step.promised > 0.0:
                 ratio = (model.lagrangian(here) - model.lagrangian(there)) / step.promised
-                small = step.length <= ROUNDING * scale or (step.promised <= POINTLESS * model.energy and _nearer(system, equations, here, there))
+                small = step.length <= ROUNDING * scale or (
+                    step.promised <= POINTLESS * model.energy and _nearer(system, equations, here, there)
+                )
                 if ratio < LITTLE and not (step.inside and small):
                     there = None
             if there is not None:

@@ -119,6 +119,29 @@ def test_constraints_of_a_mesh_of_a_file_and_of_the_request_all_hold(tmp_path):
         accept({**request, "settings": {"s": 0.5}}, LIMITS)
 
 
+def test_goals_and_unknown_k_of_a_request():
+    vertices, faces = grid(8, 8.0)
+    goals = [{"kind": "rise", "rise": 1.5}, {"kind": "clearance", "where": [3, 0, 5, 2], "height": 0.8}]
+    request = {"vertices": vertices, "faces": faces, "supports": "corners", "goals": goals, "unknown": [0]}
+    assert read(request).problem.constraints == (Rise(1.5), Clearance([3.0, 0.0, 5.0, 2.0], 0.8), Unknown([0]))
+    result = unpack_result(solve_job("json", {}, accept(request, LIMITS), LIMITS).content)[0]
+    assert result.converged and result.vertices[:, 2].max() == pytest.approx(1.5, abs=1e-10)
+    K = result.problem.region_targets()[0]
+    assert K is not None and f"K = {K:.6g} was found for region 0" in result.message
+    held = {**request, "supports": "boundary", "goals": goals[:1], "unknown": "all", "method": "newton"}
+    assert unpack_result(solve_job("json", {}, accept(held, LIMITS), LIMITS).content)[0].method == "newton"
+    for more, part in (
+        ({"unknown": [-1]}, "'unknown' names region -1"),
+        ({"unknown": "roof"}, "'unknown' must be a list of regions"),
+        ({"goals": {"kind": "rise", "rise": 2}}, "'goals' must be a list of objects"),
+        ({"goals": [{"kind": "rise", "rise": "4 m"}]}, "rise of a constraint of kind rise must be a finite number"),
+        ({"goals": [{"kind": "above", "vertices": [99], "height": 2}]}, "names vertex 99"),
+        ({"method": "flow"}, "only the method projection holds constraints"),
+    ):
+        with pytest.raises(Unprocessable, match=part):
+            accept({**request, **more}, LIMITS)
+
+
 def test_a_job_gives_the_bits_of_a_solve_here():
     for more in ({}, {"method": "flow", "settings": {"delay": 2}}):
         output = solve_job("json", {}, accept(asked(**more), LIMITS), LIMITS)
