@@ -31,38 +31,68 @@ if TYPE_CHECKING:
     from .model.constraints import OnLine
     from .model.constraints import OnPlane
     from .model.constraints import Proximity
+    from .model.goals.kinds import Above
+    from .model.goals.kinds import Area
+    from .model.goals.kinds import Below
+    from .model.goals.kinds import Clearance
+    from .model.goals.kinds import EdgeInPlan
+    from .model.goals.kinds import Height
+    from .model.goals.kinds import Length
+    from .model.goals.kinds import Level
+    from .model.goals.kinds import NearPlane
+    from .model.goals.kinds import OnSurface
+    from .model.goals.kinds import Rise
+    from .model.goals.kinds import Unknown
+    from .model.goals.kinds import Volume
+    from .model.goals.kinds import Within
     from .model.problem import CGCProblem
     from .solvers.flow import FlowSettings
     from .solvers.newton import NewtonSettings
     from .solvers.projection import ProjectionSettings
     from .solvers.registry import settings_for
     from .solvers.run import solve
+    from .solvers.sensitivity import sensitivity
     from .solvers.settings import AutoSettings
 
 __all__ = [
+    "Above",
+    "Area",
     "AtHeight",
     "AutoSettings",
+    "Below",
     "CGCError",
     "CGCMesh",
     "CGCProblem",
+    "Clearance",
     "Constraint",
+    "EdgeInPlan",
     "FileError",
     "Fixed",
     "FlowSettings",
+    "Height",
+    "Length",
+    "Level",
     "MeshError",
     "Mirror",
+    "NearPlane",
     "NewtonSettings",
     "OnCurve",
     "OnLine",
     "OnPlane",
+    "OnSurface",
     "ProblemError",
     "ProjectionSettings",
     "Proximity",
+    "Rise",
     "SolveResult",
+    "Unknown",
+    "Volume",
+    "Within",
     "__version__",
     "analyse",
     "check",
     "read",
+    "sensitivity",
     "settings_for",
     "solve",
     "write",
@@ -78,11 +108,32 @@ _CONSTRAINTS = dict.fromkeys(
     ("AtHeight", "Constraint", "Fixed", "Mirror", "OnCurve", "OnLine", "OnPlane", "Proximity"), ".model.constraints"
 )
 
+_GOALS = dict.fromkeys(
+    (
+        "Above",
+        "Area",
+        "Below",
+        "Clearance",
+        "EdgeInPlan",
+        "Height",
+        "Length",
+        "Level",
+        "NearPlane",
+        "OnSurface",
+        "Rise",
+        "Unknown",
+        "Volume",
+        "Within",
+    ),
+    ".model.goals.kinds",
+)
+
 __getattr__, __dir__ = attach(
     __name__,
     {
         **_ERRORS,
         **_CONSTRAINTS,
+        **_GOALS,
         "AutoSettings": ".solvers.settings",
         "CGCMesh": ".datastructures",
         "CGCProblem": ".model.problem",
@@ -93,6 +144,7 @@ __getattr__, __dir__ = attach(
         "analyse": ".analysis",
         "check": ".model.checks",
         "read": ".io",
+        "sensitivity": ".solvers.sensitivity",
         "settings_for": ".solvers.registry",
         "solve": ".solvers.run",
         "solve_problem": "._deprecated",

@@ -16,6 +16,9 @@ from compas_cgc import FlowSettings
 from compas_cgc import solve
 from compas_cgc.io import write
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
+from compas_cgc.model.goals.kinds import Clearance
+from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.kinds import Unknown
 from compas_cgc.model.problem import Drawing
 from compas_cgc.server import Limits
 from compas_cgc.server.api.requests import READERS
@@ -122,7 +125,8 @@ def test_constraints_of_a_mesh_of_a_file_and_of_the_request_all_hold(tmp_path):
 def test_goals_and_unknown_k_of_a_request():
     vertices, faces = grid(8, 8.0)
     goals = [{"kind": "rise", "rise": 1.5}, {"kind": "clearance", "where": [3, 0, 5, 2], "height": 0.8}]
-    request = {"vertices": vertices, "faces": faces, "supports": "corners", "goals": goals, "unknown": [0]}
+    drawn = {"vertices": vertices.tolist(), "faces": faces.tolist()}
+    request = {**drawn, "supports": "corners", "goals": goals, "unknown": [0]}
     assert read(request).problem.constraints == (Rise(1.5), Clearance([3.0, 0.0, 5.0, 2.0], 0.8), Unknown([0]))
     result = unpack_result(solve_job("json", {}, accept(request, LIMITS), LIMITS).content)[0]
     assert result.converged and result.vertices[:, 2].max() == pytest.approx(1.5, abs=1e-10)
