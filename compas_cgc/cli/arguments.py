@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["add_options", "add_reading", "reading", "settings_of", "with_targets"]
 
-_ROLES = ("mesh", "supports", "creases", "targets", "constraints")
+_ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

@@ -47,7 +47,7 @@ def _panels(K: float) -> str:
 
 
 def _head(problem: CGCProblem) -> str:
-    name, units, tolerance = problem.drawing
+    name, units, tolerance = problem.drawing[:3]
     if units is not None and tolerance is not None:
         return f"{name}: {units}, tolerance {tolerance:g}{unit_suffix(units)}"
     return f"{name}: {len(problem.vertices)} vertices, {len(problem.faces)} faces, {len(problem.supports)} supports"

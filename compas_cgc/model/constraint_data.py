@@ -124,7 +124,7 @@ def _vertices(value: object, name: str) -> list[int]:
 
 
 def _regions(value: object, name: str) -> Union[str, list[int]]:
-    return value if value == ALL else _vertices(value, f"{name}, where not 'all',".replace("vertices", "regions"))  # type: ignore[return-value]
+    return value if value == ALL else _vertices(value, f"{name}, where not 'all',".replace("vertices", "regions"))
 
 
 def _vertices_or(*words: str) -> Callable[[object, str], object]:
@@ -163,7 +163,7 @@ def _plan(value: object, name: str) -> list[list[float]]:
 
 
 def _where(value: object, name: str) -> object:
-    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+    if isinstance(value, numbers.Integral) and type(value) is not bool:
         return int(value)
     if isinstance(value, (list, tuple)) and len(value) == 4 and all(isinstance(x, numbers.Real) for x in value):
         return [_number(x, name) for x in value]

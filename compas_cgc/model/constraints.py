@@ -69,9 +69,9 @@ class Constraint:
 
 @dataclass(frozen=True)
 class PositionConstraint(Constraint):
-    """A constraint that says where vertices have to be."""
+    """A constraint that says where vertices have to be; of some the vertices may be a word until they are bound to a problem."""
 
-    vertices: Sequence[int]
+    vertices: Union[str, Sequence[int]]
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points at which vertices at some points (k, 3) fulfil the constraint."""
@@ -100,7 +100,7 @@ class OnPlane(PositionConstraint):
 class AtHeight(PositionConstraint):
     """Vertices at a height z [L]: those named, or the ``"crown"``, the highest vertex of the surface, wherever it comes to be."""
 
-    vertices: Union[str, Sequence[int]]  # type: ignore[assignment]
+    vertices: Union[str, Sequence[int]]
     height: float
 
     def __post_init__(self) -> None:
@@ -211,7 +211,7 @@ def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:
     return np.broadcast_to(matrix, (len(points), 3, 3))
 
 
-def indices(vertices: Sequence[int], n: int) -> IntArray:
+def indices(vertices: Union[str, Sequence[int]], n: int) -> IntArray:
     """Return the vertices that a constraint names, sorted, each once.
 
     Raises

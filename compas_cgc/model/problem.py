@@ -233,7 +233,7 @@ class CGCProblem:
             within &= self.region_vertices(region)
         return replace(self, targets=np.where(within, given, self.targets))
 
-    def with_constraints(self, constraints: Iterable[Constraint], add: bool = True) -> CGCProblem:
+    def with_constraints(self, constraints: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
         """Ask for something besides K, next to what is asked already unless `add` is false.
 
         Raises

@@ -17,6 +17,7 @@ from ...model.problem import CGCProblem
 from ...model.problem import Drawing
 from ..reading import ReadProblem
 from .creases import lay_creases
+from .goals import find_goals
 from .meshes import JoinedMesh
 from .meshes import join_meshes
 from .sketch import Drawn
@@ -48,6 +49,7 @@ def assemble(
     solved: Optional[Mapping[int, Optional[float]]] = None,
     crease: str = "trace",
     notes: Sequence[str] = (),
+    goals: Optional[AtTolerance] = None,
 ) -> ReadProblem:
     """Fit what is drawn to the vertices and edges of the mesh.
 
@@ -69,6 +71,8 @@ def assemble(
         ``"trace"`` or ``"split"``.
     notes
         What has been said already.
+    goals
+        As the others, what is asked of the whole surface and of parts of the plan.
 
     Raises
     ------
@@ -87,7 +91,8 @@ def assemble(
     K, target_notes, target_diagnostics = find_targets(targets(fine), list(parts), solved or {}, mesh, edges, unit)
     drawn, constraint_diagnostics = find_constraints(constraints(fine), mesh.vertices, snap, unit)
     texts, text_diagnostics = _constraints_in_texts(parts, mesh)
-    held = (*drawn, *texts)
+    asked = find_goals(goals(fine) if goals is not None else [], mesh.vertices, snap)
+    held = (*drawn, *asked.goals, *texts)
     problem = CGCProblem(
         mesh.vertices,
         mesh.faces,
@@ -96,13 +101,13 @@ def assemble(
         e=_values_in_texts(parts, mesh, "e", laid.e),
         creases=edges,
         constraints=held,
-        drawing=Drawing(name, units, tolerance),
+        drawing=Drawing(name, units, tolerance, asked.places),
     )
     found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"
     return ReadProblem(
         problem.with_supports(fixed.tolist()),
         (*notes, *joined.notes, *support_notes, *laid.notes, *target_notes, *([found] if held else [])),
-        (*support_diagnostics, *laid.diagnostics, *target_diagnostics, *constraint_diagnostics, *text_diagnostics),
+        (*support_diagnostics, *laid.diagnostics, *target_diagnostics, *constraint_diagnostics, *asked.diagnostics, *text_diagnostics),
     )
 
 

@@ -42,6 +42,8 @@ class LayerNames:
     constraints
         Curves that vertices shall stay on, or with user text ``keep`` stay at; points at the
         height that the vertex under or over them shall come to.
+    goals
+        Points and curves with user text such as ``rise`` or ``clearance``; closed curves with a name are places.
     """
 
     mesh: tuple[str, ...] = ("CGC::Mesh",)
@@ -49,6 +51,7 @@ class LayerNames:
     creases: tuple[str, ...] = ("CGC::Creases",)
     targets: tuple[str, ...] = ("CGC::Targets",)
     constraints: tuple[str, ...] = ("CGC::Constraints",)
+    goals: tuple[str, ...] = ("CGC::Goals",)
 
     def role(self, layer: str) -> Optional[str]:
         """Return what a layer (its full path) means: a field of this class, ``"result"`` or None."""
@@ -128,6 +131,7 @@ class Selection(NamedTuple):
     creases: list[Item]
     targets: list[Item]
     constraints: list[Item]
+    goals: list[Item]
     outlines: list[Item]  # curves around a mesh yet to be made, the boundary and holes
     regions: list[Item]  # regions of an earlier result, with the targets it was solved for
     notes: list[str]
@@ -148,14 +152,15 @@ def select(items: list[Item], names: LayerNames, result: bool = False) -> Select
             note = "the result in the file is taken, not its drawing"
             if not drawn:
                 note = "the file holds nothing but an earlier result, which is taken as the input"
-            return Selection(found["Mesh"], found["Supports"], found["Creases"], [], found["Constraints"], [], regions, [note])
+            mesh, supports, creases, constraints, goals = found.values()
+            return Selection(mesh, supports, creases, [], constraints, goals, [], regions, [note])
     if any(role[item.id] for item in given):
         return _by_layer(given, role, regions, names)
     return _by_kind(given, regions)
 
 
 def _of_result(items: list[Item]) -> dict[str, list[Item]]:
-    wanted = ("Mesh", "Supports", "Creases", "Constraints")
+    wanted = ("Mesh", "Supports", "Creases", "Constraints", "Goals")
     parts = {part: [item for item in items if item.layer == f"{RESULT}::{part}"] for part in wanted}
     return parts if parts["Mesh"] else {}
 
@@ -167,6 +172,7 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
         "creases": ("curve",),
         "targets": ("text dot", "point"),
         "constraints": ("curve", *_POINTS),
+        "goals": ("curve", "text dot", *_POINTS),
     }
     outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
     chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
@@ -203,7 +209,7 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
         # Of the curves alone the closed one that reaches farthest is the boundary.
         outlines = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)[-1:]
         creases = [item for item in creases if item not in outlines]
-    return Selection(mesh, supports, creases, targets, [], outlines, regions, notes + more)
+    return Selection(mesh, supports, creases, targets, [], [], outlines, regions, notes + more)
 
 
 def _reach(item: Item) -> float:

@@ -96,6 +96,7 @@ def read_3dm(
             creases=lambda fine: _drawn(found.creases, fine) + joints,
             targets=lambda fine: _drawn(found.targets, fine),
             constraints=lambda fine: _drawn(found.constraints, fine),
+            goals=lambda fine: [drawn._replace(text={**drawn.text, "name": item.name}) for item, drawn in _with_items(found.goals, fine)],
             units=unit_name(archive.Settings.ModelUnitSystem),
             tolerance=own,
             solved={int(user_number(item.text, "region") or 0): user_target(item.text) for item in found.regions},
@@ -135,6 +136,8 @@ def _converted(item: Item, items: list[Item], edge_length: Optional[float], tole
             raise
     part, notes = to_part(item)
     return MeshedSurface(part, [], notes)
+def _with_items(items: list[Item], tolerance: float) -> list[tuple[Item, Drawn]]:
+    return list(zip(items, _drawn(items, tolerance)))
 
 
 def _drawn(items: list[Item], tolerance: float) -> list[Drawn]:

@@ -17,6 +17,10 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
+from ...model.goals.kinds import Clearance
+from ...model.goals.kinds import Length
+from ...model.goals.kinds import Within
+from ...model.goals.kinds import in_plan
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ._types import Archive
@@ -24,6 +28,8 @@ from ._types import Mesh
 from ._types import ObjectAttributes
 from .archive import rhino3dm_module
 from .archive import write_archive
+from .goals import drawn_goal
+from .goals import find_goals
 from .meshes import mesh_from_arrays
 from .sketch import Drawn
 from .snapping import as_drawn
@@ -164,7 +170,7 @@ def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Me
 
     The user text of the mesh is `text` with what of the problem cannot be drawn.
     """
-    drawn, others = _drawable(problem, float(writer.archive.Settings.ModelAbsoluteTolerance))
+    drawn, goals, others = _drawable(problem, float(writer.archive.Settings.ModelAbsoluteTolerance))
     texts = {**(text or {}), **vertex_text(problem), **constraint_text(others, len(problem.vertices))}
     on_mesh = writer.layer(f"{parent}::Mesh", (120, 120, 120))
     writer.mesh(mesh, writer.attributes(on_mesh, problem.drawing.name, texts))
@@ -173,30 +179,55 @@ def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Me
     on_creases = writer.layer(f"{parent}::Creases", (20, 60, 160))
     for path in problem.crease_paths():
         writer.polyline(problem.vertices[path], writer.attributes(on_creases))
+    _draw_goals(writer, problem, goals, f"{parent}::Goals")
     on_constraints = writer.layer(f"{parent}::Constraints", (120, 40, 140)) if drawn else -1
     for item in drawn:
         draw = writer.polyline if item.kind == "curve" else writer.cloud
         draw(item.points, writer.attributes(on_constraints, text=item.text))
 
 
-def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Constraint]]:
-    """Return constraints as they are drawn, and those that would not be found again as they are."""
+def _draw_goals(writer: LayerWriter, problem: CGCProblem, goals: list[Drawn], layer: str) -> None:
+    """Draw goals with their user text, and the places that have names."""
+    if not goals and not problem.drawing.places:
+        return
+    on_goals = writer.layer(layer, (20, 110, 120))
+    for item in goals:
+        draw = writer.polyline if item.kind == "curve" else writer.cloud
+        draw(item.points, writer.attributes(on_goals, text=item.text))
+    for name, line in problem.drawing.places:
+        plan = np.array([*line, line[0]], dtype=np.float64)[:, :2]
+        writer.polyline(np.column_stack([plan, np.zeros(len(plan))]), writer.attributes(on_goals, name))
+
+
+def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Drawn], list[Constraint]]:
+    """Return constraints and goals as they are drawn, and those that would not be found again as they are."""
     V = problem.vertices
     snap = snap_distance(V, problem.faces, tolerance) if problem.constraints else 0.0
-    drawn, others = [], []
+    drawn, goals, others = [], [], []
     for constraint in problem.constraints:
+        goal = drawn_goal(constraint, V)
+        if goal is not None:
+            again = find_goals([goal], V, snap).goals
+            if [_plain(constraint)] == [_plain(other) for other in again]:
+                goals.append(goal)
+                continue
         item = as_drawn(constraint, V)
         found = [] if item is None else find_constraints([item], V, snap, "")[0]
         if item is not None and [_plain(constraint)] == [_plain(other) for other in found]:
             drawn.append(item)
         else:
             others.append(constraint)
-    return drawn, others
+    return drawn, goals, others
 
 
 def _plain(constraint: Constraint) -> dict:
     data = constraint_data(constraint)
-    return {**data, "vertices": sorted(set(data["vertices"]))}
+    if isinstance(constraint, Clearance) and not isinstance(constraint.where, (int, np.integer)):
+        return {**data, "where": constraint.outline().tolist()}
+    if isinstance(constraint, Within):
+        return {**data, "points": in_plan(constraint.points, "points", 3).tolist()}
+    vertices = data.get("vertices")
+    return data if not isinstance(vertices, list) or isinstance(constraint, Length) else {**data, "vertices": sorted(set(vertices))}
 
 
 def _tolerance(vertices: FloatArray) -> float:

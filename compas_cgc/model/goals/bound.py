@@ -249,7 +249,7 @@ def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionCo
         paths = [(np.asarray(goal.vertices, dtype=np.int64), goal.closed)]
     if isinstance(goal.vertices, str) and not paths:
         raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or leave the goal out"])
-    found = []
+    found: list[PositionConstraint] = []
     for path, closed in paths:
         line = problem.vertices[path] if goal.points is None else goal.points
         free = path[problem.roles[path] != FIXED]

@@ -106,21 +106,28 @@ def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
     size, middle = _size(problem), float(problem.vertices[:, 2].mean())
     mend = "give it in the units of the drawing"
     for goal in problem.constraints:
-        length = {
-            Rise: lambda: abs(goal.rise),  # noqa: B023
-            AtHeight: lambda: abs(goal.height - middle),  # noqa: B023
-            Above: lambda: goal.height - middle,  # noqa: B023
-            Below: lambda: middle - goal.height,  # noqa: B023
-            Clearance: lambda: goal.height - middle,  # noqa: B023
-            Volume: lambda: goal.volume ** (1 / 3),  # noqa: B023
-            Area: lambda: goal.area**0.5,  # noqa: B023
-            Length: lambda: goal.length,  # noqa: B023
-        }.get(type(goal))
-        far = length() if length is not None else 0.0
+        far = _reach(goal, middle)
         if far > LARGE * size:
             yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.4g}; {mend}"
         elif isinstance(goal, Rise) and far < SLIGHT * size:
             yield f"{goal_name(goal)} is nothing beside the size of the mesh, {size:.4g}; {mend}"
+
+
+def _reach(goal: Constraint, middle: float) -> float:
+    """Return the length that a goal speaks of, from a middle height on, zero where it speaks of none [L]."""
+    if isinstance(goal, Rise):
+        return abs(goal.rise)
+    if isinstance(goal, AtHeight):
+        return abs(goal.height - middle)
+    if isinstance(goal, (Above, Clearance)):
+        return goal.height - middle
+    if isinstance(goal, Below):
+        return middle - goal.height
+    if isinstance(goal, Volume):
+        return goal.volume ** (1 / 3)
+    if isinstance(goal, Area):
+        return goal.area**0.5
+    return goal.length if isinstance(goal, Length) else 0.0
 
 
 def _pairs(problem: CGCProblem) -> Iterator[str]:

@@ -24,7 +24,7 @@ class CommonPart(NamedTuple):
 
     areas: FloatArray  # (k,)
     group: IntArray  # (k,) number of the unknown K, -1 where it is given
-    count: int
+    groups: int
 
     def removed(self, values: FloatArray) -> FloatArray:
         """Return values of the equations (k,) without it."""
@@ -35,9 +35,9 @@ class CommonPart(NamedTuple):
         return multipliers - self._of_group(self.sums(self.areas * multipliers) / self.sums(self.areas))
 
     def sums(self, values: FloatArray) -> FloatArray:
-        """Return the sums over the groups (count,)."""
+        """Return the sums over the groups (groups,)."""
         own = self.group >= 0
-        return np.bincount(self.group[own], values[own], self.count)
+        return np.bincount(self.group[own], values[own], self.groups).astype(np.float64)
 
     def _of_group(self, values: FloatArray) -> FloatArray:
         return np.where(self.group >= 0, np.append(values, 0.0)[self.group], 0.0)
