@@ -118,13 +118,17 @@ def _number(value: object, name: str) -> float:
 
 
 def _vertices(value: object, name: str) -> list[int]:
+    return _whole_numbers(value, f"{name} must be a list of vertices, counted from 0")
+
+
+def _whole_numbers(value: object, words: str) -> list[int]:
     if not isinstance(value, (list, tuple)) or not all(isinstance(v, numbers.Integral) and not isinstance(v, bool) for v in value):
-        raise ValueError(f"{name} must be a list of vertices, counted from 0")
+        raise ValueError(words)
     return [int(v) for v in value]
 
 
 def _regions(value: object, name: str) -> Union[str, list[int]]:
-    return value if value == ALL else _vertices(value, f"{name}, where not 'all',".replace("vertices", "regions"))
+    return ALL if value == ALL else _whole_numbers(value, f"{name} must be a list of regions, counted from 0, or 'all'")
 
 
 def _vertices_or(*words: str) -> Callable[[object, str], object]:
@@ -163,7 +167,7 @@ def _plan(value: object, name: str) -> list[list[float]]:
 
 
 def _where(value: object, name: str) -> object:
-    if isinstance(value, numbers.Integral) and type(value) is not bool:
+    if not isinstance(value, bool) and isinstance(value, numbers.Integral):
         return int(value)
     if isinstance(value, (list, tuple)) and len(value) == 4 and all(isinstance(x, numbers.Real) for x in value):
         return [_number(x, name) for x in value]

@@ -26,7 +26,7 @@ __all__ = ["Sensitivity", "sensitivity"]
 
 # Of units that files name: a smaller one that designers speak of, and how many of it make one.
 _SMALLER = {"Meters": ("mm", 1e3), "Centimeters": ("mm", 10.0), "Millimeters": ("mm", 1.0), "Feet": ("in", 12.0), "Inches": ("in", 1.0)}
-NEARER = 3  # Newton's steps to the very fairest surface, near which a solve ends
+NEARER = 2  # Newton's steps to the very fairest surface, near which a solve ends
 STILL, AWAY = 1e-10, 1e-2  # steps, in the local frame, that are none, and that lead elsewhere
 NONE = 1e-12  # change, against the size of the surface, that is none
 
@@ -175,12 +175,14 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
         equations = smooth_equations(system, equations, vertices)
     point = system.at(vertices, equations)
     system = system.touching(point, equations)
+    solved = optimality(system, point, equations)
     for _ in range(NEARER):
-        solved = optimality(system, point, equations)
         step = solved.correction(equations)
-        if not float(np.abs(step).max(initial=0.0)) > STILL or not float(np.abs(step).max(initial=0.0)) < AWAY:
+        longest = float(np.abs(step).max(initial=0.0))
+        if not STILL < longest < AWAY:
             break
         point = system.at(point.vertices + step, equations)
+        solved = optimality(system, point, equations)
     position = np.full(len(vertices), -1)
     position[system.rows] = np.arange(len(system.rows))
     rows = {region: position[own][position[own] >= 0] for region, own in groups.items()}

@@ -378,8 +378,8 @@ def in_plan(points: Any, name: str, fewest: int) -> FloatArray:
     try:
         given = np.asarray(points, dtype=np.float64)
     except (TypeError, ValueError):
-        given = np.empty(0)
-    if given.ndim != 2 or given.shape[1] not in (2, 3) or not np.isfinite(given).all():
+        given = np.empty((0, 0))
+    if given.ndim != 2 or given.shape[-1] not in (2, 3) or not np.isfinite(given).all():
         raise ValueError(f"{name} must be finite points of two or three numbers, not of shape {given.shape}")
     flat = np.column_stack([given[:, :2], np.zeros(len(given))])
     if len(flat) > fewest and np.array_equal(flat[0], flat[-1]):

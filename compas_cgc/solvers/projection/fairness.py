@@ -100,8 +100,10 @@ class Fairness:
 
     def second_derivative(self) -> sparse.csr_matrix:
         """Return the second derivative of E by the coordinates of the vertices that may move (3c, 3c)."""
-        weights = (self.plan, self.plan, self.height)
-        return sum(sparse.kron(weight, np.outer(axis, axis)) for weight, axis in zip(weights, self.axes)).tocsr()
+        first, second, up = (
+            sparse.kron(weight, np.outer(axis, axis)) for weight, axis in zip((self.plan, self.plan, self.height), self.axes)
+        )
+        return (first + second + up).tocsr()
 
     def drawn(self) -> bool:
         """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""
