@@ -108,7 +108,7 @@ class Places:
         """Return how far every vertex of a shape (n, 3) is from fulfilling its constraints (n,)."""
         gap = np.zeros(len(vertices))
         if len(self.symmetries) > 1:
-            gap = np.linalg.norm(self._symmetric(vertices) - vertices, axis=1)
+            gap = np.linalg.norm(self.symmetric(vertices) - vertices, axis=1)
         for at, constraint in self.constraints:
             gap[at] = np.maximum(gap[at], np.linalg.norm(constraint.closest_points(vertices[at]).points - vertices[at], axis=1))
         return gap
@@ -118,8 +118,8 @@ class Places:
         columns = np.flatnonzero(self.movable)
         if self.trivial:
             return Freedoms(None, np.repeat(columns, 3), None)
-        goal = self._symmetric(vertices)
-        free, direction, shift = self._solve(*self._conditions(goal), goal)
+        goal = self.symmetric(vertices)
+        free, direction, shift = self._solve(*self.conditions(goal), goal)
         for ring in self.rings:
             shift[ring, 2] += goal[ring, 2].mean() - goal[ring, 2]
         goal = self._from_heads(goal + shift)
@@ -151,7 +151,7 @@ class Places:
             number[owned] = np.unique(number[owned], return_inverse=True)[1]
         return number
 
-    def _symmetric(self, vertices: FloatArray) -> FloatArray:
+    def symmetric(self, vertices: FloatArray) -> FloatArray:
         """Return the nearest symmetric shape (n, 3)."""
         back = [(vertices[image.to] - image.shift) @ image.turn for image in self.symmetries]
         return self._from_heads(np.mean(back, axis=0))
@@ -159,7 +159,7 @@ class Places:
     def _from_heads(self, points: FloatArray) -> FloatArray:
         return np.einsum("nxy,ny->nx", self.turn, points[self.head]) + self.shift
 
-    def _conditions(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def conditions(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the sums at the heads of projectors (n, 3, 3) onto, and of pulls (n, 3) along, the directions that are bound."""
         bound, pull = np.zeros((len(vertices), 3, 3)), np.zeros((len(vertices), 3))
         if len(self.symmetries) > 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Optional
 
@@ -32,9 +33,13 @@ from .limits import limit
 from .messages import cause
 from .messages import found
 from .messages import message
+from .own_symmetry import own_symmetries
 from .settings import AUTO
 from .settings import ProjectionSettings
 from .strategies import ways
+from .symmetric import kept_symmetries
+from .symmetric import made_symmetric
+from .symmetric import symmetric_start
 from .system import System
 
 __all__ = ["Projector", "project"]
@@ -139,6 +144,8 @@ class Projector:
                 break
         if status == "stalled" and best.fulfils(goal, system.rounding(best, asked)):
             status = "converged"
+        if status == "converged" and len(recorder) and settings.measure == "defect":
+            best = self._symmetric(best, local, goal, recorder, energy)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
             status, why = "infeasible", asked.complaint(best.vertices)
@@ -160,6 +167,30 @@ class Projector:
             measure=measure,
             targets=targets,
         )
+
+    def _symmetric(
+        self, reached: Point, local: CGCProblem, goal: float, recorder: Recorder, energy: Callable[[FloatArray], float]
+    ) -> Point:
+        """Return a surface with the symmetries that it nearly has, if the drawing has them; else the surface itself."""
+        drawn = replace(self._local, targets=local.targets)
+        kept = kept_symmetries(reached.vertices, self._system.size, own_symmetries(drawn, self._system.goals))
+        if kept is None:
+            return reached
+        system = System(drawn, self.settings, self._system.goals, own=kept)
+        equations = system.equations(local.targets)
+        start = symmetric_start(system, equations, reached.vertices)
+        if start.fulfils(goal, system.floor):
+            return start
+        for taken in made_symmetric(system, equations, reached.vertices):
+            if len(recorder) == self.settings.steps:
+                break
+            here = system.at(taken.vertices, equations)
+            recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
+            if recorder.cancelled(here.vertices):
+                break
+            if here.fulfils(goal, system.floor):
+                return here
+        return reached
 
     def _found(self, point: Point, equations: CurvatureEquations, guess: FloatArray) -> Optional[FloatArray]:
         """Return the targets with those that were found (n,) [1/L^2], None where all were given."""

@@ -68,6 +68,8 @@ class System:
         What constraints ask for. Default: what they say in the local frame.
     found
         Whether K is found where the problem says that it is unknown; else it is taken as given.
+    own
+        Symmetries that are kept, where no mirrors say which. Default: none.
 
     Raises
     ------
@@ -75,7 +77,14 @@ class System:
         If a constraint cannot be.
     """
 
-    def __init__(self, problem: CGCProblem, settings: ProjectionSettings, goals: Optional[BoundGoals] = None, found: bool = True):
+    def __init__(
+        self,
+        problem: CGCProblem,
+        settings: ProjectionSettings,
+        goals: Optional[BoundGoals] = None,
+        found: bool = True,
+        own: Sequence[Image] = (),
+    ):
         self.goals = bind(problem) if goals is None else goals
         V, F, constraints = problem.vertices, problem.faces, problem.constraints
         self.faces = np.ascontiguousarray(F[problem.real_faces])
@@ -89,7 +98,7 @@ class System:
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
-        symmetries = images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
+        symmetries = list(own) or images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
         self.places = Places(V, movable, self.goals.places, symmetries)
         self.contact = Contact.none(self.goals.sides, movable, edges[:, :2])
         # Mirrored equations say the same twice, which makes the systems singular.

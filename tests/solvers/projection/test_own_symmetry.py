@@ -1,0 +1,125 @@
+"""A drawing's own symmetry is found, and kept to rounding without being asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.constraints import AtHeight
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.constraints import OnPlane
+from compas_cgc.model.goals.bound import bind
+from compas_cgc.model.goals.kinds import Clearance
+from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.kinds import Unknown
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
+from compas_cgc.solvers.projection import project
+from compas_cgc.solvers.projection.own_symmetry import own_symmetries
+
+from ...support import shapes
+
+N = 12
+I, J = np.divmod(np.arange((N + 1) ** 2), N + 1)
+
+
+def roof(target: float = 0.005, eightfold: bool = False) -> CGCProblem:
+    """A square of 10 m on its corners; its diagonals run one way, or as symmetric as the square."""
+    vertices, faces = shapes.grid(N, 10.0)
+    if eightfold:
+        quad = np.flatnonzero((I < N) & (J < N))
+        a, b, c, d = quad, quad + N + 1, quad + N + 2, quad + 1
+        turned = (I[quad] < N / 2) ^ (J[quad] < N / 2)
+        even, odd = ([a, b, c], [a, c, d]), ([a, b, d], [b, c, d])
+        faces = np.vstack([np.column_stack(k)[~turned] for k in even] + [np.column_stack(k)[turned] for k in odd])
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[np.isin(I, (0, N)) & np.isin(J, (0, N))] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def symmetries(problem: CGCProblem):
+    local, _ = problem.local()
+    return own_symmetries(local, bind(local))
+
+
+def gaps(problem: CGCProblem, vertices: np.ndarray) -> list:
+    local, frame = problem.local()
+    x = frame.to_local(vertices)
+    return [float(np.abs(x @ image.turn.T + image.shift - x[image.to]).max()) for image in own_symmetries(local, bind(local))]
+
+
+def test_a_square_has_four_or_eight():
+    assert len(symmetries(roof())) == 4 and len(symmetries(roof(eightfold=True))) == 8
+    vertices, faces = shapes.delaunay_disk(200)
+    rim = boundary_vertices(vertices, faces)
+    assert len(symmetries(CGCProblem(vertices, faces, np.where(rim, FIXED, INTERNAL), 0.1))) == 1
+
+
+def test_a_turned_and_moved_drawing_has_the_same():
+    axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14)
+    cross = np.cross(np.eye(3), axis)
+    turn = np.eye(3) + np.sin(0.7) * cross + (1 - np.cos(0.7)) * cross @ cross
+    problem = roof(eightfold=True)
+    assert len(symmetries(problem.with_vertices(1e3 * problem.vertices @ turn.T + [1e4, 0, 5e3]))) == 8
+
+
+@pytest.mark.parametrize(
+    "change, left",
+    [
+        (lambda p: replace(p, roles=np.where((I == 0) & (J == N), FREE, p.roles)), 2),
+        (lambda p: p.with_targets(np.where((I == 3) & (J == 6), 0.02, np.nan)), 2),
+        (lambda p: p.with_constraints([AtHeight([5], 0.5)]), 1),
+        (lambda p: p.with_constraints([OnPlane(np.flatnonzero((I == 0) & (J > 0) & (J < N)), (0, 0, 0), (1, 0, 0))]), 2),
+        (lambda p: p.with_constraints([Clearance((4, -1, 6, 2), 0.5)]), 2),
+        (lambda p: p.with_constraints([Rise(2.0), Unknown()]), 8),
+        (lambda p: p.with_creases([np.flatnonzero(I == 4).tolist()]), 2),
+        (lambda p: p.with_vertices(p.vertices + 0.01 * (I == 3)[:, None] * (J == 2)[:, None]), 1),
+    ],
+    ids=["support", "target", "height", "plane", "gate", "rise", "crease", "vertex"],
+)
+def test_what_is_asked_counts(change, left):
+    assert len(symmetries(change(roof(eightfold=True)))) == left
+
+
+@pytest.mark.parametrize("target", [0.005, 0.02])
+def test_a_dome_is_symmetric_to_rounding(target):
+    for problem in (roof(target, eightfold=True), roof(target).with_constraints([Rise(2.0), Unknown()])):
+        solution = project(problem)
+        assert solution.status == "converged" and solution.max_error < 1e-12
+        assert max(gaps(problem, solution.vertices)) < 1e-13
+
+
+def test_a_saddle_keeps_what_it_has_and_is_not_flattened():
+    problem = roof(-0.01, eightfold=True)
+    solution = project(problem)
+    assert solution.status == "converged" and np.ptp(solution.vertices[:, 2]) > 0.5
+    lost = np.array(gaps(problem, solution.vertices)) > 1e-3
+    kept = np.array(gaps(problem, solution.vertices)) < 1e-13
+    assert (lost | kept).all() and kept.sum() == 4, "up along one diagonal, down along the other"
+
+
+def test_a_mirrored_vault_does_not_stall():
+    problem = roof(0.0, eightfold=True)
+    x, y, _ = problem.vertices.T / 10
+    arches = np.column_stack([10 * x, 10 * y, 12 * y * (1 - y) * (1 - 2.4 * x * (1 - x))])
+    roles = np.where(np.isin(I, (0, N)), FIXED, np.where(np.isin(J, (0, N)), FREE, INTERNAL))
+    vault = replace(problem.with_vertices(arches), roles=roles)
+    alone = project(vault)
+    mirrored = project(vault.with_constraints([Mirror((5, 5, 0), (1, 0, 0))]))
+    assert alone.status == mirrored.status == "converged"
+    assert mirrored.iterations <= alone.iterations + 5
+    assert max(gaps(vault, alone.vertices)) < 1e-12
+
+
+def test_faces_that_are_not_mirrored_are_blamed():
+    problem = roof(0.0)
+    x, y, _ = problem.vertices.T / 10
+    arches = np.column_stack([10 * x, 10 * y, 12 * y * (1 - y) * (1 - 2.4 * x * (1 - x))])
+    roles = np.where(np.isin(I, (0, N)), FIXED, np.where(np.isin(J, (0, N)), FREE, INTERNAL))
+    solution = project(replace(problem.with_vertices(arches), roles=roles, constraints=(Mirror((5, 5, 0), (1, 0, 0)),)))
+    assert solution.status == "converged" or "the faces are not mirrored as the vertices are" in solution.message
