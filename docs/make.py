@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from scipy.spatial import Delaunay
 
 from compas_cgc import CGCMesh
+from compas_cgc import Rise
 from compas_cgc import fabrication
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
@@ -196,9 +197,46 @@ def fairness() -> None:
     write_text(DOCS / "fairness.md", FAIRNESS.format(pictures=pictures, rows=rows.rstrip()))
 
 
+RISES = (1.0, 2.0, 3.0, 4.0)  # of a span of 15
+
+
+def plans() -> dict[str, CGCProblem]:
+    """Return plans that span 15, with nothing said of K."""
+    square = CGCMesh.from_meshgrid(dx=15.0, nx=24).to_problem()
+    x, y, _ = (2.0 * square.vertices / 15.0 - 1.0).T
+    # The square mapped to the disk, ring by ring.
+    ring, radius = np.maximum(abs(x), abs(y)), np.hypot(x, y)
+    stretch = 7.5 * ring / np.where(radius > 0.0, radius, 1.0)
+    disk = square.with_vertices(np.column_stack([stretch * x, stretch * y, 0.0 * x]))
+    strip = CGCMesh.from_meshgrid(dx=45.0, nx=54, dy=15.0, ny=18).to_problem()
+    return {
+        "circle, edge fixed": disk.with_supports("boundary"),
+        "square, edge fixed": square.with_supports("boundary"),
+        "strip of 15 by 45, edge fixed": strip.with_supports("boundary"),
+        "square, on its corners": square.with_supports([0, 24, 600, 624]),
+    }
+
+
+def goals() -> None:
+    """Write which K belongs to which rise into the chapter on goals, and draw the surfaces."""
+    rows = ["| plan | " + " | ".join(f"rise {rise:g}" for rise in RISES) + " |", "| --- |" + " --- |" * len(RISES)]
+    figure = Figure(figsize=(11, 3.2), dpi=130)
+    for place, (name, problem) in enumerate(plans().items()):
+        found = [solve(problem, goals=[Rise(rise)], unknown="all") for rise in RISES]
+        rows.append(f"| {name} | " + " | ".join(f"{15**2 * result.problem.region_targets()[0]:.3f}" for result in found) + " |")
+        ax = figure.add_subplot(1, 4, place + 1)
+        draw_shape(found[2].vertices, found[2].faces, found[2].problem.roles, found[2].problem.creases, ax=ax)
+        ax.set_title(f"{name}\nK = {found[2].problem.region_targets()[0]:.4f}", fontsize=8)
+    save(figure, DOCS / "images" / "goals.png")
+    page = (DOCS / "goals.md").read_text(encoding="utf-8")
+    before, _, rest = page.partition("<!-- table -->\n")
+    write_text(DOCS / "goals.md", before + "<!-- table -->\n" + "\n".join(rows) + "\n<!-- end -->" + rest.partition("<!-- end -->")[2])
+
+
 if __name__ == "__main__":
     fairness()
     convention()
     moulds()
+    goals()
     reproduction()
     roof()

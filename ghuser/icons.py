@@ -210,10 +210,21 @@ def info(pen):
     pen.line([(12, 11), (12, 17)], PAPER, 2.6)
 
 
+def goals(pen):
+    """A dome, and how high it shall be."""
+    outline = arc(2, 17, 20, 14)
+    pen.area(outline, SAND)
+    pen.line([*outline, outline[0]], width=1.3)
+    pen.line([(20.5, 6), (20.5, 20)], TEAL, 1.8)
+    pen.line([(18.5, 8.5), (20.5, 6), (22.5, 8.5)], TEAL, 1.8)
+    pen.line([(18.5, 17.5), (20.5, 20), (22.5, 17.5)], TEAL, 1.8)
+
+
 ICONS = {
     "CGC_Analyse": analyse,
     "CGC_Constraints": constraints,
     "CGC_Example": example,
+    "CGC_Goals": goals,
     "CGC_History": history,
     "CGC_Info": info,
     "CGC_Membrane": membrane,

@@ -24,6 +24,7 @@ from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
+from ...model.goals.kinds import Unknown
 from ...model.problem import CGCProblem
 from ...model.result import History
 from ...solvers import Settings
@@ -143,6 +144,8 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
     """Return what a server answers as the result that a solve in this process gives."""
     columns = (answer["history"][name] for name in History._fields)
     real = problem.without_dummies()
+    if any(isinstance(own, Unknown) for own in real.constraints):
+        real = real.with_targets(np.array(answer["targets"], dtype=np.float64))
     return SolveResult(
         real.with_vertices(answer["vertices"]),
         answer["status"],

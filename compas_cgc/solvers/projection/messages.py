@@ -45,9 +45,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         a, b, c = system.faces[np.argmin(system.sound)].tolist()
         return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
     if len(system.places.symmetries) > 1 and len(system.leading) == len(point.residual):
-        return (
-            "the faces are not mirrored as the vertices are, so that K is asked twice over; turn their diagonals, or take the mirror away"
-        )
+        return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:
         return f"the supports may not allow this curvature together with {_listed(names)}; ask for less, or choose another K̄"

@@ -50,7 +50,7 @@ def test_a_component_tells_its_user_what_it_does(bundle):
 def test_names_guids_and_icons_tell_the_components_apart():
     for name in ("name", "guid", "icon", "code"):
         assert len({getattr(bundle, name) for bundle in BUNDLES.values()}) == len(BUNDLES)
-    names = "Server|CGC Mesh|Target|Constraints|Settings|Solve|Analyse|Regions|History|Read 3dm|Write 3dm|Example|Info|Mould"
+    names = "Server|CGC Mesh|Target|Constraints|Goals|Settings|Solve|Analyse|Regions|History|Read 3dm|Write 3dm|Example|Info|Mould"
     assert set(names.split("|")) <= {bundle.name for bundle in BUNDLES.values()}
 
 

@@ -7,12 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import Above
+from compas_cgc import Area
 from compas_cgc import AtHeight
 from compas_cgc import AutoSettings
+from compas_cgc import Below
 from compas_cgc import CGCMesh
+from compas_cgc import Clearance
+from compas_cgc import EdgeInPlan
 from compas_cgc import FlowSettings
+from compas_cgc import Level
 from compas_cgc import NewtonSettings
 from compas_cgc import ProjectionSettings
+from compas_cgc import Rise
+from compas_cgc import Unknown
+from compas_cgc import Volume
 from compas_cgc.errors import ProblemError
 from compas_cgc.grasshopper.components.info import InfoOutputs
 from compas_cgc.grasshopper.runtime.component_feedback import as_list
@@ -58,7 +67,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
     out = placed.run()
     assert set(out) == {parameter.name for parameter in BUNDLES[name].outputs}
     assert not placed.said("Error")
-    if name[4:] not in ("Example", "Info", "Server", "Settings"):
+    if name[4:] not in ("Example", "Goals", "Info", "Server", "Settings"):
         assert placed.said("Warning")[0].startswith("connect")
 
 
@@ -84,6 +93,9 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
             "the settings delay, smoothness do not belong to one method; name it, flow, newton, projection",
         ),
         ("Constraints", {"cgc_mesh": "NINE", "height": 1.0}, "a height needs the points"),
+        ("Goals", {"rise": 0.0}, "rise must be a number other than 0"),
+        ("Goals", {"clear": [line((0, 0, 0), (1, 0, 0), (1, 1, 0))], "clearance": [1.0]}, "a curve at 'clear' is open"),
+        ("Goals", {"clear": [line((0, 0, 0), (1, 0, 0))], "clearance": [1.0, 2.0]}, "there are 2 clearances for 1 curves"),
         ("Constraints", {"cgc_mesh": "NINE", "points": [Point3d(0.5, 0.5, 0.0)]}, "the point 0 is 0.707 away"),
         ("Constraints", {"cgc_mesh": "NINE", "curve": line((0.5, 0, 1), (0.5, 9, 1))}, "no vertex lies on the curve"),
         ("Example", {"number": 9}, "number must be from 2 to 7, not 9"),
@@ -222,6 +234,16 @@ def test_constraints_for_points_curves_planes_and_mirrors():
     loop = line((0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0), (0, 0, 0))
     (around, kept) = placed.run(cgc_mesh=mesh, curve=loop, others=[crown])["constraints"][::-1]
     assert kept is crown and around.closed and len(around.points) == 4 and len(around.vertices) == 36
+
+
+def test_goals_and_what_is_to_be_found():
+    placed = place("Goals")
+    gate = line((1, 0, 0), (4, 0, 0), (4, 2, 0), (1, 2, 0), (1, 0, 0))
+    made = placed.run(rise=2.0, clear=[gate], clearance=[1.0], keep_edges=True, unknown=[-1])["goals"]
+    assert made == [Rise(2.0), Clearance([[1.0, 0.0], [4.0, 0.0], [4.0, 2.0], [1.0, 2.0]], 1.0), EdgeInPlan(), Unknown("all")]
+    assert placed.component.Message == "4 goals"
+    more = placed.run(height=3.0, volume=9.0, area=99.0, clearance=[0.5], below=4.0, level_edges=True, unknown=[0, 2], others=made[:1])
+    assert more["goals"] == [Rise(2.0), AtHeight("crown", 3.0), Volume(9.0), Area(99.0), Above(0.5), Below(4.0), Level(), Unknown([0, 2])]
 
 
 def test_regions_are_what_target_counts():

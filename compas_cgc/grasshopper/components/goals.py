@@ -1,0 +1,99 @@
+"""Goals: what a surface shall be like besides its curvature."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...errors import CGCError
+from ...io.rhino.rhinocommon import curve_to_points
+from ...model.constraints import Constraint
+from ...model.goals.kinds import ALL
+from ...model.goals.kinds import Above
+from ...model.goals.kinds import Area
+from ...model.goals.kinds import Below
+from ...model.goals.kinds import Clearance
+from ...model.goals.kinds import EdgeInPlan
+from ...model.goals.kinds import Height
+from ...model.goals.kinds import Level
+from ...model.goals.kinds import Rise
+from ...model.goals.kinds import Unknown
+from ...model.goals.kinds import Volume
+from ...model.goals.kinds import Within
+from ..runtime.component_feedback import as_list
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
+from ..runtime.geometry import document_units
+
+__all__ = ["GoalsOutputs", "goals"]
+
+EVERY = -1  # stands for all regions
+
+
+class GoalsOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    goals: Optional[list]
+
+
+@reports_errors(GoalsOutputs)
+def goals(
+    component: Any,
+    rise: Optional[float],
+    height: Optional[float],
+    volume: Optional[float],
+    area: Optional[float],
+    clear: Any,
+    clearance: Any,
+    below: Optional[float],
+    within: Any,
+    keep_edges: Optional[bool],
+    level_edges: Optional[bool],
+    unknown: Any,
+    others: Any,
+) -> GoalsOutputs:
+    """List goals of the surface, and the regions whose K is to be found."""
+    made: list[Any] = list(as_list(others))
+    if rise is not None:
+        made.append(Rise(float(rise)))
+    if height is not None:
+        made.append(Height("crown", float(height)))
+    if volume is not None:
+        made.append(Volume(float(volume)))
+    if area is not None:
+        made.append(Area(float(area)))
+    made += _clear([float(z) for z in as_list(clearance)], as_list(clear))
+    if below is not None:
+        made.append(Below(float(below)))
+    if within is not None:
+        made.append(Within(_outline(within, "within").tolist()))
+    made += [EdgeInPlan()] if keep_edges else []
+    made += [Level()] if level_edges else []
+    regions = [int(region) for region in as_list(unknown)]
+    if regions:
+        made.append(Unknown(ALL if EVERY in regions else regions))
+    set_message(component, f"{len(made)} goal{'' if len(made) == 1 else 's'}")
+    return GoalsOutputs(made)
+
+
+def _clear(heights: list[float], curves: list[Any]) -> list[Constraint]:
+    """Return what stays clear: over curves, or everywhere without any."""
+    if not curves:
+        return [Above(height) for height in heights[:1]]
+    if len(heights) not in (1, len(curves)):
+        raise CGCError(f"there are {len(heights)} clearances for {len(curves)} curves; give one for all, or one for each")
+    each = heights * len(curves) if len(heights) == 1 else heights
+    return [Clearance(_outline(curve, "clear").tolist(), height) for curve, height in zip(curves, each)]
+
+
+def _outline(curve: Any, name: str) -> FloatArray:
+    """Return a closed curve in plan (p, 2)."""
+    snap, _ = document_units()
+    points = curve_to_points(curve, 0.1 * snap)
+    if len(points) < 4 or float(np.abs(points[0] - points[-1]).max()) > snap:
+        raise CGCError(f"a curve at {name!r} is open; it must be closed")
+    return points[:-1, :2]

@@ -1,0 +1,46 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Say what the surface shall be like besides its curvature: how high, how large, what stays clear under it; and which K is to be found.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino
+import System
+
+from compas_cgc.grasshopper.components.goals import goals
+
+
+class Goals(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(
+        self,
+        rise: float,
+        height: float,
+        volume: float,
+        area: float,
+        clear: System.Collections.Generic.List[Rhino.Geometry.Curve],
+        clearance: System.Collections.Generic.List[float],
+        below: float,
+        within: Rhino.Geometry.Curve,
+        keep_edges: bool,
+        level_edges: bool,
+        unknown: System.Collections.Generic.List[int],
+        others: System.Collections.Generic.List[object],
+    ):
+        out = goals(
+            ghenv.Component,  # noqa: F821
+            rise,
+            height,
+            volume,
+            area,
+            clear,
+            clearance,
+            below,
+            within,
+            keep_edges,
+            level_edges,
+            unknown,
+            others,
+        )
+        return out.goals
