@@ -220,7 +220,8 @@ def plans() -> dict[str, CGCProblem]:
 def goals() -> None:
     """Write which K belongs to which rise into the chapter on goals, and draw the surfaces."""
     rows = ["| plan | " + " | ".join(f"rise {rise:g}" for rise in RISES) + " |", "| --- |" + " --- |" * len(RISES)]
-    figure = Figure(figsize=(11, 3.2), dpi=130)
+    figure = Figure(figsize=(11, 2.6), dpi=130)
+    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.0)
     for place, (name, problem) in enumerate(plans().items()):
         found = [solve(problem, goals=[Rise(rise)], unknown="all") for rise in RISES]
         rows.append(f"| {name} | " + " | ".join(f"{15**2 * result.problem.region_targets()[0]:.3f}" for result in found) + " |")
