@@ -144,7 +144,10 @@ def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray]) -> dict[in
     asked = np.flatnonzero(local.asked)
     equations = CurvatureEquations(local.faces, local.targets, asked, asked)
     normals = vertex_normals(local.vertices, local.faces)[asked]
-    areas = equations.measure(local.vertices)[1]
+    residual, areas = equations.measure(local.vertices)
+    # In another measure than that of defects these are met by other targets, of which the derivatives are told.
+    equations.targets = local.targets.copy()
+    equations.targets[asked] += residual / areas
     factor = factorise(equations.jacobian(local.vertices, normals))
     found = {}
     for region, own in groups.items():
@@ -163,15 +166,15 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
     if result.start is None:
         raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
     settings = result.settings if isinstance(result.settings, ProjectionSettings) else ProjectionSettings()
-    if settings.measure in EXACT:
-        raise ProblemError([f"there are no derivatives in the measure {settings.measure}; solve in the measure defect or smooth"])
+    if result.measure in EXACT:
+        raise ProblemError([f"there are no derivatives in the measure {result.measure}; solve in the measure defect or smooth"])
     posed = result.problem.with_vertices(result.start)
     local, frame = posed.local()
     goals = bind(local, posed.constraints)
     system = System(local, settings, goals, found=False)
     equations = system.equations(local.targets)
     vertices = frame.to_local(result.vertices)
-    if settings.measure == "smooth":
+    if result.measure == "smooth":
         equations = smooth_equations(system, equations, vertices)
     point = system.at(vertices, equations)
     system = system.touching(point, equations)

@@ -137,7 +137,9 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     if sought is not None:
         K = float(problem.targets[problem.asked][0])
         sentence += f"; K = {K:.6g} was found for {sought.name}"
-    return Solution(vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets)
+    return Solution(
+        vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets
+    )
 
 
 def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equation]:

@@ -16,11 +16,13 @@ from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
 from .measure import FINISH
+from .measure import shows_layout
 from .measure import smoothed
 from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
 from .sequential import approach
+from .settings import AUTO
 from .settings import ProjectionSettings
 from .starts import starts
 from .system import System
@@ -53,6 +55,10 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
             elif settings.measure in EXACT:
                 yield from exactly(reached.system or system, equations, settings.measure, reached.point.vertices)
             else:
+                shape = reached.point.vertices
+                plain = equations.given(shape) if isinstance(equations, FoundCurvature) else equations
+                if settings.measure == AUTO and shows_layout(system, plain, shape):
+                    yield from smoothed(reached.system or system, equations, reached)
                 yield from _finished(equations, reached)
             return
 

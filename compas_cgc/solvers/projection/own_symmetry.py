@@ -101,11 +101,12 @@ def _frame(corners: FloatArray) -> Optional[FloatArray]:
     """Return orthonormal columns (3, 3) along the first side of a triangle, across it and upright, None without area."""
     along, side = corners[1] - corners[0], corners[2] - corners[0]
     normal = np.cross(along, side)
-    length, area = np.linalg.norm(along), np.linalg.norm(normal)
+    length, area = float(np.linalg.norm(along)), float(np.linalg.norm(normal))
     if not (length > 0.0 and area > 1e-12 * length**2):
         return None
     along, normal = along / length, normal / area
-    return np.column_stack([along, np.cross(normal, along), normal])
+    frame: FloatArray = np.column_stack([along, np.cross(normal, along), normal]).astype(np.float64)
+    return frame
 
 
 def _matched(tree: cKDTree, arms: FloatArray, turn: FloatArray, reach: float) -> Optional[IntArray]:
@@ -147,6 +148,7 @@ class _Rule:
             at = side.candidates(self._vertices)
             if not np.array_equal(np.sort(to[at]), np.sort(at)):
                 return False
-            if not np.allclose(*(side.goal.slack(self._vertices[own])[0] for own in (at, to[at])), atol=1e-6):
+            here, there = (side.goal.slack(self._vertices[own])[0] for own in (at, to[at]))
+            if not np.allclose(here, there, atol=1e-6):
                 return False
         return True

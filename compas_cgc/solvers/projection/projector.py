@@ -144,7 +144,7 @@ class Projector:
                 break
         if status == "stalled" and best.fulfils(goal, system.rounding(best, asked)):
             status = "converged"
-        if status == "converged" and len(recorder) and settings.measure == "defect":
+        if status == "converged" and len(recorder) and measure == "defect":
             best = self._symmetric(best, local, goal, recorder, energy)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
