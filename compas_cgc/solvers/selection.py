@@ -124,7 +124,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         solution = run_method(METHODS[choice.method], problem, settings=settings, options=choice.options, callback=callback)
         tried.append((solution, choice))
         if solution.status == "converged":
-            judged = verdict(problem.with_vertices(solution.vertices), problem.vertices)
+            asked = problem if solution.targets is None else problem.with_targets(solution.targets)
+            judged = verdict(asked.with_vertices(solution.vertices), problem.vertices)
             if judged.fair:
                 return _told(solution, choice, tried)
             rough.append((judged.roughness, solution, choice))
