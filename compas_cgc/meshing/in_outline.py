@@ -29,31 +29,33 @@ def vertices_over(vertices: FloatArray, faces: IntArray, outline: FloatArray) ->
     plan = vertices[:, :2]
     near = np.flatnonzero(((plan >= low - rim) & (plan <= high + rim)).all(axis=1))
     within = near[inside_outline(plan[near], outline) | (_distance(plan[near], outline) <= rim)]
-    corners = plan[faces]
-    close = faces[((corners.max(axis=1) > low) & (corners.min(axis=1) < high)).all(axis=1)]
-    own = np.zeros(len(vertices), bool)
-    own[within] = True
     strictly = np.zeros(len(vertices), bool)
     strictly[within[inside_outline(plan[within], outline) & (_distance(plan[within], outline) > rim)]] = True
-    reach = [face for face in close if strictly[face].any() or _meet(plan[face], outline[:, :2], rim)]
-    return within, np.unique(np.concatenate([within, np.ravel(reach).astype(np.int64)]))
+    corners = plan[faces]
+    near_by = ((corners.max(axis=1) > low) & (corners.min(axis=1) < high)).all(axis=1)
+    close = faces[near_by & ~strictly[faces].any(axis=1)]
+    reach = close[_meeting(plan[close], outline[:, :2], rim * float(np.ptp(outline[:, :2])))]
+    return within, np.unique(np.concatenate([within, faces[strictly[faces].any(axis=1)].ravel(), reach.ravel()]))
 
 
-def _meet(triangle: FloatArray, outline: FloatArray, rim: float) -> bool:
-    """Return whether the insides of a triangle (3, 2) and of a closed line (p, 2) without a corner of the one in the other meet."""
-    if (inside_outline(outline, triangle) & (_distance(outline, triangle) > rim)).any():
-        return True
-    for p, q in zip(triangle, np.roll(triangle, -1, axis=0)):
-        for a, b in zip(outline, np.roll(outline, -1, axis=0)):
-            if _turn(p, q, a) * _turn(p, q, b) < 0.0 and _turn(a, b, p) * _turn(a, b, q) < 0.0:
-                # A touch within rounding is no crossing.
-                if min(map(abs, (_turn(p, q, a), _turn(p, q, b), _turn(a, b, p), _turn(a, b, q)))) > rim * float(np.ptp(outline)):
-                    return True
-    return False
+def _meeting(triangles: FloatArray, outline: FloatArray, rounding: float) -> NDArray[np.bool_]:
+    """Return which triangles (m, 3, 2) have a corner of a closed line (p, 2) in them, or a side that crosses it (m,).
+
+    A touch, with areas that are rounding, is none.
+    """
+    p, q = triangles[:, :, None], np.roll(triangles, -1, axis=1)[:, :, None]
+    a, b = outline[None, None], np.roll(outline, -1, axis=0)[None, None]
+    of_a, of_b = _turn(p, q, a), _turn(p, q, b)  # (m, 3, p), on which side of a side of the triangle a corner of the line is
+    of_p, of_q = _turn(a, b, p), _turn(a, b, q)
+    crosses = (of_a * of_b < 0.0) & (of_p * of_q < 0.0)
+    crosses &= np.minimum(np.minimum(abs(of_a), abs(of_b)), np.minimum(abs(of_p), abs(of_q))) > rounding
+    inside = (of_a > rounding).all(axis=1) | (of_a < -rounding).all(axis=1)
+    return crosses.any(axis=(1, 2)) | inside.any(axis=1)
 
 
-def _turn(p: FloatArray, q: FloatArray, r: FloatArray) -> float:
-    return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+def _turn(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
+    """Return twice the areas of the triangles p, q, r in plan, positive where they turn left."""
+    return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 
 def _distance(points: FloatArray, outline: FloatArray) -> FloatArray:
