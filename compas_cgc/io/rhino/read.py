@@ -136,6 +136,8 @@ def _converted(item: Item, items: list[Item], edge_length: Optional[float], tole
             raise
     part, notes = to_part(item)
     return MeshedSurface(part, [], notes)
+
+
 def _with_items(items: list[Item], tolerance: float) -> list[tuple[Item, Drawn]]:
     return list(zip(items, _drawn(items, tolerance)))
 
