@@ -49,8 +49,8 @@ def _meeting(triangles: FloatArray, outline: FloatArray, rounding: float) -> NDA
     of_p, of_q = _turn(a, b, p), _turn(a, b, q)
     crosses = (of_a * of_b < 0.0) & (of_p * of_q < 0.0)
     crosses &= np.minimum(np.minimum(abs(of_a), abs(of_b)), np.minimum(abs(of_p), abs(of_q))) > rounding
-    inside = (of_a > rounding).all(axis=1) | (of_a < -rounding).all(axis=1)
-    return crosses.any(axis=(1, 2)) | inside.any(axis=1)
+    inside: NDArray[np.bool_] = np.logical_or((of_a > rounding).all(axis=1), (of_a < -rounding).all(axis=1))
+    return np.logical_or(crosses.any(axis=(1, 2)), inside.any(axis=1))
 
 
 def _turn(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
