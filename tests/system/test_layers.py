@@ -30,7 +30,7 @@ PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which 
 INSIDE = {
     "solvers": [
         {"settings"},
-        {"method", "carried"},
+        {"method", "carried", "coarse"},
         {"newton", "projection"},
         {"flow"},
         {"registry"},

@@ -21,7 +21,7 @@ from .sequential import Reached
 from .system import System
 from .trust_region import refine
 
-__all__ = ["FINISH", "shows_layout", "smooth_equations", "smoothed"]
+__all__ = ["FINISH", "renewed", "shows_layout", "smooth_equations", "smoothed"]
 
 ROUNDS = 2  # of the search for the fairest shape
 RENEWALS = 12  # of the equations after it
@@ -61,7 +61,12 @@ def smoothed(system: System, equations: CurvatureEquations, reached: Reached) ->
             # The fits took for layout what was a wrinkle: only the nearest surface is safe.
             reached = earlier
             break
-    vertices, asked = reached.point.vertices, smooth_equations(system, equations, reached.point.vertices)
+    yield from renewed(system, equations, reached.point.vertices)
+
+
+def renewed(system: System, equations: CurvatureEquations, vertices: FloatArray) -> Iterator[Taken]:
+    """Take steps from a fair shape (n, 3) to the nearest one in the smooth measure, and on until its equations no longer change."""
+    asked = smooth_equations(system, equations, vertices)
     change = math.inf
     for _ in range(RENEWALS):
         moved = vertices

@@ -25,6 +25,7 @@ from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
+from .coarse_to_fine import ways_from_coarse
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
 from .goal_seeking import goal_ways
@@ -43,6 +44,8 @@ from .symmetric import symmetric_start
 from .system import System
 
 __all__ = ["Projector", "project"]
+
+ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 
 
 class Projector:
@@ -120,17 +123,24 @@ class Projector:
         energy = energy_meter(local, self._edges)
         goal = settings.tolerance * local.target_scale
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
-        best, used = start, equations
+        best, used, layout = start, equations, False
         measure = "defect" if settings.measure == AUTO else settings.measure
         status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
             status = "infeasible"
-        way = goal_ways if system.goals.whole or isinstance(equations, FoundCurvature) else ways
-        for taken in way(system, equations, drawn, settings, vertices is not None) if status == "stalled" else ():
+        warm = vertices is not None
+        if system.goals.whole or isinstance(equations, FoundCurvature):
+            steps = goal_ways(system, equations, drawn, settings, warm)
+        elif warm:
+            steps = ways(system, equations, drawn, settings, True)
+        else:
+            steps = ways_from_coarse(local, system, equations, drawn, settings)
+        for taken in steps if status == "stalled" else ():
             here = system.at(taken.vertices, taken.equations or asked)
-            best = min(best, here, key=lambda point: point.badness)
+            if here.badness < best.badness:
+                best, layout = here, taken.equations is not None
             used = taken.equations or equations
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
@@ -142,8 +152,9 @@ class Projector:
                 status = "cancelled"
             if status != "stalled":
                 break
-        if status == "stalled" and best.fulfils(goal, system.rounding(best, asked)):
+        if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
+            measure = "smooth" if settings.measure == AUTO and layout else measure
         if status == "converged" and len(recorder) and measure == "defect":
             best = self._symmetric(best, local, goal, recorder, energy)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""

@@ -31,7 +31,7 @@ from .starts import starts
 from .system import System
 from .trust_region import refine
 
-__all__ = ["ways"]
+__all__ = ["ways", "ways_on"]
 
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
@@ -95,6 +95,13 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from descend(system, equations, reached.point, patience=FINISH)
+
+
+def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
+    """Take steps from a shape near the fairest one to it."""
+    reached = yield from _closed(system, equations, Reached(near, np.zeros(len(system.leading))))
+    reached = yield from refine(system, equations, reached)
+    return reached.point
 
 
 def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) -> _Search:

@@ -1,0 +1,276 @@
+"""A coarser mesh of a drawing that has a plan: the lines on it thinned out, near-regular triangles between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from numba import njit
+from scipy.spatial import Delaunay
+from scipy.spatial import QhullError
+from scipy.spatial import cKDTree
+
+from ..discrete import edge_faces
+from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from .creases import crease_paths
+
+__all__ = ["CoarsePlan", "coarse_plan"]
+
+TURN = np.radians(30.0)  # of a line, from which the vertex is kept
+BENDING = np.radians(12.0)  # of a line between two of its vertices, at most
+FEWEST = 3  # segments of a line that closes
+CLEAR = 0.6  # distance of inner vertices from lines, in edges; more than half keeps the lines edges of a Delaunay mesh
+DENSE = 0.25  # spacing of the points by which that is measured, in edges
+SLIVER = 1e-3  # area, against the mean, of a triangle between points on one line
+SAME_AREA = 0.02  # difference of the areas in plan above which the mesh lies over itself
+
+
+class CoarsePlan(NamedTuple):
+    """A coarser mesh, and where its vertices are in the finer one."""
+
+    faces: Faces  # (f, 3)
+    kept: Indices  # (k,) vertices of the finer mesh, the first of the coarser one
+    within: Indices  # (p,) faces of the finer mesh in which the others lie
+    weights: FloatArray  # (p, 3) their barycentric coordinates there
+    lines: Edges  # (d, 2) what the lines have become, in vertices of the coarser mesh
+
+
+def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float) -> Optional[CoarsePlan]:
+    """Return a mesh of the same plan with edges of about one length.
+
+    Along the rim and other lines some of the vertices stay, always those that are to be kept and those where a line
+    turns or branches; the faces between are laid out anew.
+
+    Parameters
+    ----------
+    plan
+        ``(n, 2)`` vertices in plan [L].
+    faces
+        ``(m, 3)`` vertex indices, all anticlockwise in plan.
+    lines
+        ``(c, 2)`` edges inside that have to be kept as lines, such as creases.
+    kept
+        ``(n,)`` vertices to be kept.
+    step
+        Length of the edges [L].
+
+    Returns
+    -------
+    CoarsePlan or None
+        None where no such mesh is found: the plan lies over itself, or lines are closer than the edges are long.
+    """
+    edges = edge_faces(faces)
+    rim = edges[edges[:, 3] < 0, :2]
+    ends = _ends(len(plan), rim, lines)
+    around, along = (_segments(plan, own, kept | ends, step) for own in (rim, lines))
+    paths = [*around, *along]
+    chosen = np.unique(np.concatenate([*paths, np.flatnonzero(kept)]))
+    inner = _inner_points(plan, faces, np.vstack([rim, lines]), chosen, step)
+    within, weights = located(inner, plan, faces, step)
+    inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
+    points = np.vstack([plan[chosen], inner])
+    try:
+        coarse = _delaunay(points, plan, faces, step)
+    except QhullError:
+        return None
+    place = np.full(len(plan), -1)
+    place[chosen] = np.arange(len(chosen))
+    outer, inside = (_edges_of(place, own) for own in (around, along))
+    if not len(coarse) or not _runs_along(coarse, outer, inside) or not _covers(points, coarse, plan, faces):
+        return None
+    return CoarsePlan(coarse, chosen, within, weights, inside)
+
+
+def _ends(count: int, rim: Edges, lines: Edges) -> Mask:
+    """Mark the vertices where lines meet the rim (count,)."""
+    on = np.zeros((2, count), bool)
+    on[0, rim], on[1, lines] = True, True
+    return on[0] & on[1]
+
+
+def _edges_of(place: Indices, paths: Sequence[Indices]) -> Edges:
+    """Return the edges (e, 2) along paths, by the places (n,) of their vertices in another mesh."""
+    return np.vstack([np.empty((0, 2), np.int64), *(np.column_stack([place[path[:-1]], place[path[1:]]]) for path in paths)])
+
+
+def _segments(plan: FloatArray, edges: Edges, kept: Mask, step: float) -> list[Indices]:
+    """Return the vertices that stay along every line between two that are kept."""
+    thinned = []
+    for path in crease_paths({(min(u, v), max(u, v)) for u, v in edges.tolist()}):
+        for part in _split(plan, np.array(path), kept):
+            thinned.append(_thinned(plan[part], part, step))
+    return thinned
+
+
+def _split(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
+    """Cut a path at the vertices to be kept and where it turns."""
+    closed = path[0] == path[-1]
+    turn = _turns(plan[path], closed)
+    at = np.flatnonzero((turn > TURN) | kept[path])
+    if closed:
+        at = at[at < len(path) - 1]
+        if len(at):
+            path = np.concatenate([path[at[0] : -1], path[: at[0] + 1]])
+            at = at[1:] - at[0]
+    cuts = [0, *(k for k in at.tolist() if 0 < k < len(path) - 1), len(path) - 1]
+    return [path[a : b + 1] for a, b in zip(cuts[:-1], cuts[1:])]
+
+
+def _turns(points: FloatArray, closed: bool) -> FloatArray:
+    """Return the angle by which a polyline (p, 2) turns at each of its points [rad]."""
+    ahead = np.diff(points, axis=0)
+    angle = np.arctan2(ahead[:, 1], ahead[:, 0])
+    turn = np.abs((np.diff(angle) + np.pi) % (2 * np.pi) - np.pi)
+    ends = abs((angle[0] - angle[-1] + np.pi) % (2 * np.pi) - np.pi) if closed else 0.0
+    return np.concatenate([[ends], turn, [ends]])
+
+
+def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:
+    """Return every so many of the vertices along a path, its ends among them."""
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    closed = path[0] == path[-1]
+    count = max(1, round(length[-1] / step), int(np.ceil(_turns(points, closed).sum() / BENDING)), FEWEST if closed else 1)
+    goals = np.linspace(0.0, length[-1], count + 1)
+    after = np.clip(np.searchsorted(length, goals), 1, len(path) - 1)
+    nearest = np.where(goals - length[after - 1] < length[after] - goals, after - 1, after)
+    return path[np.unique(np.concatenate([[0], nearest, [len(path) - 1]]))]
+
+
+def _inner_points(plan: FloatArray, faces: Faces, edges: Edges, chosen: Indices, step: float) -> FloatArray:
+    """Return the points (p, 2) of a triangular lattice that are clear of lines and of the vertices that stay."""
+    lattice = _lattice(plan[np.unique(faces)], _direction(plan, faces), step)
+    obstacles = np.vstack([_sampled(plan, edges, DENSE * step), plan[chosen]])
+    return lattice[cKDTree(obstacles).query(lattice)[0] > CLEAR * step]
+
+
+def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
+    """Return the points (p, 2) of a triangular lattice over a plan (n, 2), with an edge in a direction.
+
+    Of the rhombs that make the lattice those are taken whose rows fit the plan closest, and rows are set so that they
+    begin and end with it: where a mesh is a lattice itself up to its rim, this is a coarser one up to the rim.
+    """
+    best: tuple[FloatArray, FloatArray, FloatArray] = (plan, plan, plan)
+    least = np.inf
+    for turn in (0.0, np.pi / 3, 2 * np.pi / 3):
+        axes = np.array([[np.cos(a), np.sin(a)] for a in (direction + turn, direction + turn + np.pi / 3)])
+        along = plan @ np.linalg.inv(axes)
+        extent = np.ptp(along, axis=0)
+        if extent.prod() < (1.0 - 1e-6) * least:
+            best, least = (axes, along.min(axis=0), extent), float(extent.prod())
+    axes, low, extent = best
+    count = np.maximum(1, np.round(extent / step)).astype(np.int64)
+    row, column = np.meshgrid(*(np.linspace(0.0, 1.0, k + 1) for k in count), indexing="ij")
+    return (low + extent * np.column_stack([row.ravel(), column.ravel()])) @ axes
+
+
+def _direction(plan: FloatArray, faces: Faces) -> float:
+    """Return the direction that edges have most, but for multiples of 60 degrees [rad]."""
+    edges = (np.roll(plan[faces], -1, axis=1) - plan[faces]).reshape(-1, 2)
+    return float(np.angle(np.exp(6j * np.arctan2(edges[:, 1], edges[:, 0])).sum())) / 6.0
+
+
+def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
+    """Return points (p, 2) along edges, no farther apart than a spacing."""
+    along = plan[edges[:, 1]] - plan[edges[:, 0]]
+    count = np.maximum(1, np.ceil(np.linalg.norm(along, axis=1) / spacing).astype(np.int64))
+    owner = np.repeat(np.arange(len(edges)), count)
+    part = (np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)) / count[owner]
+    return plan[edges[owner, 0]] + part[:, None] * along[owner]
+
+
+def _delaunay(points: FloatArray, plan: FloatArray, faces: Faces, step: float) -> Faces:
+    """Return the Delaunay triangles of points (p, 2) that lie in the faces of another mesh."""
+    coarse = Delaunay(points).simplices.astype(np.int64)
+    double = _double_areas(points, coarse)
+    coarse[double < 0] = coarse[double < 0][:, ::-1]
+    coarse = coarse[np.abs(double) > SLIVER * np.abs(double).mean()]
+    return np.ascontiguousarray(coarse[located(points[coarse].mean(axis=1), plan, faces, step)[0] >= 0])
+
+
+def _double_areas(points: FloatArray, faces: Faces) -> FloatArray:
+    a, b, c = points[faces[:, 0]], points[faces[:, 1]], points[faces[:, 2]]
+    return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+
+
+def _runs_along(faces: Faces, rim: Edges, lines: Edges) -> bool:
+    """Tell whether the rim of a mesh is just what it has to be, and lines are edges of it."""
+    edges = edge_faces(faces)
+    n = int(max(faces.max(), rim.max(initial=0), lines.max(initial=0))) + 1
+    outer, inside = (np.unique(np.sort(own, axis=1) @ [n, 1]) for own in (rim, lines))
+    codes = np.sort(edges[:, :2], axis=1) @ [n, 1]
+    return np.array_equal(np.sort(codes[edges[:, 3] < 0]), outer) and bool(np.isin(inside, codes).all())
+
+
+def _covers(points: FloatArray, coarse: Faces, plan: FloatArray, faces: Faces) -> bool:
+    """Tell whether two meshes are of one plan, which neither covers twice, and no vertex is left out."""
+    here, there = float(_double_areas(points, coarse).sum()), float(_double_areas(plan, faces).sum())
+    return abs(here - there) <= SAME_AREA * there and len(np.unique(coarse)) == len(points)
+
+
+def located(points: FloatArray, plan: FloatArray, faces: Faces, step: float) -> tuple[IntArray, FloatArray]:
+    """Return the face (p,) of a plan that every point (p, 2) lies in, -1 for none, and its coordinates there (p, 3).
+
+    Parameters
+    ----------
+    points
+        ``(p, 2)`` [L].
+    plan, faces
+        ``(n, 2)`` [L] and ``(m, 3)``, anticlockwise.
+    step
+        Typical distance of the points [L].
+    """
+    if not len(points):
+        return np.empty(0, np.int64), np.empty((0, 3))
+    low = points.min(axis=0)
+    cell = np.floor((points - low) / step).astype(np.int64)
+    width, depth = (cell.max(axis=0) + 1).tolist()
+    code = cell[:, 0] * depth + cell[:, 1]
+    order = np.argsort(code, kind="stable")
+    starts = np.searchsorted(code[order], np.arange(width * depth + 1))
+    return _located(points, plan, faces, low, step, width, depth, order, starts)
+
+
+@njit(cache=True)
+def _located(
+    points: FloatArray,
+    plan: FloatArray,
+    faces: IntArray,
+    low: FloatArray,
+    step: float,
+    width: int,
+    depth: int,
+    order: IntArray,
+    starts: IntArray,
+) -> tuple[IntArray, FloatArray]:
+    face, weights = np.full(len(points), -1), np.zeros((len(points), 3))
+    best = np.full(len(points), -1e-9)  # rounding of a point on an edge
+    for f in range(len(faces)):
+        ax, ay = plan[faces[f, 0], 0], plan[faces[f, 0], 1]
+        bx, by = plan[faces[f, 1], 0] - ax, plan[faces[f, 1], 1] - ay
+        cx, cy = plan[faces[f, 2], 0] - ax, plan[faces[f, 2], 1] - ay
+        double = bx * cy - by * cx
+        if not double > 0.0:
+            continue
+        i0 = max(0, int(np.floor((ax + min(0.0, bx, cx) - low[0]) / step)))
+        i1 = min(width - 1, int(np.floor((ax + max(0.0, bx, cx) - low[0]) / step)))
+        j0 = max(0, int(np.floor((ay + min(0.0, by, cy) - low[1]) / step)))
+        j1 = min(depth - 1, int(np.floor((ay + max(0.0, by, cy) - low[1]) / step)))
+        if j0 > j1:
+            continue
+        for i in range(i0, i1 + 1):
+            for at in range(starts[i * depth + j0], starts[i * depth + j1 + 1]):
+                p = order[at]
+                x, y = points[p, 0] - ax, points[p, 1] - ay
+                v, w = (x * cy - y * cx) / double, (bx * y - by * x) / double
+                inside = min(1.0 - v - w, v, w)
+                if inside >= best[p]:
+                    best[p], face[p] = inside, f
+                    weights[p, 0], weights[p, 1], weights[p, 2] = 1.0 - v - w, v, w
+    return face, weights

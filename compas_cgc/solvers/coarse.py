@@ -1,0 +1,204 @@
+"""A coarser mesh of the same drawing, on which large problems are solved first."""
+
+from __future__ import annotations
+
+import math
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..discrete import edge_faces
+from ..discrete.arrays import Edges
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..meshing.carry_over import CarryOver
+from ..meshing.coarse_plan import CoarsePlan
+from ..meshing.coarse_plan import coarse_plan
+from ..model.constraints import Fixed
+from ..model.constraints import PositionConstraint
+from ..model.constraints import Proximity
+from ..model.problem import CGCProblem
+from ..model.roles import CREASE
+from ..model.roles import DUMMY
+from ..model.roles import FIXED
+from ..model.roles import FREE
+from ..model.roles import INTERNAL
+
+__all__ = ["Coarse", "coarsened"]
+
+UPRIGHT = 0.05  # area in plan of a face, against its own, from which a drawing has a plan
+LARGEST = 0.6  # of the vertices, that a coarser mesh may have
+LEAST = 1e-4  # extent of the faces in one direction, squared, against the other
+FEW = 12  # vertices of a constraint that are all kept
+
+
+class Coarse:
+    """A problem on a coarser mesh, and the way back.
+
+    Parameters
+    ----------
+    problem, fine
+        The problem on the coarser mesh of k vertices, and on the finer one of n.
+    plans
+        ``(k, 2)`` and ``(n, 2)`` vertices of both in plan [L].
+    regions
+        ``(k, r)`` and ``(n, r)`` bool: the vertices of each region between creases.
+    """
+
+    def __init__(self, problem: CGCProblem, fine: CGCProblem, plans: tuple[FloatArray, FloatArray], regions: tuple[Mask, Mask]):
+        self.problem = problem
+        self._fine = fine
+        self._parts = [
+            (here, there, CarryOver(plans[0][here], plans[1][there]))
+            for here, there in ((np.flatnonzero(regions[0][:, r]), np.flatnonzero(regions[1][:, r])) for r in range(regions[0].shape[1]))
+        ]
+
+    def carried(self, vertices: FloatArray) -> FloatArray:
+        """Return the vertices (n, 3) of the finer mesh for those (k, 3) of the coarser one; what is fixed stays."""
+        moved = vertices - self.problem.vertices
+        total, count = np.zeros((len(self._fine.vertices), 3)), np.zeros(len(self._fine.vertices))
+        for here, there, carry in self._parts:
+            total[there] += carry(moved[here])
+            count[there] += 1.0
+        loose = self._fine.movable & (count > 0.0)
+        result = self._fine.vertices.copy()
+        result[loose] += (total / np.maximum(count, 1.0)[:, None])[loose]
+        return result
+
+
+def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
+    """Return a problem on a mesh of about so many vertices, with the same supports, creases, targets and constraints.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    count
+        Vertices wanted.
+
+    Returns
+    -------
+    Coarse or None
+        None where there is none to be had: the drawing has no plan, or lines are too close for so few vertices.
+    """
+    V, F = problem.vertices, problem.faces
+    kinds = (PositionConstraint, Fixed, Proximity)
+    if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.constraints):
+        return None
+    plan = _plan(V, F)
+    if plan is None:
+        return None
+    fixed = _fixed(problem)
+    lines = _lines(problem, fixed)
+    corners = plan[F]
+    side, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = 0.5 * float((side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]).sum())
+    step = math.sqrt(area / count * 2.0 / math.sqrt(3.0))
+    found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step)
+    if found is None or len(found.kept) + len(found.within) > LARGEST * len(V):
+        return None
+    coarse = _posed(problem, found)
+    labels = problem.regions()
+    belongs = np.zeros((len(V), labels.max() + 1), bool)
+    belongs[F.ravel(), np.repeat(labels, 3)] = True
+    inner = labels[found.within][:, None] == np.arange(belongs.shape[1])
+    here = np.vstack([belongs[found.kept], inner])
+    if not here.any(axis=0).all():
+        return None
+    places = np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[F[found.within]])])
+    return Coarse(coarse, problem, (places, plan), (here, belongs))
+
+
+def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
+    """Return the problem on a coarser mesh."""
+    corners, asked = problem.faces[found.within], problem.asked
+    # A target between vertices is theirs, without those where none is.
+    heard = found.weights * asked[corners]
+    told = heard.any(axis=1)
+    heard = heard / np.where(told, heard.sum(axis=1), 1.0)[:, None]
+    theirs = np.where(asked, problem.targets, 0.0)[corners]
+    loudest = theirs[np.arange(len(theirs)), heard.argmax(axis=1)]
+    between = loudest + np.einsum("pk,pk->p", heard, theirs - loudest[:, None])
+    index = np.full(len(problem.vertices), -1)
+    index[found.kept] = np.arange(len(found.kept))
+    lines = found.lines
+    return CGCProblem(
+        np.vstack([problem.vertices[found.kept], np.einsum("pk,pkx->px", found.weights, problem.vertices[corners])]),
+        found.faces,
+        np.concatenate([problem.roles[found.kept], np.where(told, INTERNAL, FREE)]),
+        np.concatenate([problem.targets[found.kept], between]),
+        creases=lines[_creased(problem)[found.kept][lines].all(axis=1)],
+        constraints=tuple(own.renumbered(index) for own in problem.constraints),
+    )
+
+
+def _plan(V: FloatArray, F: IntArray) -> Optional[FloatArray]:
+    """Return the vertices (n, 2) seen against the direction that all faces face, None where there is no such direction."""
+    crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
+    facing = crosses.sum(axis=0)
+    length = float(np.linalg.norm(facing))
+    if not length > 0.0:
+        return None
+    up = facing / length
+    if not (crosses @ up > UPRIGHT * np.linalg.norm(crosses, axis=1)).all():
+        return None
+    side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    side /= np.linalg.norm(side)
+    plan = V @ np.array([side, np.cross(up, side)]).T
+    return plan @ _evened(plan, F)
+
+
+def _evened(plan: FloatArray, F: IntArray) -> FloatArray:
+    """Return the map (2, 2) that makes the faces of a plan equilateral on average.
+
+    Laid out evenly there, a coarser mesh has the finer one's layout, and bending has the same meaning on both.
+    """
+    edges = (np.roll(plan[F], -1, axis=1) - plan[F]).reshape(-1, 2)
+    values, vectors = np.linalg.eigh(edges.T @ edges / np.einsum("ij,ij->", edges, edges))
+    return (vectors * np.sqrt(0.5 / np.maximum(values, LEAST))) @ vectors.T
+
+
+def _fixed(problem: CGCProblem) -> Mask:
+    fixed = problem.roles == FIXED
+    for own in problem.constraints:
+        if isinstance(own, Fixed):
+            fixed[np.asarray(own.vertices, dtype=np.int64)] = True
+    return fixed
+
+
+def _creased(problem: CGCProblem) -> Mask:
+    creased = problem.roles == CREASE
+    creased[problem.creases] = True
+    return creased
+
+
+def _lines(problem: CGCProblem, fixed: Mask) -> Edges:
+    """Return the edges inside along creases and lines of supports (c, 2)."""
+    edges = edge_faces(problem.faces)
+    u, v = edges[edges[:, 3] >= 0, :2].T
+    n, creased = len(fixed), problem.roles == CREASE
+    on_crease = np.isin(np.minimum(u, v) * n + np.maximum(u, v), np.sort(problem.creases, axis=1) @ [n, 1])
+    rim = boundary_vertices(problem.vertices, problem.faces)
+    held = fixed[u] & fixed[v] & ~(rim[u] & rim[v])
+    on = on_crease | (creased[u] & creased[v]) | held
+    return np.column_stack([u, v])[on]
+
+
+def _kept(problem: CGCProblem, fixed: Mask, lines: Edges) -> Mask:
+    """Mark the supports that stand alone or end a row, and the vertices of constraints that name a few (n,)."""
+    V, F = problem.vertices, problem.faces
+    rim = boundary_vertices(V, F)
+    edges = edge_faces(F)
+    u, v = edges[edges[:, 3] < 0, :2].T
+    kept = fixed & ~rim
+    kept[lines] = False
+    ends = fixed[u] != fixed[v]
+    kept[u[ends & fixed[u]]] = True
+    kept[v[ends & fixed[v]]] = True
+    for own in problem.constraints:
+        named = list(getattr(own, "vertices", ()))
+        if len(named) <= FEW:
+            kept[named] = True
+    return kept

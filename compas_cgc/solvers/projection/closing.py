@@ -1,0 +1,183 @@
+"""A system near a solution: linear equations solved directly, by moves across the surface, and as directly for moves along it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+
+from ...discrete import vertex_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from ...linalg import LinearSolver
+from ...linalg import factorise
+from ...linalg import linear_solver
+from .fairness import Fairness
+from .iterate import Point
+from .least_norm import Cheapest
+from .least_norm import LeastNorm
+from .linearised import Kept
+from .linearised import Linearised
+from .metric import Metric
+from .system import System
+from .vectors import dot
+from .vectors import norm
+
+__all__ = ["Closing"]
+
+SOFT = 1e-9  # weight of the metric in the matrix, against that of the equations
+ROUNDS = 8  # of refinement with factors for another shape
+SLOW = 0.5  # part of the residual left by one, from which new factors are made
+LEAST = 1e-2  # residual of the linear systems; steps converge by as much
+TINY = 1e-300
+
+
+class Closing(System):
+    """A system whose linear equations are fulfilled by moves across one shape.
+
+    What moves along the surface, in plan, change of K is undone across it. The least such move comes from a direct
+    factorisation of ``W + w Jᵀ J`` for one unknown per vertex, a matrix as sparse as the bending energy; refinement makes
+    up for the weight w, and for the shape having moved on since.
+
+    Parameters
+    ----------
+    system
+        One that has a plan, and no constraints.
+    vertices
+        ``(n, 3)`` the shape.
+    """
+
+    def __init__(self, system: System, vertices: FloatArray):
+        self.__dict__.update(system.__dict__)
+        self._frame = _Frame(system.fairness, vertex_normals(vertices, system.faces)[system.columns])
+
+    def linearised(self, point: Point, equations: CurvatureEquations, kept: Optional[Kept] = None) -> Linearised:
+        """Return the equations about a shape."""
+        J = self.jacobian(point, equations)
+        return Linearised(_Direct(J, self._frame), None, -point.residual)
+
+
+class _Factors(NamedTuple):
+    source: sparse.csr_matrix  # (k, 3c) what they were made of
+    J: sparse.csr_matrix  # (k, c) the same across
+    transposed: sparse.csr_matrix
+    weight: float
+    solver: LinearSolver
+
+
+class _Frame(Metric):
+    """The metric, with directions across (c, 3) and factors for moves along and across."""
+
+    def __init__(self, fairness: Fairness, across: FloatArray):
+        self.plan, self.height, self.axes, self.basis = fairness.plan, fairness.height, fairness.axes, None
+        self.normals = across
+        self.stiffness = float(np.sqrt(fairness.height.diagonal().mean()))
+        self._along: Optional[LinearSolver] = None
+        self.factors: Optional[_Factors] = None
+        self._solver = linear_solver(len(across), symmetric=True, refine=False)
+
+    def across(self, gradient: FloatArray) -> FloatArray:
+        """Return the part across (c,) of a gradient (3c,)."""
+        return np.einsum("ij,ij->i", gradient.reshape(-1, 3), self.normals)
+
+    def lifted(self, heights: FloatArray) -> FloatArray:
+        """Return the moves (3c,) by heights (c,) across."""
+        return (heights[:, None] * self.normals).ravel()
+
+    def along(self, gradient: FloatArray) -> FloatArray:
+        """Return the moves in plan (3c,) that a gradient (3c,) makes."""
+        if self._along is None:
+            self._along = factorise(self.plan, symmetric=True, refine=False)
+        flat = self._along.solve(np.ascontiguousarray(gradient.reshape(-1, 3) @ self.axes[:2].T))
+        return (flat @ self.axes[:2]).ravel()
+
+    def renewed(self, J: sparse.csr_matrix) -> None:
+        """Make factors for moves across that equations J (k, 3c) bind."""
+        W = self._of_heights()
+        turn = np.repeat(np.arange(len(self.normals)), 3)
+        onto = sparse.csr_matrix((self.normals.ravel(), (np.arange(len(turn)), turn)), shape=(len(turn), len(self.normals)))
+        across = (J @ onto).tocsr()
+        transposed = across.T.tocsr()
+        squares = (transposed @ across).tocsr()
+        weight = float(W.diagonal().sum() / (SOFT * squares.diagonal().sum()))
+        self.factors = _Factors(J, across, transposed, weight, self._solver.factorise((W + weight * squares).tocsr()))
+
+    def of_heights(self, heights: FloatArray) -> FloatArray:
+        """Return the metric's product with moves across (c,)."""
+        return self.across(self.times(self.lifted(heights)))
+
+    def _of_heights(self) -> sparse.csr_matrix:
+        plan, height, N = self.plan, self.height, self.normals @ self.axes.T
+        rows = np.repeat(np.arange(len(N)), np.diff(plan.indptr))
+        flat = np.einsum("ij,ij->i", N[rows, :2], N[plan.indices, :2])
+        data = plan.data * flat + height.data * N[rows, 2] * N[plan.indices, 2]
+        return sparse.csr_matrix((data, plan.indices, plan.indptr), shape=plan.shape)
+
+
+class _Direct(LeastNorm):
+    """Solves ``J dz = b`` by moves across, with factors of a matrix near by."""
+
+    metric: _Frame
+
+    def __init__(self, J: sparse.csr_matrix, frame: _Frame):
+        self.J, self.transposed, self.metric = J, J.T.tocsr(), frame
+        self.preconditioner = None
+
+    def cheapest(self, right: FloatArray, tolerance: float, floor: float = 0.0) -> Cheapest:
+        """Return the cheapest move across that fulfils ``J dz = right``."""
+        heights, multipliers, missing = self._least(np.zeros(self.J.shape[1] // 3), right, max(tolerance, LEAST), floor)
+        return Cheapest(self.metric.lifted(heights), multipliers, missing)
+
+    def without_effect(self, gradient: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:
+        """Return a move down a gradient (q,) that ``J`` does not see, and the multipliers that account for the rest (k,).
+
+        Not the shortest in the metric, but one that depends on the gradient symmetrically, as conjugate gradients need.
+        """
+        frame = self.metric
+        heights, multipliers, _ = self._least(frame.across(gradient), np.zeros(self.J.shape[0]), tolerance, 0.0)
+        move = frame.along(gradient + self.transposed @ multipliers)
+        undone = self._least(np.zeros_like(heights), -(self.J @ move), tolerance, 0.0)[0]
+        return move + frame.lifted(heights + undone), -multipliers
+
+    def _least(self, gradient: FloatArray, right: FloatArray, tolerance: float, floor: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the least (c,) of ``½ aᵀ W a - gradientᵀ a`` with ``J a = right``, the multipliers (k,) and what is missing (k,).
+
+        Conjugate residuals, which make up for what has changed since the factors were made, a few places at a time.
+        """
+        frame = self.metric
+        if frame.factors is None:
+            frame.renewed(self.J)
+        assert frame.factors is not None
+        heights, multipliers = np.zeros_like(gradient), np.zeros_like(right)
+        pull, missing = gradient, right
+        goal = max(tolerance * norm(right), floor * np.sqrt(len(right)))
+        first = off = np.hypot(norm(gradient), np.sqrt(frame.factors.weight * SOFT) * frame.stiffness * norm(right))
+        kept: list[tuple] = []
+        for _ in range(ROUNDS):
+            assert frame.factors is not None
+            source, J, transposed, weight, solver = frame.factors
+            scale = np.sqrt(weight * SOFT) * frame.stiffness
+            step = solver.solve(pull + weight * (transposed @ missing))
+            more = weight * (missing - J @ step)
+            pulled, done = frame.of_heights(step) - frame.across(self.transposed @ more), self.J @ frame.lifted(step)
+            direction = [step, more, pulled, done]
+            for before in kept:
+                part = (dot(pulled, before[2]) + scale**2 * dot(done, before[3])) / before[4]
+                direction = [own - part * other for own, other in zip(direction, before)]
+                pulled, done = direction[2:]
+            square = dot(pulled, pulled) + scale**2 * dot(done, done)
+            if not square > 0.0:
+                break
+            length = (dot(pull, pulled) + scale**2 * dot(missing, done)) / square
+            heights, multipliers = heights + length * direction[0], multipliers + length * direction[1]
+            pull, missing = pull - length * pulled, missing - length * done
+            kept.append((*direction, square))
+            off, before_that = np.hypot(norm(pull), scale * norm(missing)), off
+            if off <= tolerance * first and norm(missing) <= goal:
+                break
+            if off > SLOW * before_that and source is not self.J:
+                frame.renewed(self.J)
+                kept = []
+        return heights, multipliers, missing

@@ -1,0 +1,147 @@
+"""Coarse to fine: large problems are solved on a coarser mesh first, and closed on their own."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import EXACT
+from ...model.problem import CGCProblem
+from ..coarse import coarsened
+from .closing import Closing
+from .exact import exactly
+from .gauss_newton import Taken
+from .gauss_newton import descend
+from .iterate import Point
+from .measure import FINISH
+from .measure import renewed
+from .measure import shows_layout
+from .settings import AUTO
+from .settings import ProjectionSettings
+from .strategies import ways
+from .strategies import ways_on
+from .system import System
+
+__all__ = ["ways_from_coarse"]
+
+MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
+COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
+PART = 50  # or one for so many of the finer, where that is more
+OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
+LARGE = 20_000  # vertices that may move, from which there is no other way
+SHORT = 1.0  # part of a step across the surface below which that way does not lead there
+ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
+MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
+
+
+class _Found(NamedTuple):
+    vertices: FloatArray  # (k, 3)
+    solved: bool
+
+
+def ways_from_coarse(
+    problem: CGCProblem, system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings
+) -> Iterator[Taken]:
+    """Take steps from the fairest shape on a coarser mesh of the same drawing, and in other ways where there is none.
+
+    What is fair is settled on the coarser mesh. The shape is carried over by local polynomials, and the nearest one that
+    fulfils the equations is found by moves across it, with the one or two matrices that this takes factorised.
+
+    Parameters
+    ----------
+    problem
+        The problem in its local frame.
+    system, equations, start
+        The same, ready to be solved, and its drawing.
+    settings
+        Parameters.
+    """
+    here: Optional[Point] = None
+    # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
+    if len(system.columns) >= MANY and system.keep != "shape":
+        coarse = coarsened(problem, max(COARSE, len(problem.vertices) // PART))
+        measure = "defect" if settings.measure in EXACT else settings.measure
+        found = None if coarse is None else _solved(coarse.problem, replace(settings, keep=system.keep, measure=measure))
+        if coarse is not None and found is not None:
+            here = system.at(system.settled(coarse.carried(found.vertices)), equations)
+            yield Taken(here.vertices, 1.0, 1, False)
+            if found.solved and system.missing(here, equations) <= OFF:
+                for taken in _from(system, equations, here, settings):
+                    yield taken
+                    here = system.at(taken.vertices, taken.equations or equations)
+                if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
+                    return
+            elif len(system.columns) >= LARGE:
+                # What does not end on a coarser mesh would take its time not to end on this one.
+                return
+    yield from ways(system, equations, start, settings, False)
+
+
+def _from(system: System, equations: CurvatureEquations, carried: Point, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Take the nearest way to the equations that there is: across the surface or, where that is not enough, in all directions."""
+    if not system.places.trivial:
+        carried = yield from ways_on(system, equations, carried)
+    near = Closing(system, carried.vertices) if system.places.trivial else system
+    if settings.measure == "smooth" or (settings.measure == AUTO and shows_layout(system, equations, carried.vertices)):
+        last = None
+        for taken in renewed(near, equations, carried.vertices):
+            last = taken
+            yield taken
+        if last is not None and last.equations is not None:
+            here = system.at(last.vertices, last.equations)
+            if _is_met(system, equations, here, settings) or settings.measure == "smooth":
+                return
+    here = carried
+    if system.places.trivial:
+        here = yield from _to_rounding(near, equations, carried, settings, SHORT)
+    if not _is_met(system, equations, here, settings):
+        here = yield from _to_rounding(system, equations, carried, settings)
+    if settings.measure in EXACT:
+        yield from exactly(system, equations, settings.measure, here.vertices)
+
+
+def _is_met(system: System, equations: CurvatureEquations, point: Point, settings: ProjectionSettings) -> bool:
+    return point.fulfils(_goal(equations, system, settings), ROUNDINGS * system.rounding(point, equations))
+
+
+def _goal(equations: CurvatureEquations, system: System, settings: ProjectionSettings) -> float:
+    return settings.tolerance * float(np.abs(equations.targets[system.rows]).max(initial=0.0))
+
+
+def _to_rounding(
+    system: System, equations: CurvatureEquations, here: Point, settings: ProjectionSettings, short: float = 0.0
+) -> Generator[Taken, None, Point]:
+    """Take steps until one brings the residuals to what rounding the coordinates leaves of them, or one is too short."""
+    goal = _goal(equations, system, settings)
+    for taken in descend(system, equations, here, patience=FINISH):
+        there = system.at(taken.vertices, equations)
+        if taken.length < short and not there.fulfils(goal, ROUNDINGS * system.rounding(there, equations)):
+            break
+        here = there
+        yield taken
+        if here.fulfils(goal, system.rounding(here, equations)):
+            break
+    return here
+
+
+def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
+    """Return the fairest shape of a problem, or the best on the way to it."""
+    system = System(problem, settings)
+    equations = system.equations(problem.targets)
+    here = best = system.at(problem.vertices, equations)
+    goal = MET * problem.target_scale
+    for count, taken in enumerate(ways_from_coarse(problem, system, equations, here, settings)):
+        here = system.at(taken.vertices, taken.equations or equations)
+        best = min(best, here, key=lambda point: point.badness)
+        if taken.settled and here.fulfils(goal, system.floor):
+            return _Found(here.vertices, True)
+        if count + 1 == settings.steps:
+            break
+    return _Found(best.vertices, best.fulfils(goal, system.rounding(best, equations)))

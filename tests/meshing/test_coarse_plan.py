@@ -1,0 +1,69 @@
+"""Coarser meshes of a plan, and values carried over from them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc.discrete import edge_faces
+from compas_cgc.meshing.carry_over import CarryOver
+from compas_cgc.meshing.coarse_plan import coarse_plan
+
+from ..support import shapes
+
+
+def coarsened(n, step, lines=(), kept=()):
+    vertices, faces = shapes.grid(n)
+    marked = np.zeros(len(vertices), bool)
+    marked[list(kept)] = True
+    return vertices[:, :2], coarse_plan(np.ascontiguousarray(vertices[:, :2]), faces, np.array(lines, int).reshape(-1, 2), marked, step)
+
+
+def places(plan, faces, found):
+    return np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[faces[found.within]])])
+
+
+def test_the_rim_is_thinned_and_corners_stay():
+    plan, found = coarsened(40, 0.1)
+    assert {0, 40, 41 * 40, 41 * 41 - 1} <= set(found.kept.tolist())
+    edges = edge_faces(found.faces)
+    assert (edges[:, 3] < 0).sum() == 40, "ten edges a side"
+    corners = places(plan, shapes.grid(40)[1], found)[found.faces]
+    (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
+    double = ax * by - ay * bx
+    assert (double > 0).all() and double.sum() == pytest.approx(2.0)
+
+
+def test_lines_and_kept_vertices_stay_on_the_mesh():
+    middle = np.arange(41) * 41 + 20
+    plan, found = coarsened(40, 0.12, lines=np.column_stack([middle[:-1], middle[1:]]), kept=[41 * 7 + 31])
+    assert 41 * 7 + 31 in found.kept
+    at = plan[found.kept][found.lines]
+    assert np.allclose(at[..., 0] if np.ptp(at[..., 0]) < 1e-12 else at[..., 1], 0.5)
+    own = {tuple(edge) for edge in np.sort(edge_faces(found.faces)[:, :2], axis=1).tolist()}
+    assert {tuple(edge) for edge in np.sort(found.lines, axis=1).tolist()} <= own
+
+
+def test_a_plan_that_lies_over_itself_has_no_coarser_mesh():
+    vertices, faces = shapes.grid(40)
+    twice = np.vstack([vertices, vertices + [1e-3, 1e-3, 0]])[:, :2]
+    both = np.vstack([faces, faces + len(vertices)])
+    assert coarse_plan(np.ascontiguousarray(twice), both, np.empty((0, 2), int), np.zeros(len(twice), bool), 0.1) is None
+
+
+def test_polynomials_of_degree_four_are_carried_over_exactly():
+    points, goal = np.random.default_rng(1).uniform(size=(2, 300, 2))
+    x, y = points.T
+    u, v = goal.T
+    carried = CarryOver(points, goal)(np.column_stack([x**4 - 3 * x * y**3, y**2]))
+    assert np.abs(carried - np.column_stack([u**4 - 3 * u * v**3, v**2])).max() < 1e-7
+
+
+def test_the_error_of_what_is_carried_over_falls_with_the_fifth_power():
+    goal = np.random.default_rng(2).uniform(0.1, 0.9, size=(500, 2))
+
+    def wave(at):
+        return np.sin(4 * at[:, :1] + 1) * np.cos(3 * at[:, 1:])
+
+    errors = [np.abs(CarryOver(shapes.grid(n)[0][:, :2], goal)(wave(shapes.grid(n)[0][:, :2])) - wave(goal)).max() for n in (16, 32)]
+    assert errors[1] < errors[0] / 20

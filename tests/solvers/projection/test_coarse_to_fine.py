@@ -1,0 +1,79 @@
+"""Large problems: solved on a coarser mesh of the same drawing first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.analysis import verdict
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.model.constraints import Mirror
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import CREASE
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
+from compas_cgc.solvers.coarse import coarsened
+from compas_cgc.solvers.projection import Projector
+from compas_cgc.solvers.projection import project
+
+from ...support import shapes
+
+
+def roof(n: int, target: float) -> CGCProblem:
+    """A square on its four corners."""
+    vertices, faces = shapes.grid(n)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[[0, n, (n + 1) ** 2 - 1, n * (n + 1)]] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+@pytest.mark.parametrize("target", [1.0, -1.0])
+def test_few_steps_on_a_large_mesh_to_a_fair_surface(target):
+    problem = roof(84, target)
+    told = []
+    solution = project(problem, callback=lambda state: told.append(state.vertices.shape))
+    assert solution.status == "converged", solution.message
+    assert solution.max_error < 1e-9
+    assert solution.iterations <= 9 and len(told) == solution.iterations and set(told) == {problem.vertices.shape}
+    judged = verdict(replace(problem, vertices=solution.vertices), problem.vertices)
+    assert judged.fair and judged.fit_median < 1e-3, judged
+
+
+def test_it_is_the_fairest_surface_of_the_finer_mesh_to_a_thousandth():
+    projector = Projector(roof(80, 1.0))
+    first = projector.solve()
+    again = projector.solve(vertices=first.vertices)
+    assert again.status == "converged"
+    assert np.abs(again.vertices - first.vertices).max() < 3e-3
+    assert np.abs(again.vertices - first.vertices)[:, 2].max() < 1.5e-3
+
+
+def test_supports_creases_and_targets_of_regions_are_on_the_coarser_mesh():
+    problem = roof(40, 0.5)
+    middle = np.abs(problem.vertices[:, 0] - 0.5) < 1e-9
+    on = np.flatnonzero(middle)
+    problem = replace(
+        problem,
+        roles=np.where(middle & (problem.roles != FIXED), CREASE, problem.roles),
+        targets=np.where(problem.vertices[:, 0] < 0.5, 1.0, -2.0),
+        creases=np.column_stack([on[:-1], on[1:]]),
+    )
+    coarse = coarsened(problem, 200)
+    own = coarse.problem
+    assert 150 < len(own.vertices) < 300
+    assert len(own.region_targets()) == 2 and set(own.region_targets()) == {1.0, -2.0}
+    assert np.allclose(np.sort(own.vertices[own.supports], axis=0), np.sort(problem.vertices[problem.supports], axis=0))
+    bent = own.vertices + np.abs(own.vertices[:, :1] - 0.5) * [0, 0, 1]
+    wanted = problem.vertices + np.abs(problem.vertices[:, :1] - 0.5) * [0, 0, 1]
+    wanted[problem.supports] = problem.vertices[problem.supports]
+    assert np.abs(coarse.carried(bent) - wanted).max() < 1e-9, "folds along the crease are carried over"
+
+
+def test_drawings_without_a_plan_or_with_mirrors_have_no_coarser_mesh():
+    problem = roof(40, 1.0)
+    assert coarsened(replace(problem, constraints=(Mirror((0.5, 0, 0), (1, 0, 0)),)), 200) is None
+    vertices, faces = shapes.revolution(np.ones(20), np.linspace(0, 2, 20), 60)
+    assert coarsened(CGCProblem(vertices, faces, targets=0.0).with_supports("boundary"), 200) is None
