@@ -24,6 +24,7 @@ COMMANDS = {
     "unroll": "lay a solved surface out as flat pieces on sheets",
     "membrane": "membrane forces of a solved surface under a load",
     "net": "curves to build a solved surface along",
+    "limits": "say how much curvature the supports of a file can carry",
     "example": "run one of the paper's examples",
     "reproduce": "run all of the paper's examples and tables",
     "bench": "measure the speed on this machine",

@@ -11,14 +11,14 @@ from typing import Optional
 
 import numpy as np
 
-from ..discrete import boundary_vertices
 from ..model.goals.bound import held_by_newton
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import CREASE
-from ..model.roles import FIXED
 from ..model.verdict import verdict
+from .limits import is_held_all_round
+from .limits import largest_target
 from .method import Method
 from .registry import METHODS
 from .registry import method_of
@@ -27,6 +27,7 @@ from .settings import Settings
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
+ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -39,7 +40,8 @@ class Choice(NamedTuple):
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
 
 
-FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar")
+# What it has not reached by then it does not reach, and meshes of some size would take their time.
+FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": 400}))
 SECOND = [
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
@@ -78,9 +80,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
-    rim = boundary_vertices(problem.vertices, problem.faces)
-    held = (problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all()
-    if held and not (problem.roles == CREASE).any() and targets.size and (targets > 0).all():
+    if is_held_all_round(problem):
         return [
             Choice("newton", "the whole edge is fixed, there are no creases, and K̄ > 0"),
             Choice("projection", "it moves vertices sideways too"),
@@ -97,8 +97,10 @@ def run_method(
     options: Mapping[str, Any] = MappingProxyType({}),
     callback: Callback = None,
 ) -> Solution:
-    """Solve a problem by one method, see :class:`Method`, with some options other than the settings say."""
+    """Solve a problem by one method, see :class:`Method`, with some options other than the defaults where the settings leave them open."""
     own = settings_of(method, settings)
+    given = settings.to_dict() if settings is not None and method_of(settings) == "auto" else {}
+    options = {name: value for name, value in options.items() if given.get(name) is None}
     return method.solve(problem, replace(own, **options) if options else own, callback)._replace(method=method.name)
 
 
@@ -133,8 +135,19 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             if not rough:
                 return _told(solution, choice, tried)
             break
-    best = min(rough, key=lambda one: one[0])[1:] if rough else min(tried, key=lambda pair: pair[0].max_error)
-    return _told(*best, tried)
+    if rough:
+        return _told(*min(rough, key=lambda one: one[0])[1:], tried)
+    told = _told(*min(tried, key=lambda pair: pair[0].max_error), tried)
+    return told._replace(message=told.message + _what_is_carried(problem, told.status))
+
+
+def _what_is_carried(problem: CGCProblem, status: str) -> str:
+    """Return how much of its targets a problem without a solution could have, where that is found soon."""
+    targets = problem.targets[problem.asked]
+    if status not in ("stalled", "diverged") or not (np.isfinite(targets).all() and targets.any()):
+        return ""
+    limit = largest_target(problem, tolerance=ROUGHLY, solves=FEW, vertices=SMALL)
+    return f"; {limit.message}" if limit.status == "found" and not limit.carries_what_is_asked else ""
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:

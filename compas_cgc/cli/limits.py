@@ -1,0 +1,47 @@
+"""``compas-cgc limits``: how much curvature the supports of a file can carry."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from .arguments import add_reading
+from .arguments import reading
+from .exits import DONE
+from .exits import NOT_CONVERGED
+
+__all__ = ["add_arguments", "run"]
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Let the targets of a file grow, all in the same ratio, until no fair surface meets them any more, and say where that is."
+    )
+    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument(
+        "--target", type=float, metavar="K", help="Gaussian curvature everywhere; its sign says which way (default: the file's)"
+    )
+    parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
+    parser.add_argument("--tolerance", type=float, default=0.02, metavar="X", help="how closely to tell, as a part (default 0.02)")
+    parser.add_argument("--json", action="store_true", help="print numbers instead of a sentence")
+    add_reading(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..errors import CGCError
+    from ..io import read_problem
+    from ..solvers.limits import largest_target
+
+    if not 0.0 < arguments.tolerance < 1.0:
+        raise CGCError(f"--tolerance must be between 0 and 1, not {arguments.tolerance:g}")
+    problem = read_problem(arguments.input, **reading(arguments)).checked()
+    if arguments.supports:
+        problem = problem.with_supports(arguments.supports)
+    if arguments.target is not None:
+        problem = problem.with_targets(arguments.target)
+    limit = largest_target(problem, tolerance=arguments.tolerance)
+    print(json.dumps(limit.to_dict(), indent=1, ensure_ascii=False) if arguments.json else limit.message)
+    return NOT_CONVERGED if limit.status == "none" else DONE

@@ -1,0 +1,87 @@
+"""What supports can carry."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compas_cgc.cli.main import main
+from compas_cgc.discrete import boundary_vertices
+from compas_cgc.errors import ProblemError
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.roles import FIXED
+from compas_cgc.model.roles import FREE
+from compas_cgc.model.roles import INTERNAL
+from compas_cgc.model.verdict import verdict
+from compas_cgc.solvers.limits import largest_target
+from compas_cgc.solvers.projection import project
+from compas_cgc.solvers.run import solve
+
+from ..support import shapes
+
+
+def roof(target: float, n: int = 10, width: float = 1.0) -> CGCProblem:
+    """A square on its four corners."""
+    vertices, faces = shapes.grid(n, width)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[[0, n, (n + 1) ** 2 - 1, n * (n + 1)]] = FIXED
+    return CGCProblem(vertices, faces, roles, target)
+
+
+def test_below_a_fixed_square_the_limit_is_under_what_the_gauss_map_allows():
+    vertices, faces = shapes.grid(14)
+    limit = largest_target(CGCProblem(vertices, faces, targets=1.0).with_supports("boundary"))
+    assert limit.status == "found" and limit.verdict.fair
+    assert 0.75 * math.pi < limit.target < limit.beyond <= 1.03 * limit.target < 1.03 * math.pi
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_at_the_limit_there_is_a_fair_surface_and_the_limit_goes_with_the_square_of_the_size(sign):
+    limit = largest_target(roof(sign))
+    assert limit.status == "found" and limit.carries_what_is_asked and np.sign(limit.target) == sign
+    large = largest_target(roof(0.001 * sign, width=10.0))
+    assert 100 * large.target == pytest.approx(limit.target, rel=0.05)
+    problem = roof(0.5 * limit.target)
+    solution = project(problem)
+    assert solution.status == "converged"
+    assert verdict(replace(problem, vertices=solution.vertices), problem.vertices).fair
+
+
+def test_large_meshes_are_searched_on_coarser_ones():
+    fine = largest_target(roof(1.0, 40), tolerance=0.1, vertices=200)
+    assert fine.target == pytest.approx(largest_target(roof(1.0), tolerance=0.1).target, rel=0.2)
+
+
+def test_regions_keep_their_ratio():
+    problem = roof(1.0)
+    targets = np.where(problem.vertices[:, 0] < 0.5, 1.0, 2.0)
+    limit = largest_target(replace(problem, targets=targets))
+    assert limit.target == pytest.approx(2.0 * limit.factor) and "times the targets" in limit.message
+
+
+def test_without_targets_there_is_nothing_to_look_for():
+    with pytest.raises(ProblemError, match="targets other than zero"):
+        largest_target(roof(0.0))
+
+
+def test_a_solve_that_stalls_says_how_much_could_be_had():
+    result = solve(roof(9.0))
+    assert result.status != "converged"
+    assert "these supports carry K̄ up to" in result.message and "9 is asked" in result.message
+
+
+def test_the_command_says_it(tmp_path, capsys):
+    problem = roof(1.0)
+    mesh = tmp_path / "roof.obj"
+    lines = ["v {} {} {}".format(*point) for point in problem.vertices] + ["f {} {} {}".format(*(face + 1)) for face in problem.faces]
+    mesh.write_text("\n".join(lines) + "\n")
+    assert main(["limits", str(mesh), "--supports", "corners", "--target", "1"]) == 0
+    assert "these supports carry K̄ up to" in capsys.readouterr().out
+    assert main(["limits", str(mesh), "--supports", "corners", "--target", "-1", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["status"] == "found" and told["target"] < -1.0 and told["verdict"]["fair"]
+    assert main(["limits", str(mesh), "--supports", "corners", "--target", "1", "--tolerance", "2"]) == 2
