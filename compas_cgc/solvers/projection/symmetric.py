@@ -19,7 +19,7 @@ from .system import System
 __all__ = ["kept_symmetries", "made_symmetric", "symmetric_start"]
 
 NEAR = 2e-3  # how far a surface may be from its image, against its size, to be meant as symmetric
-ROUNDING = 1e-13  # the same, from which it is
+ROUNDING = 1e-14  # the same, from which it is
 
 
 def kept_symmetries(vertices: FloatArray, size: float, symmetries: list[Image]) -> Optional[list[Image]]:
