@@ -29,7 +29,7 @@ from .strategies import ways
 from .strategies import ways_on
 from .system import System
 
-__all__ = ["ways_from_coarse"]
+__all__ = ["MANY", "ways_from_coarse"]
 
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones

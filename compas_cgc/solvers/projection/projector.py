@@ -25,6 +25,7 @@ from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
+from .coarse_to_fine import MANY
 from .coarse_to_fine import ways_from_coarse
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
@@ -155,7 +156,7 @@ class Projector:
         if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
             measure = "smooth" if settings.measure == AUTO and layout else measure
-        if status == "converged" and len(recorder) and measure == "defect":
+        if status == "converged" and len(recorder) and measure == "defect" and len(system.columns) < MANY:
             best = self._symmetric(best, local, goal, recorder, energy)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
