@@ -48,7 +48,7 @@ _compiled: list[str] = []
 _watchers: list[Watcher] = []
 
 
-def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+def kernel(inner: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return the decorator of a compiled function, which is stored between runs.
 
     For a first solve that does not keep anybody waiting: no entry point for C, no checks of divisors, whose zeros give infinities
@@ -56,13 +56,16 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     Parameters
     ----------
+    inner
+        Only other kernels call it, so that it needs no entry point for Python and goes into what is stored of them.
     options
         Further options of ``numba.njit``.
     """
     _listen()
 
     def decorate(function: Callable[..., Any]) -> Any:
-        made = _made(function, {"error_model": "numpy", "no_cfunc_wrapper": True, **options})
+        own = {"cache": not inner, "no_cpython_wrapper": inner, "error_model": "numpy", "no_cfunc_wrapper": True}
+        made = _made(function, {**own, **options})
         _kernels.append(made)
         return made
 
@@ -98,11 +101,11 @@ def _made(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     import numba
 
     try:
-        return numba.njit(cache=True, **options)(function)
+        return numba.njit(**options)(function)
     except RuntimeError:
         # Neither the folder of the package nor the user's can be written to.
         setattr(numba.config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
-        return numba.njit(cache=True, **options)(function)
+        return numba.njit(**options)(function)
 
 
 @cache

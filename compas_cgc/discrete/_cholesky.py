@@ -10,7 +10,7 @@ from .arrays import FloatArray
 SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
 
 
-@kernel()
+@kernel(inner=True)
 def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
     """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up.
 

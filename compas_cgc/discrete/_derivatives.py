@@ -14,7 +14,7 @@ from .arrays import Vectors
 from .arrays import Vertices
 
 
-@kernel()
+@kernel(inner=True)
 def face_derivatives(
     V: Vertices, F: Faces, f: int, K: PerVertex, E: FloatArray, M: FloatArray, D: FloatArray, T: FloatArray, G: FloatArray
 ) -> bool:

@@ -17,7 +17,7 @@ from .arrays import Vertices
 MIXED, VORONOI, BARYCENTRIC = 0, 1, 2
 
 
-@kernel()
+@kernel(inner=True)
 def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, float, float, float, float, float]:
     """Return the indices of face `f`, its cross vector (twice the vector area) and what follows from it.
 
@@ -33,7 +33,7 @@ def corner(V: Vertices, F: Faces, f: int) -> tuple[int, int, int, float, float, 
     return i, j, k, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), ab, aa - ab, bb - ab
 
 
-@kernel()
+@kernel(inner=True)
 def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tuple[float, float, float]:
     """Return the shares of a face's area that belong to its corners i, j, k.
 
@@ -122,7 +122,7 @@ def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     return L
 
 
-@kernel()
+@kernel(inner=True)
 def fold(V: Vertices, C: Vectors, u: int, v: int, f: int, g: int) -> tuple[float, float]:
     """Return length and signed exterior dihedral angle of the edge u-v, convex positive."""
     ex, ey, ez = V[v, 0] - V[u, 0], V[v, 1] - V[u, 1], V[v, 2] - V[u, 2]

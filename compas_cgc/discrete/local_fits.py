@@ -74,5 +74,4 @@ def local_fits(
     closed = closed_vertices(V, F)
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
-    start, around = _local_fits.around(F, n)
-    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, start, around, open_to, where, degree, rings, pinned).T)
+    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned).T)
