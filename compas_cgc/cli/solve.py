@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 
+from ..errors import FileError
 from .arguments import add_options
 from .arguments import add_reading
 from .arguments import reading
@@ -64,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
+    parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each region, on the layer CGC::NURBS of a .3dm")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     add_goals(parser)
     add_options(parser)
@@ -78,7 +80,8 @@ def run(arguments: argparse.Namespace) -> int:
     from ..io import read_problem
 
     # Nobody should wait for a solve that cannot be written.
-    known_suffix(arguments.output)
+    if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
+        raise FileError(f"--nurbs needs a .3dm to write to, not {arguments.output}")
     say = (lambda text: None) if arguments.quiet else print
     settings = settings_of(arguments)
     read = read_problem(arguments.input, **reading(arguments))
@@ -152,8 +155,10 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
 
     output = Path(arguments.output)
     if result.converged:
-        write(output, result, source=arguments.input, analysis=analysis)
+        notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
         if not arguments.quiet:
+            for note in notes:
+                print(note)
             print(f"wrote {output}")
         if analysis.verdict.fair:
             return DONE

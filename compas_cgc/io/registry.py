@@ -126,7 +126,8 @@ def write(
     source: Optional[PathLike] = None,
     version: Optional[int] = None,
     analysis: Optional[SurfaceReport] = None,
-) -> None:
+    nurbs: bool = False,
+) -> list[str]:
     """Write a surface in the format of the suffix, whole or not at all; every digit is kept.
 
     Parameters
@@ -144,6 +145,13 @@ def write(
         Of a .3dm: 7 or 8.
     analysis
         The report on a result, shown in a .3dm. Default: made here.
+    nurbs
+        Fit a NURBS surface to each region of a result, on the layer ``CGC::NURBS`` of a .3dm.
+
+    Returns
+    -------
+    list of str
+        What is to be said of the NURBS surfaces.
 
     Raises
     ------
@@ -153,11 +161,11 @@ def write(
     target = Path(path)
     suffix = known_suffix(target)
     if suffix == ".3dm":
-        _write_3dm(target, surface, source, version, analysis)
-        return
+        return _write_3dm(target, surface, source, version, analysis, nurbs)
     text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](surface.to_problem().without_dummies())
     with written(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
+    return []
 
 
 def _write_3dm(
@@ -166,16 +174,17 @@ def _write_3dm(
     source: Optional[PathLike],
     version: Optional[int],
     analysis: Optional[SurfaceReport],
-) -> None:
+    nurbs: bool,
+) -> list[str]:
     from .rhino.result_layers import write_result
     from .rhino.write import write_problem
 
     kept = source if source is not None and Path(source).suffix.lower() == ".3dm" else None
     # A result says how it ended.
     if hasattr(surface, "status"):
-        write_result(target, cast("SolveResult", surface), source=kept, version=version, analysis=analysis)
-    else:
-        write_problem(target, surface, version or 7)
+        return write_result(target, cast("SolveResult", surface), source=kept, version=version, analysis=analysis, nurbs=nurbs)
+    write_problem(target, surface, version or 7)
+    return []
 
 
 def known_suffix(path: Union[str, os.PathLike[str]]) -> str:

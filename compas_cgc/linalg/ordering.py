@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import Any
 from typing import Optional
 
 import numpy as np
@@ -203,7 +204,7 @@ def _halve(part: Indices, place: FloatArray, half: NDArray[np.int8]) -> None:
 
 
 @kernel()
-def _select(part: Indices, place: FloatArray, k: int) -> float:
+def _select(part: Indices, place: FloatArray, k: int) -> Any:
     """Return the k-th smallest place of a part, by Hoare's quickselect."""
     keys = np.empty(len(part))
     for a in range(len(part)):
@@ -229,7 +230,7 @@ def _select(part: Indices, place: FloatArray, k: int) -> float:
             low = a
         else:
             break
-    return float(keys[k])
+    return keys[k]
 
 
 @kernel()

@@ -25,6 +25,8 @@ from .colours import signed_colours
 from .layers import RESULT
 from .meshes import coloured
 from .meshes import mesh_from_arrays
+from .nurbs_layer import NURBS
+from .nurbs_layer import draw_nurbs
 from .units import unit_name
 from .units import unit_suffix
 from .write import LayerWriter
@@ -46,7 +48,8 @@ def write_result(
     source: Union[str, os.PathLike, None] = None,
     version: Optional[int] = None,
     analysis: Optional[SurfaceReport] = None,
-) -> None:
+    nurbs: bool = False,
+) -> list[str]:
     """Write a result as a .3dm file, beside what the input file holds.
 
     Parameters
@@ -64,6 +67,14 @@ def write_result(
     analysis
         The report on the surface. Default: made here.
 
+    nurbs
+        Fit a NURBS surface to each region, on the layer ``CGC::NURBS``.
+
+    Returns
+    -------
+    list of str
+        What is to be said of the NURBS surfaces.
+
     Raises
     ------
     FileError
@@ -75,13 +86,15 @@ def write_result(
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
     report = analysis or analyse(result)
     writer = LayerWriter(archive)
-    writer.clear(RESULT)
+    for earlier in (RESULT, NURBS):
+        writer.clear(earlier)
     whole = mesh_from_arrays(problem.vertices, problem.faces)
     draw_problem(writer, problem, RESULT, whole, _outcome(result, report))
     _draw_regions(writer, problem, whole, report)
     _draw_maps(writer, problem, whole)
     _draw_rough_places(writer, problem, report)
     units = unit_name(archive.Settings.ModelUnitSystem)
+    notes = draw_nurbs(writer, problem, unit_suffix(units)) if nurbs else []
     text = _summary(result, report, None if source is None else Path(source).name, unit_suffix(units))
     _, high, size = _extent(problem.vertices)
     on_report = writer.layer(f"{RESULT}::Report", (60, 60, 60))
@@ -96,6 +109,7 @@ def write_result(
         ]
     )
     write_archive(archive, path, version)
+    return notes
 
 
 def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:

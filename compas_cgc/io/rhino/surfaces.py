@@ -81,21 +81,12 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     """
     rhino3dm = rhino3dm_module()
 
-    geometry, length = item.geometry, edge_length
+    geometry = item.geometry
     if isinstance(geometry, rhino3dm.Extrusion):
         geometry = geometry.ToBrep(True)
     elif isinstance(geometry, rhino3dm.Surface):
         geometry = rhino3dm.Brep.CreateFromSurface(geometry)
-    for attempt in range(ATTEMPTS):
-        try:
-            vertices, faces, creases, deviation = _meshed(geometry, length, tolerance)
-            break
-        except MeshError as error:
-            # Edges that touch when they are divided coarsely come apart when finely.
-            if attempt + 1 == ATTEMPTS or "install" in str(error):
-                mend = "run Rhino's command Mesh on it, and put the mesh on the layer"
-                raise FileError(f"{item.label} cannot be meshed ({error}); {mend}") from None
-            length *= 0.5
+    (vertices, faces, creases, deviation), length = _attempted(item, geometry, edge_length, tolerance)
     text = f"{item.label} was meshed with edges of about {length:g}{unit}, within {deviation:.2g}{unit} of the surface"
     if length < edge_length:
         text += f"; with {edge_length:g}{unit} its edges would cross"
@@ -104,6 +95,21 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in creases]
     target = user_target({**item.layer_text, **item.text})
     return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, target, item.text), drawn, [text])
+
+
+def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float) -> tuple[Meshed, float]:
+    """Return the mesh of a surface, and the edge length: edges that touch when they are divided coarsely come apart when finely."""
+    reason = ""
+    for attempt in range(ATTEMPTS):
+        length = edge_length * 0.5**attempt
+        try:
+            return _meshed(geometry, length, tolerance), length
+        except MeshError as error:
+            reason = str(error)
+            if "install" in reason:
+                break
+    mend = "run Rhino's command Mesh on it, and put the mesh on the layer"
+    raise FileError(f"{item.label} cannot be meshed ({reason}); {mend}")
 
 
 def _meshed(geometry: Geometry, edge_length: float, tolerance: float) -> Meshed:

@@ -59,8 +59,8 @@ class LayerWriter:
         self.archive = archive
 
     def clear(self, parent: str) -> None:
-        """Delete everything on a top layer and its sublayers."""
-        within = {layer.Index for layer in self.archive.Layers if (layer.FullPath or layer.Name).split("::")[0] == parent}
+        """Delete everything on a layer and its sublayers."""
+        within = {layer.Index for layer in self.archive.Layers if f"{layer.FullPath or layer.Name}::".startswith(f"{parent}::")}
         for name in [str(entry.Attributes.Id) for entry in self.archive.Objects if entry.Attributes.LayerIndex in within]:
             self.archive.Objects.Delete(name)
 

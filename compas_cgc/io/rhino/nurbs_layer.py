@@ -1,0 +1,53 @@
+"""Regions of a result as NURBS surfaces, each with its distance from the mesh and the K of the surface itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...analysis.nurbs import DEGREE
+from ...analysis.nurbs import FittedSurface
+from ...analysis.nurbs import fit_surface
+from ...errors import MeshError
+from ...model.problem import CGCProblem
+from ._types import Geometry
+from .archive import rhino3dm_module
+from .write import LayerWriter
+
+__all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
+
+NURBS = "CGC::NURBS"
+
+
+def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]:
+    """Draw an untrimmed NURBS surface for each region, side by side along the creases, and return a sentence on each."""
+    layer = writer.layer(NURBS, (70, 100, 150))
+    notes = []
+    label = problem.regions()
+    for region in range(label.max(initial=-1) + 1):
+        try:
+            fit = fit_surface(problem.vertices, problem.faces[label == region])
+        except MeshError as error:
+            notes.append(f"region {region} was not fitted: {error}")
+            continue
+        K = float(np.median(fit.gaussian))
+        text = {"region": str(region), "K": repr(K), "deviation": repr(fit.deviation)}
+        writer.archive.Objects.AddSurface(nurbs_surface(fit), writer.attributes(layer, f"region {region}", text))
+        notes.append(f"region {region} as NURBS: K {K:.4g} (median), within {fit.deviation:.2g}{unit} of the mesh")
+    return notes
+
+
+def nurbs_surface(fit: FittedSurface) -> Geometry:
+    """Return a fitted surface as one of Rhino."""
+    rhino3dm = rhino3dm_module()
+
+    a, b, _ = fit.control.shape
+    surface = rhino3dm.NurbsSurface.Create(3, False, DEGREE + 1, DEGREE + 1, a, b)
+    for i in range(a):
+        for j in range(b):
+            x, y, z = fit.control[i, j].tolist()
+            surface.Points[i, j] = rhino3dm.Point4d(x, y, z, 1.0)
+    # Rhino leaves out the first and the last knot, which no point of the surface depends on.
+    for knots, values in ((surface.KnotsU, fit.knots_u[1:-1]), (surface.KnotsV, fit.knots_v[1:-1])):
+        for k, value in enumerate(values.tolist()):
+            knots[k] = value
+    return surface
