@@ -177,7 +177,7 @@ def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: 
 
 
 @kernel()
-def _extent(part: Indices, place: FloatArray) -> float:
+def _extent(part: Indices, place: FloatArray) -> Any:
     """Return how far the unknowns of a part lie apart."""
     low, high = np.inf, -np.inf
     for i in part:
