@@ -14,12 +14,12 @@ from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete._cholesky import solve_in_place
 from ..discrete._local_fits import CENTRED
-from ..discrete._local_fits import MOST
 from ..discrete._local_fits import SPARE
 from ..discrete._local_fits import TERMS
-from ..discrete._local_fits import around
-from ..discrete._local_fits import gather
-from ..discrete._local_fits import powers
+from ..discrete._rings import MOST
+from ..discrete._rings import around
+from ..discrete._rings import gather
+from ..discrete._rings import monomials
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -131,7 +131,7 @@ def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, 
             d0, d1, d2 = V[ring[c], 0] - V[i, 0], V[ring[c], 1] - V[i, 1], V[ring[c], 2] - V[i, 2]
             u, v = (d0 * x0 + d1 * x1 + d2 * x2) / scale, (d0 * y0 + d1 * y1 + d2 * y2) / scale
             w = (d0 * n0 + d1 * n1 + d2 * n2) / scale
-            powers(u, v, used, row)
+            monomials(u, v, used, row)
             weight = 1.0 / (u * u + v * v + CENTRED)
             for k in range(terms):
                 r[k] += weight * row[k] * w
