@@ -87,30 +87,30 @@ def draw_curve(
     Paper, Figures 4-6.
     """
     P, arrows = curve_arrays(points, gradient)
-    if ax is None:
-        ax = panels([[frame or curve_frame(P, arrows)]], width=4.0, foot=0.0)[1][0][0]
-    else:
-        show(ax, frame or curve_frame(P, arrows))
+    shown = frame or curve_frame(P, arrows)
+    sheet: Axes = panels([[shown]], width=4.0, foot=0.0)[1][0][0] if ax is None else ax
+    if ax is not None:
+        show(sheet, shown)
     long = np.linalg.norm(arrows, axis=1) > 0.02 * LONGEST * width_of(P)
     if long.any():
-        ax.quiver(
+        sheet.quiver(
             *P[long].T,
             *arrows[long].T,
             angles="xy",
             scale_units="xy",
             scale=1.0,
             units="dots",
-            width=ax.figure.dpi / 72 * 0.8,
+            width=sheet.figure.dpi / 72 * 0.8,
             headwidth=4.5,
             headlength=5.5,
             headaxislength=5.0,
             color=ARROW,
             zorder=2,
         )
-    ax.plot(*P.T, color=INK, lw=1.0, marker="o", ms=2.2, mec=INK, mfc="white", mew=0.6, solid_joinstyle="round", zorder=3)
-    ax.plot(*P[list(breaks)].T, ls="", marker="s", ms=3.2, mec=INK, mfc="white", mew=0.9, zorder=4)
-    ax.plot(*P[list(fixed)].T, ls="", marker="o", ms=5.0, mec="white", mew=0.4, mfc=SUPPORT, zorder=5, clip_on=False)
-    return ax
+    sheet.plot(*P.T, color=INK, lw=1.0, marker="o", ms=2.2, mec=INK, mfc="white", mew=0.6, solid_joinstyle="round", zorder=3)
+    sheet.plot(*P[list(breaks)].T, ls="", marker="s", ms=3.2, mec=INK, mfc="white", mew=0.9, zorder=4)
+    sheet.plot(*P[list(fixed)].T, ls="", marker="o", ms=5.0, mec="white", mew=0.4, mfc=SUPPORT, zorder=5, clip_on=False)
+    return sheet
 
 
 def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
