@@ -82,7 +82,7 @@ def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add ``--method`` and the options of all methods, as the registry has them."""
+    """Add ``--method`` and the options of all methods, as the registry has them; one whose flag is taken gets its method before it."""
     lines = "; ".join(f"{method.name}: {method.text.rstrip('.')}" for method in METHODS.values())
     group = parser.add_argument_group("how to solve", "An option that belongs to one method chooses it, where none is named.")
     group.add_argument("--method", default="auto", metavar="METHOD", help=_plain(f"auto (default): one of the others is picked; {lines}"))
@@ -90,7 +90,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         kind: dict[str, Any] = (
             {"action": argparse.BooleanOptionalAction} if own.kind is bool else {"type": own.kind, "metavar": _metavar(own)}
         )
-        group.add_argument(_flag(name), dest=f"option_{name}", default=None, help=_plain(_help(own)), **kind)
+        taken = _flag(name) in parser._option_string_actions
+        flag = f"--{owners(name)[0]}-{name.replace('_', '-')}" if taken else _flag(name)
+        group.add_argument(flag, dest=f"option_{name}", default=None, help=_plain(_help(own)), **kind)
 
 
 def settings_of(arguments: argparse.Namespace) -> Optional[Settings]:

@@ -88,7 +88,9 @@ def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
     mesh.attributes["constraints"] = [{"kind": "height", "vertices": [3], "height": "tall"}]
     path = tmp_path / "roof.json"
     mesh.to_json(path)
-    with pytest.raises(FileError, match=r"roof.json: height of a constraint must be a finite number; set the constraints again"):
+    with pytest.raises(
+        FileError, match=r"roof.json: height of a constraint of kind height must be a finite number; set the constraints again"
+    ):
         read_problem(path)
 
 

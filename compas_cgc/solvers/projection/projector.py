@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from itertools import islice
 from typing import Optional
 
 import numpy as np
@@ -47,6 +47,10 @@ from .system import System
 __all__ = ["Projector", "project"]
 
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
+POLISHING = 4  # most steps to a surface that is symmetric to rounding; like other last digits they are not counted
+
+ROUNDED = 3e-15  # residual that the sum of the angles around a vertex has [rad]
+CLOSE = 0.25  # of the rounding errors, from which they stop
 
 
 class Projector:
@@ -156,8 +160,8 @@ class Projector:
         if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
             measure = "smooth" if settings.measure == AUTO and layout else measure
-        if status == "converged" and len(recorder) and measure == "defect" and len(system.columns) < MANY:
-            best = self._symmetric(best, local, goal, recorder, energy)
+        if status == "converged" and len(recorder) and measure == "defect" and not warm and len(system.columns) < MANY:
+            best = self._symmetric(best, local, goal)
         why = cause(best, system, local.targets) if status in ("stalled", "infeasible") else ""
         if isinstance(asked, SpaceFormEquations) and status != "cancelled" and asked.too_large(best.vertices) is not None:
             status, why = "infeasible", asked.complaint(best.vertices)
@@ -180,9 +184,7 @@ class Projector:
             targets=targets,
         )
 
-    def _symmetric(
-        self, reached: Point, local: CGCProblem, goal: float, recorder: Recorder, energy: Callable[[FloatArray], float]
-    ) -> Point:
+    def _symmetric(self, reached: Point, local: CGCProblem, goal: float) -> Point:
         """Return a surface with the symmetries that it nearly has, if the drawing has them; else the surface itself."""
         drawn = replace(self._local, targets=local.targets)
         kept = kept_symmetries(reached.vertices, self._system.size, own_symmetries(drawn, self._system.goals))
@@ -190,19 +192,13 @@ class Projector:
             return reached
         system = System(drawn, self.settings, self._system.goals, own=kept)
         equations = system.equations(local.targets)
-        start = symmetric_start(system, equations, reached.vertices)
-        if start.fulfils(goal, system.floor):
-            return start
-        for taken in made_symmetric(system, equations, reached.vertices):
-            if len(recorder) == self.settings.steps:
+        best = symmetric_start(system, equations, reached.vertices)
+        for taken in islice(made_symmetric(system, equations, reached.vertices), POLISHING):
+            if best.fulfils(goal, CLOSE * system.floor):
                 break
-            here = system.at(taken.vertices, equations)
-            recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
-            if recorder.cancelled(here.vertices):
-                break
-            if here.fulfils(goal, system.floor):
-                return here
-        return reached
+            best = min(best, system.at(taken.vertices, equations), key=lambda point: point.badness)
+        no_worse = np.abs(best.residual).max(initial=0.0) <= max(np.abs(reached.residual).max(initial=0.0), ROUNDED)
+        return best if best.fulfils(goal, system.floor) and no_worse else reached
 
     def _found(self, point: Point, equations: CurvatureEquations, guess: FloatArray) -> Optional[FloatArray]:
         """Return the targets with those that were found (n,) [1/L^2], None where all were given."""
