@@ -27,6 +27,7 @@ from .api.tasks import solve_job
 from .api.tasks import warm_up
 from .errors import RequestError
 from .errors import error_body
+from .errors import no_function
 from .hops.inputs import read_hops_request
 from .hops.routes import hops
 from .hops.routes import list_functions
@@ -116,7 +117,7 @@ def _finish(response: Response) -> Response:
 
 
 def _refused(error: RequestError) -> Response:
-    return respond(error_body(str(error)), error.status, error.headers)
+    return _error(str(error), error.status, error.headers)
 
 
 def _http_error(error: HTTPException) -> Response:
@@ -124,14 +125,20 @@ def _http_error(error: HTTPException) -> Response:
     sentence = SENTENCES.get(code, (error.description or error.name)[:200]).format(method=request.method)
     methods = getattr(error, "valid_methods", None)
     allowed = {"Allow": ", ".join(sorted(methods))} if methods else None
-    return respond(error_body(sentence), code, allowed)
+    return _error(sentence, code, allowed)
 
 
 def _no_room(error: sqlite3.OperationalError) -> Response:
     log.error("%s %s failed: %s", request.method, request.path, error)
-    return respond(error_body("the server cannot keep jobs at the moment, its disk may be full; make room there and try again"), 507)
+    return _error("the server cannot keep jobs at the moment, its disk may be full; make room there and try again", 507)
 
 
 def _bug(error: Exception) -> Response:
     log.exception("%s %s failed", request.method, request.path)
-    return respond(error_body("the server has a fault and could not answer; its log says more"), 500)
+    return _error("the server has a fault and could not answer; its log says more", 500)
+
+
+def _error(message: str, status: int, headers: Optional[dict] = None) -> Response:
+    # Whatever path is typed into Hops is read as that of a function.
+    asks_for_function = request.method in ("GET", "HEAD") and not request.path.startswith("/api/")
+    return respond(error_body(message, **(no_function(message) if asks_for_function else {})), status, headers)

@@ -15,6 +15,7 @@ __all__ = [
     "TooLarge",
     "Unprocessable",
     "error_body",
+    "no_function",
 ]
 
 
@@ -95,3 +96,8 @@ class GatewayTimeout(RequestError):
 def error_body(message: str, **more: object) -> dict:
     """Return the JSON object that every client can show: ``message`` for people and newer Hops, ``errors`` for Hops."""
     return {"message": message, "values": [], "errors": [message], "warnings": [], **more}
+
+
+def no_function(message: str) -> dict:
+    """Return what an error has besides where Hops asks for the description of a function: it reads these before the error."""
+    return {"Description": message, "InputNames": [], "OutputNames": [], "Inputs": [], "Outputs": []}

@@ -69,12 +69,14 @@ class Hops:
         self._check()
 
     def _check(self):
-        found = self.description
+        # Property names are read in any case.
+        found = {name[:1].upper() + name[1:]: value for name, value in self.description.items()}
         require(isinstance(found, dict), "an array at a component path")
         for name in ("Inputs", "Outputs", *(("InputNames", "OutputNames") if self.generation == 2026 else ())):
             require(isinstance(found.get(name), list), f"null reference: {name}")
         for name in ("Errors", "Warnings"):
             require(isinstance(found.get(name, []), list), f"{name} is null")
+        require(not found.get("Errors"), f"the component is red: {found.get('Errors')}")
         require(isinstance(found["Description"], str) and found["Description"], "no description")
         icon = ElementTree.fromstring(found["Icon"]) if found.get("Icon") else None
         require(icon is None or icon.tag == "{http://www.w3.org/2000/svg}svg", "the icon is no SVG")

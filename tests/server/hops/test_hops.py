@@ -75,11 +75,20 @@ def test_the_functions_are_described(server, generation):
         assert "xmlns" in entry["Icon"] and "svg" in entry["Icon"]
         assert entry == json.loads(get(f"{server.url}/io?pointer={entry['Uri'].strip('/')}")[2])
     assert Hops(server.url + "/cgc/dome", generation).access("Mesh") == "item"
-    with pytest.raises(HopsError, match="no function 'cgc/nothing'" if generation == 2026 else "null reference: Inputs"):
-        Hops(server.url + "/cgc/nothing", generation)
     # No optional inputs where Rhino 7 has to do without.
     for name in ("dome", "flow", "analyse", "fetch"):
         assert all(entry["AtLeast"] == 1 for entry in Hops(f"{server.url}/cgc/{name}", 7).description["Inputs"])
+
+
+@pytest.mark.parametrize("generation", GENERATIONS)
+@pytest.mark.parametrize(
+    ("path", "sentence"), [("/cgc/nothing", "no function 'cgc/nothing'"), ("/gcg/dome", "nothing at this address"), ("/solve", "GET requests")]
+)
+def test_a_mistyped_path_is_said_on_the_component(server, generation, path, sentence):
+    with pytest.raises(HopsError, match=sentence):
+        Hops(server.url + path, generation)
+    told = json.loads(get(server.url + path)[2])
+    assert all(told[name] == [] for name in ("Inputs", "Outputs", "InputNames", "OutputNames")) and sentence in told["errors"][0]
 
 
 def test_two_regions_with_a_crease_and_free_edges(hops):
