@@ -47,8 +47,7 @@ class Progress:
         now = time.monotonic()
         if now - self.last >= INTERVAL:
             self.last = now
-            figures = {name: getattr(state, name) for name in FIGURES}
-            news: dict = {name: value if math.isfinite(value) else None for name, value in figures.items()}
+            news = _finite({name: getattr(state, name) for name in FIGURES})
             if self.live:
                 news["surface"] = state.vertices.astype("<f4").tobytes()
             report(news)
@@ -86,7 +85,21 @@ def solve_job(
         result = run_request(request)
     except (RequestError, ValueError) as error:
         return JobOutput(str(error))
-    return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled")
+    return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled", _figures(result))
+
+
+def _figures(result: SolveResult) -> dict:
+    """Return what a report would tell of the last step."""
+    history = result.history
+    last = {"energy": history.energy, "error_norm": history.error_norm}
+    figures = {name: float(values[-1]) for name, values in last.items() if len(values)}
+    figures.update(step=result.iterations, max_error=result.max_error, seconds=result.seconds)
+    return _finite(figures)
+
+
+def _finite(figures: dict) -> dict:
+    """Return figures with None for those that are no number of JSON."""
+    return {name: value if math.isfinite(value) else None for name, value in figures.items()}
 
 
 def _report(request: SolveRequest, result: SolveResult) -> dict:

@@ -91,6 +91,8 @@ class Jobs:
                 text = f"the server ended {job.attempts} times while this job ran, it may need too much memory; use a coarser mesh"
                 store.finish(job.id, "failed", text, job.progress)
             else:
+                if job.state == "running":
+                    store.set_waiting(job.id)
                 self._start(job)
 
     # ------------------------------------------------------------------
@@ -354,7 +356,8 @@ class Jobs:
             # The task knows its listeners: a circle that would keep request and result for a long while.
             running.task = None
             try:
-                state, message, content = _ending(task)
+                state, message, content, figures = _ending(task)
+                running.progress = {**running.progress, **(figures or {})}
                 self.store.finish(job.id, state, message, running.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
             except sqlite3.Error as error:
@@ -371,6 +374,7 @@ class _Ending(NamedTuple):
     state: str  # succeeded, failed or cancelled
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result
+    figures: Optional[dict] = None  # of the last step
 
 
 def _ending(task: Future) -> _Ending:
@@ -389,7 +393,7 @@ def _ending(task: Future) -> _Ending:
         return _Ending("failed", str(error))
     # It may be asked to stop when it has just ended by itself.
     if not output.stopped or reason is None:
-        return _Ending("succeeded" if output.content is not None else "failed", output.message, output.content)
+        return _Ending("succeeded" if output.content is not None else "failed", output.message, output.content, output.figures)
     if reason == CANCELLED:
-        return _Ending("cancelled", output.message, output.content)
-    return _Ending("failed", f"stopped: {reason}", output.content)
+        return _Ending("cancelled", output.message, output.content, output.figures)
+    return _Ending("failed", f"stopped: {reason}", output.content, output.figures)

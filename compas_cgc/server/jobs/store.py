@@ -110,6 +110,10 @@ class Store:
         """Note that a solve that the server itself interrupted has to begin again."""
         self._change("UPDATE jobs SET state = 'queued', started = NULL, attempts = max(0, attempts - 1) WHERE id = ?", id)
 
+    def set_waiting(self, id: str) -> None:
+        """Note that a solve that the end of the server interrupted waits for another attempt."""
+        self._change("UPDATE jobs SET state = 'queued', started = NULL WHERE id = ?", id)
+
     def finish(self, id: str, state: str, message: str, progress: dict, result: Optional[bytes] = None) -> None:
         """Keep the outcome of a job; a job that was deleted meanwhile stays deleted."""
         size = None if result is None else len(result)

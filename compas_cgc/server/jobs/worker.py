@@ -29,6 +29,7 @@ class JobOutput(NamedTuple):
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result, None if there is none
     stopped: bool = False  # it ended early because it was asked to
+    figures: Optional[dict] = None  # of its last step, as a report tells them; the last report may be of an earlier one
 
 
 def report(progress: object) -> None:

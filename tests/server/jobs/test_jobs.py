@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from concurrent.futures import Future
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -21,6 +22,7 @@ from compas_cgc.server.jobs.future import TaskError
 from compas_cgc.server.jobs.future import TaskStopped
 from compas_cgc.server.jobs.future import WorkerDied
 from compas_cgc.server.jobs.pool import WorkerPool
+from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
 from compas_cgc.server.jobs.worker import report
 from compas_cgc.server.jobs.worker import stop_wanted
@@ -192,6 +194,20 @@ def test_a_job_runs_and_keeps_its_result(jobs):
         jobs.submit(*body(7), id="roof-0001")
 
 
+def test_a_finished_job_shows_its_last_step_and_no_earlier_one(jobs):
+    job, _ = jobs.submit(*body(8, targets=0.3, method="newton"))
+    wait_for(lambda: jobs.get(job.id).over)
+    done = jobs.get(job.id)
+    result, _ = unpack_result(jobs.result(job.id))
+    assert result.iterations > 1
+    assert {name: done.progress[name] for name in ("step", "max_error", "seconds", "error_norm")} == {
+        "step": result.iterations,
+        "max_error": result.max_error,
+        "seconds": result.seconds,
+        "error_norm": result.history.error_norm[-1],
+    }
+
+
 def test_progress_is_told_to_followers_and_cancel_ends_them(jobs):
     job, _ = jobs.submit(*endless())
     states = []
@@ -257,6 +273,25 @@ def test_a_stop_in_order_costs_a_job_none_of_its_attempts(tmp_path):
     store = Store(tmp_path / "jobs.sqlite")
     assert [(job.id, job.state, job.attempts) for job in store.unfinished()] == [("restarted", "queued", 0)]
     store.close()
+
+
+def test_a_job_that_a_kill_of_the_server_interrupted_waits_until_it_is_begun_again():
+    class Never:
+        """Begins nothing."""
+
+        def submit(self, function, *args):
+            return Future()
+
+        def shutdown(self, wait=True, cancel_futures=False):
+            pass
+
+    store = Store(":memory:")
+    kind, content = body()
+    store.add(Job("interrupted", "running", time.time(), time.time(), None, 1, "", "", "", {}, None, None), kind, {}, content)
+    engine = Jobs(Never(), store, solve_job)
+    again = engine.get("interrupted")
+    assert (again.state, again.started, again.attempts) == ("queued", None, 1)
+    engine.close()
 
 
 def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
