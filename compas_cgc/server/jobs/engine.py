@@ -83,6 +83,8 @@ class Jobs:
         self._running: dict[str, RunningJob] = {}
         # Jobs that are over, which the store could not be told of.
         self._lost: dict[str, Job] = {}
+        # Jobs that were deleted, which the store could not be told of yet.
+        self._forgotten: set[str] = set()
         self._change = threading.Condition(threading.RLock())
         self._closed = False
         self._conversions = threading.BoundedSemaphore(self.limits.conversions)
@@ -134,7 +136,8 @@ class Jobs:
         if id is not None and not _ID.fullmatch(id):
             raise Unprocessable("the id of a job must be 8 to 64 letters, digits, - or _")
         with self._change:
-            known = (self._lost.get(id) or self.store.get(id)) if id is not None else None
+            self._forget()
+            known = self._found(id) if id is not None else None
             if known is not None:
                 if known.digest != digest:
                     raise Conflict(f"the id {id} was used for another request; take a new one")
@@ -150,7 +153,7 @@ class Jobs:
     def get(self, id: str) -> Job:
         """Return a job with its present progress."""
         with self._change:
-            job = self._lost.get(id) or self.store.get(id)
+            job = self._found(id)
             if job is None:
                 raise NotFound(f"there is no job {id:.80}; it was deleted, or was never here")
             running = self._running.get(id)
@@ -160,7 +163,7 @@ class Jobs:
         """Return the newest jobs."""
         with self._change:
             running = {id: dict(entry.progress) for id, entry in self._running.items()}
-            found = [self._lost.get(job.id, job) for job in self.store.newest()]
+            found = [self._lost.get(job.id, job) for job in self.store.newest() if job.id not in self._forgotten]
             return [job._replace(progress=running.get(job.id, job.progress)) for job in found]
 
     def result(self, id: str) -> bytes:
@@ -195,7 +198,9 @@ class Jobs:
         """Stop a job and forget it."""
         self.get(id)
         with self._change:
-            self.store.delete(id)
+            # Who deletes to make room on a full disk is not told that there is none.
+            self._forgotten.add(id)
+            self._forget()
             running = self._running.pop(id, None)
             self._lost.pop(id, None)
             self._change.notify_all()
@@ -227,7 +232,7 @@ class Jobs:
                     return self._closed or id not in self._running or self._running[id].changes != seen
 
                 happened = self._change.wait_for(changed, heartbeat)
-                if self._closed or self.store.get(id) is None:
+                if self._closed or self._found(id) is None:
                     return
                 seen = self._running[id].changes if id in self._running else -1
                 job = self.get(id) if happened else None
@@ -311,13 +316,27 @@ class Jobs:
             self._change.notify_all()
         for executor in {self.executor, self.io_pool}:
             executor.shutdown(wait=True, cancel_futures=True)
+        self._forget()
         for id in left:
-            job = self.store.get(id)
+            job = self._found(id)
             if job is not None and not job.over:
                 self.store.set_queued(id)
         self.store.close()
 
     # ------------------------------------------------------------------
+
+    def _found(self, id: str) -> Optional[Job]:
+        return None if id in self._forgotten else self._lost.get(id) or self.store.get(id)
+
+    def _forget(self) -> None:
+        """Take the deleted jobs out of the store, as far as the disk lets it."""
+        for id in tuple(self._forgotten):
+            try:
+                self.store.delete(id)
+            except sqlite3.Error as error:
+                log.error("job %s cannot be taken out of the store yet: %s", id, error)
+                return
+            self._forgotten.discard(id)
 
     def _start(self, job: Job) -> None:
         running = self._running[job.id] = RunningJob(job.client)
@@ -365,6 +384,7 @@ class Jobs:
                 text = "the server could not keep the result, its disk may be full; make room there and submit the job again"
                 self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
             finally:
+                self._forget()
                 self._change.notify_all()
 
 

@@ -129,6 +129,15 @@ class Store:
 
     def delete(self, id: str) -> None:
         """Forget a job."""
+        try:
+            self._delete(id)
+        except sqlite3.OperationalError:
+            # On a full disk the log of what is already in the file makes room.
+            with self._lock:
+                self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._delete(id)
+
+    def _delete(self, id: str) -> None:
         with self._lock, self._base:
             self._base.execute("BEGIN")
             for table in ("jobs", "requests", "results"):

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import sqlite3
+import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from compas_cgc.errors import FileError
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
+from compas_cgc.server import create_app
 from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
 from compas_cgc.server.limits import Limits
@@ -134,8 +137,6 @@ def test_the_newest_result_is_kept_whatever_the_clock_says(tmp_path):
 
 
 def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
-    from concurrent.futures import ThreadPoolExecutor
-
     from compas_cgc.server.api.requests import accept
     from compas_cgc.server.api.tasks import solve_job
     from compas_cgc.server.jobs.engine import Jobs
@@ -152,6 +153,62 @@ def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
     done = engine.wait(job.id, PATIENCE)
     assert done.state == "failed" and "its disk may be full" in done.message
     engine.close()
+
+
+def test_a_job_can_be_deleted_on_a_full_disk(monkeypatch):
+    def full(*args):
+        raise sqlite3.OperationalError("database or disk is full")
+
+    with ThreadPoolExecutor(1) as executor:
+        app = create_app(executor=executor)
+        client, engine = app.test_client(), app.extensions["jobs"]
+        vertices, faces = grid(4)
+        request = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5, "id": "to-be-deleted"}
+        assert client.post("/api/v1/jobs", data=json.dumps(request)).status_code == 202
+        engine.wait("to-be-deleted", PATIENCE)
+        with monkeypatch.context() as disk:
+            disk.setattr(engine.store, "delete", full)
+            assert client.delete("/api/v1/jobs/to-be-deleted").status_code == 204
+            assert client.get("/api/v1/jobs/to-be-deleted").status_code == 404
+            assert client.get("/api/v1/jobs").json["jobs"] == []
+        assert client.post("/api/v1/jobs", data=json.dumps({**request, "targets": 0.4})).status_code == 202, "room again"
+        assert engine.wait("to-be-deleted", PATIENCE).state == "succeeded"
+        engine.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it counts the bytes of a file that is open")
+def test_a_deletion_makes_room_for_itself(tmp_path):
+    store = Store(tmp_path / "jobs.sqlite")
+    store.add(Job("large-one", "queued", time.time(), None, None, 0, "", "", "", {}, None, None), "json", {}, 10**6 * b"x")
+    log = tmp_path / "jobs.sqlite-wal"
+    assert log.stat().st_size > 10**6
+    failed = []
+
+    class Full:
+        """Raises once, as the file does where there is no room for the log to grow."""
+
+        def __init__(self, base):
+            self.base = base
+
+        def __getattr__(self, name):
+            return getattr(self.base, name)
+
+        def __enter__(self):
+            return self.base.__enter__()
+
+        def __exit__(self, *error):
+            return self.base.__exit__(*error)
+
+        def execute(self, command, *values):
+            if command.startswith("DELETE") and log.stat().st_size > 10**6:
+                failed.append(command)
+                raise sqlite3.OperationalError("database or disk is full")
+            return self.base.execute(command, *values)
+
+    store._base = Full(store._base)
+    store.delete("large-one")
+    assert failed and store.get("large-one") is None
+    store.close()
 
 
 def test_a_busy_server_says_so_to_hops(tmp_path):
