@@ -20,6 +20,8 @@ defaults work.
 from __future__ import annotations
 
 import argparse
+import functools
+import inspect
 import json
 import logging
 import os
@@ -125,13 +127,31 @@ class Service:
             call = read_json(str(args[0]).encode(), self._jobs.limits) if args else None
             if not isinstance(call, dict) or not isinstance(call.get("args"), list) or not isinstance(call.get("kwargs"), dict):
                 raise RequestError("a call must be a JSON object with 'args' and 'kwargs', as compas.rpc.Proxy makes it")
-            data, error = self._functions[name](*call["args"], **call["kwargs"]), None
-        except (RequestError, TypeError) as refused:
+            data, error = _bound(name, self._functions[name], call["args"], call["kwargs"])(), None
+        except RequestError as refused:
             data, error = None, str(refused)
         except Exception:
             log.exception("%s failed", name)
             data, error = None, "the service has a fault and could not answer"
         return json.dumps({"data": data, "error": error, "profile": None})
+
+
+def _bound(name: str, function: Callable, args: list, options: dict) -> Callable[[], object]:
+    """Return a function with the arguments of a call.
+
+    Raises
+    ------
+    RequestError
+        If they are not those of the function.
+    """
+    try:
+        given = inspect.signature(function).bind(*args, **options)
+    except TypeError as error:
+        raise RequestError(f"{name} cannot be called so: {error}") from None
+    id = given.arguments.get("id")
+    if "id" in given.arguments and not isinstance(id, str):
+        raise RequestError(f"the id of a job must be a text, as submit returns it, not {json.dumps(id)[:40]}")
+    return functools.partial(function, *given.args, **given.kwargs)
 
 
 class Handler(SimpleXMLRPCRequestHandler):

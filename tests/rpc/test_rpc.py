@@ -69,17 +69,27 @@ def test_nothing_else_can_be_called(proxy, name):
         Proxy.__getattr__(proxy, name)()
 
 
+def _calls_of(proxy):
+    return [getattr(proxy, name) for name in ("status", "result", "cancel")]
+
+
 def test_errors_are_sentences_without_traces(proxy):
     for call, part in (
         (lambda: proxy.solve(roof(), method="magic"), "'method' must be one of"),
         (lambda: proxy.solve(roof(), targets=9.0), "more than this boundary"),
         (lambda: proxy.submit({"dtype": "os/system", "data": {}}), "COMPAS Mesh"),
         (lambda: proxy.status("nobody-here"), "no job"),
-        (lambda: proxy.status(), "missing"),
+        (lambda: proxy.status(), "status cannot be called so: missing a required argument: 'id'"),
+        (lambda: proxy.result("nobody-here", colour="red"), "unexpected keyword argument 'colour'"),
+        *(
+            (lambda call=call, id=id: call(id), "the id of a job must be a text")
+            for call in _calls_of(proxy)
+            for id in (5, None, ["a"], {"a": 1})
+        ),
     ):
         with pytest.raises(RPCServerError, match=part) as error:
             call()
-        assert "Traceback" not in str(error.value)
+        assert "Traceback" not in str(error.value) and "Service." not in str(error.value)
 
 
 def test_a_path_of_the_client_is_not_imported_from(proxy, tmp_path):
