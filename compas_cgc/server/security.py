@@ -51,11 +51,19 @@ def guard() -> None:
     origin = request.headers.get("Origin")
     if origin is not None and origin.rstrip("/") not in (f"http://{request.headers['Host']}", f"https://{request.headers['Host']}"):
         raise Forbidden("requests of pages of other sites are refused")
+    # Their GETs carry no Origin, but whose they are; a link to the page may be anywhere.
+    if request.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not _is_link_to_page():
+        raise Forbidden("requests of pages of other sites are refused")
     key = current_app.config["KEY"]
     if key and not _is_open() and not _has(key):
         raise Unauthorized(
             "the key is missing or wrong; send the server's key as RhinoComputeKey (in Hops: Preferences, Solver, Hops, API key)"
         )
+
+
+def _is_link_to_page() -> bool:
+    visits = request.headers.get("Sec-Fetch-Mode") == "navigate" and request.headers.get("Sec-Fetch-Dest") == "document"
+    return visits and request.method == "GET" and request.path == "/"
 
 
 def _is_open() -> bool:
