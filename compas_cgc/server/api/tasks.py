@@ -22,6 +22,7 @@ from ..limits import Limits
 from .requests import READERS
 from .requests import SolveRequest
 from .serialization import pack_result
+from .wording import in_request_words
 
 __all__ = ["Progress", "run_request", "solve_job", "warm_up"]
 
@@ -84,7 +85,7 @@ def solve_job(
         request = readers[kind](options, body, limits)
         result = run_request(request)
     except (RequestError, ValueError) as error:
-        return JobOutput(str(error))
+        return JobOutput(in_request_words(error))
     return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled", _figures(result))
 
 
@@ -108,7 +109,7 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
     if result.status == "cancelled":
         return {"notes": notes}
     if not result.converged:
-        notes += [str(said) for said in check(request.problem)]
+        notes += [in_request_words(said) for said in check(request.problem)]
     report = analyse(result, request.problem)
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")

@@ -22,7 +22,7 @@ from .schema import RESULT_TYPES
 from .schema import Endpoint
 from .schema import Input
 
-__all__ = ["format_number", "entry", "finite_items", "read_values", "format_text"]
+__all__ = ["format_number", "entry", "finite_items", "passed_over", "read_values", "format_text"]
 
 
 def read_values(endpoint: Endpoint, values: object) -> dict:
@@ -37,6 +37,17 @@ def read_values(endpoint: Endpoint, values: object) -> dict:
         raise Unprocessable("'values' must be a list of inputs")
     trees = {str(item.get("ParamName")).lower(): item.get("InnerTree") for item in values}
     return {own.name: _input(own, trees.get(own.name.lower())) for own in endpoint.inputs}
+
+
+def passed_over(endpoint: Endpoint, values: object) -> list[str]:
+    """Return a sentence on every input that takes one item and has more, of inputs that were read."""
+    trees = {str(item.get("ParamName")).lower(): item.get("InnerTree") for item in values} if isinstance(values, list) else {}
+    counts = {own.name: len(_items(own.name, trees.get(own.name.lower()))) for own in endpoint.inputs if not own.many}
+    return [
+        f"input '{name}' takes one item and has {count}, of which the first was used; send the others in requests of their own"
+        for name, count in counts.items()
+        if count > 1
+    ]
 
 
 def _input(own: Input, tree: object) -> object:

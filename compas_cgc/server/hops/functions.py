@@ -25,10 +25,12 @@ from ...solvers.registry import method_of
 from ..api.requests import SolveRequest
 from ..api.rhino_mesh import mesh_text
 from ..api.tasks import run_request
+from ..api.wording import in_request_words
 from ..errors import RequestError
 from ..limits import Limits
 from .data_tree import entry
 from .data_tree import finite_items
+from .data_tree import passed_over
 from .data_tree import read_values
 from .endpoints import endpoint
 from .inputs import dome_request
@@ -55,11 +57,12 @@ def run_function(uri: str, values: object, context: dict, limits: Limits) -> Rep
     """Run a function on the values of a request; what is wrong with them is told in the reply."""
     started = time.perf_counter()
     try:
-        return FUNCTIONS[uri](read_values(endpoint(uri), values), context, limits, started)
+        reply = FUNCTIONS[uri](read_values(endpoint(uri), values), context, limits, started)
+        return reply._replace(warnings=[*reply.warnings, *passed_over(endpoint(uri), values)])
     except RequestError as error:
         return Reply(error.status, [], [str(error)], [], {})
     except ValueError as error:
-        return Reply(422, [], [str(error)], [], {})
+        return Reply(422, [], [in_request_words(error)], [], {})
 
 
 def _dome(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
@@ -78,7 +81,7 @@ def _solved(request: SolveRequest, started: float) -> Reply:
     if result.status not in GOOD_ENOUGH:
         return Reply(422, [], [result.message], notes, _spent(started, read, solved))
     judged = f"the surface is {result.verdict}"
-    remarks = [] if result.converged else [str(said) for said in check(request.problem)]
+    remarks = [] if result.converged else [in_request_words(said) for said in check(request.problem)]
     warnings = ([] if result.verdict and result.verdict.fair else [judged]) if result.converged else [result.message, *remarks]
     info = "\n".join([judged, f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
     return Reply(200, surface_values(result, info), [], warnings, _spent(started, read, solved))

@@ -21,6 +21,7 @@ from ..errors import error_body
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
+from .data_tree import passed_over
 from .data_tree import read_values
 from .endpoints import endpoint
 from .endpoints import endpoints
@@ -84,6 +85,7 @@ def solve(prefix: str = "") -> Response:
             reply = _submit(values, context)
         elif uri == "cgc/fetch":
             reply = _fetch(values)
+            reply = reply._replace(warnings=[*reply.warnings, *passed_over(endpoint(uri), values)])
         else:
             reply = run_in_worker(
                 run_function,
@@ -108,7 +110,7 @@ def _submit(values: object, context: dict) -> Reply:
     read_values(endpoint("cgc/submit"), values)
     body = json.dumps({"values": values, "context": context}).encode()
     job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=request.remote_addr or "")
-    return Reply(200, [entry("Job", "Text", [job.id])], [], [], {})
+    return Reply(200, [entry("Job", "Text", [job.id])], [], passed_over(endpoint("cgc/submit"), values), {})
 
 
 def _fetch(values: object) -> Reply:

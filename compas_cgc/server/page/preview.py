@@ -19,6 +19,7 @@ from ...model.roles import CREASE
 from ...model.roles import ROLES
 from ..api.decoding import check_size
 from ..api.mesh_files import read_upload
+from ..api.wording import in_request_words
 from ..errors import Unprocessable
 from ..limits import Limits
 
@@ -50,7 +51,7 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
         check_size(len(problem.vertices), len(problem.faces), limits)
         return _json(contents(problem, read.notes, name))
     except ValueError as error:
-        raise Unprocessable(str(error)) from None
+        raise Unprocessable(in_request_words(error)) from None
 
 
 def read_example(name: str, title: str, text: str) -> bytes:
@@ -95,7 +96,7 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
         "targets": targets,
         "vertex_targets": _of_vertices(problem) if None in targets else None,
         "notes": notes,
-        "problems": [{"text": str(said), "fatal": said.fatal} for said in check(problem)],
+        "problems": [{"text": in_request_words(said), "fatal": said.fatal} for said in check(problem)],
     }
 
 

@@ -6,6 +6,7 @@ import base64
 import http.client
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -354,11 +355,39 @@ def test_meshes_that_cannot_be_solved_fail_with_the_reason(server):
         assert status["state"] == "failed" and part in status["message"]
 
 
+def test_what_a_mesh_lacks_is_said_without_calls_of_python(server):
+    tetrahedron = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
+    two = [[7 * k + 3 for k in range(7)]]
+    for value, part in (
+        (request(supports=[]), 'fix vertices (supports "boundary" fixes the whole edge)'),
+        ({**tetrahedron, "supports": [], "targets": 1.0}, "so name them: a list of vertices as supports"),
+        (request(targets=None), "say which Gaussian curvature is wanted, as targets"),
+        (request(creases=two, targets={"0": 0.1}), "set one for their region in targets"),
+    ):
+        status = finished(server, json.loads(post(server, value)[2])["id"])
+        assert status["state"] == "failed" and part in status["message"]
+        assert not re.search(r"mesh\.|\w\(|--\w", status["message"])
+
+
 def test_too_much_is_refused(server):
     assert post(server, b" " * (Limits().body + 1))[0] == 413
     many = b'{"vertices": [' + b"[0,0,0]," * Limits().vertices + b"[0,0,0]]}"
     status, _, content = post(server, many)
     assert status == 413 and "coarser" in json.loads(content)["message"]
+
+
+def test_gets_of_pages_of_other_sites_are_refused(server):
+    for site in ("cross-site", "same-site"):
+        for path in ("/health", "/api/v1/jobs", "/cgc/dome", "/page/main.js", "/"):
+            status, _, content = ask(
+                server, "GET", path, **{"Sec-Fetch-Site": site, "Sec-Fetch-Mode": "no-cors", "Sec-Fetch-Dest": "script"}
+            )
+            assert status == 403 and "other sites" in json.loads(content)["message"]
+        visit = {"Sec-Fetch-Site": site, "Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document"}
+        assert ask(server, "GET", "/", Accept="text/html", **visit)[0] == 200, "a link to the page may be anywhere"
+        assert ask(server, "GET", "/api/v1/jobs", **visit)[0] == 403
+    for site in ("same-origin", "none"):
+        assert ask(server, "GET", "/api/v1/jobs", **{"Sec-Fetch-Site": site})[0] == 200
 
 
 def test_other_addresses_answer_in_json_too(server):

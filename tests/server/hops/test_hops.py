@@ -82,7 +82,8 @@ def test_the_functions_are_described(server, generation):
 
 @pytest.mark.parametrize("generation", GENERATIONS)
 @pytest.mark.parametrize(
-    ("path", "sentence"), [("/cgc/nothing", "no function 'cgc/nothing'"), ("/gcg/dome", "nothing at this address"), ("/solve", "GET requests")]
+    ("path", "sentence"),
+    [("/cgc/nothing", "no function 'cgc/nothing'"), ("/gcg/dome", "nothing at this address"), ("/solve", "GET requests")],
 )
 def test_a_mistyped_path_is_said_on_the_component(server, generation, path, sentence):
     with pytest.raises(HopsError, match=sentence):

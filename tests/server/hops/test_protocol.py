@@ -171,6 +171,17 @@ def test_what_is_missing_takes_its_default_and_what_is_unknown_is_passed_over(se
         assert (status, errors, outputs["Error"]) == (200, [], expected)
 
 
+def test_items_that_are_not_used_are_told_of(server):
+    mesh = sheet().Encode()
+    for name, inputs in (("dome", {"K": items(0.01, 0.02)}), ("submit", {"K": items(0.01), "Method": items("auto", "flow")})):
+        alone = {own: {"0": tree["0"][:1]} for own, tree in inputs.items()}
+        assert plain(server, name, Mesh=items(mesh), **alone)[1]["warnings"] == []
+        status, body = plain(server, name, Mesh=items(mesh), **inputs)
+        (several,) = (own for own, tree in inputs.items() if len(tree["0"]) == 2)
+        assert status == 200 and len(body["warnings"]) == 1
+        assert body["warnings"][0].startswith(f"input '{several}' takes one item and has 2, of which the first was used")
+
+
 def test_an_empty_item_in_a_list_is_no_item_to_leave_out(server):
     status, body = plain(server, "solve", Mesh=items(sheet().Encode()), K=items(0.01, None), At=items(None, {"X": 1, "Y": 1, "Z": 0}))
     assert status == 422 and "input 'K' has 1 empty items" in body["errors"][0]

@@ -1,0 +1,22 @@
+"""Sentences of the checks in the words of a request: who asks over HTTP has no functions of Python to call."""
+
+from __future__ import annotations
+
+__all__ = ["in_request_words"]
+
+WORDS = (
+    ("mesh.set_supports('boundary') or --supports boundary fixes the whole edge", 'supports "boundary" fixes the whole edge'),
+    ("mesh.set_supports([...])", "a list of vertices as supports"),
+    (" (mesh.set_creases)", ""),
+    (" (mesh.set_target(K), or --target K)", ", as targets"),
+    (" (mesh.set_target(K, region=r))", " in targets"),
+    (" (mesh.set_target(K))", ", as targets"),
+)
+
+
+def in_request_words(sentence: object) -> str:
+    """Return a sentence with the fields of a request instead of calls of Python."""
+    text = str(sentence)
+    for call, field in WORDS:
+        text = text.replace(call, field)
+    return text
