@@ -68,7 +68,8 @@ def create_app(
     key
         What clients have to send to have anything computed. Default: nothing.
     workers
-        Number of worker processes. Default: one less than the processors, at least one.
+        Number of worker processes for all solves. Default: one less than the processors, at least one. A further one
+        takes only those that somebody waits for.
     limits
         What is refused.
     hosts
@@ -81,7 +82,7 @@ def create_app(
     app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEY=key, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
     # First, as it may be refused.
     stored = Store(store)
-    pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
+    pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
     io_pool = WorkerPool(1, warm_up_io, limits.grace)
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
     app.extensions["jobs"] = Jobs(pool, stored, solve, limits, io_pool)

@@ -43,6 +43,8 @@ class Limits:
         Most event streams and requests that wait for a job at once; each holds a thread.
     calls
         Most blocking solves at once; each holds a thread.
+    reserved
+        Workers besides the others that take nothing but blocking solves, so that no job keeps these waiting.
     conversions
         Most files that are read or written at once; each holds a thread.
     """
@@ -63,6 +65,7 @@ class Limits:
     remembered: int = 5000
     streams: int = 16
     calls: int = 32
+    reserved: int = 1
     conversions: int = 8
 
     @property

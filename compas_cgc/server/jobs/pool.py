@@ -44,9 +44,11 @@ class WorkerPool(Executor):
         Function called in every process before its first task.
     grace
         Seconds between being asked to stop and being killed.
+    reserved
+        Number of further processes that take urgent tasks only.
     """
 
-    def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0):
+    def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0, reserved: int = 0):
         self._context = multiprocessing.get_context("spawn")
         self._warm_up = warm_up
         self._grace = grace
@@ -55,7 +57,7 @@ class WorkerPool(Executor):
         self._closed = False
         self._failed_starts = 0
         self.replaced = 0
-        self._slots = [WorkerHandle() for _ in range(workers)]
+        self._slots = [WorkerHandle(urgent_only=k >= workers) for k in range(workers + reserved)]
         self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
         for thread in self._threads:
             thread.start()
@@ -184,17 +186,21 @@ class WorkerPool(Executor):
             with self._change:
                 slot.state = "idle"
                 self._change.notify_all()
-                while not self._waiting and not self._closed and slot.process.is_alive():
+                while (task := self._next(slot)) is None and not self._closed and slot.process.is_alive():
                     self._change.wait(0.5)
-                if self._closed or not slot.process.is_alive():
+                if task is None or self._closed or not slot.process.is_alive():
                     return
-                task = self._waiting.popleft()
+                self._waiting.remove(task)
                 if not task.set_running_or_notify_cancel():
                     continue
                 slot.state = "busy"
             if not self._run(slot, task):
                 self.replaced += 1
                 return
+
+    def _next(self, slot: WorkerHandle) -> Optional[Task]:
+        """Return the first of the waiting tasks that a worker may take."""
+        return next((task for task in self._waiting if task.urgent or not slot.urgent_only), None)
 
     def _run(self, slot: WorkerHandle, task: Task) -> bool:
         """Run a task; tell whether the process is still there."""

@@ -12,13 +12,19 @@ __all__ = ["WorkerHandle"]
 class WorkerHandle:
     """The process that runs at the moment, the pipe to it, and its flag to stop.
 
+    Parameters
+    ----------
+    urgent_only
+        It is kept for tasks that somebody waits for.
+
     Attributes
     ----------
     state
         ``starting``, ``idle``, ``busy`` or ``closed``.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, urgent_only: bool = False) -> None:
+        self.urgent_only = urgent_only
         self.state = "starting"
         self.process: process.BaseProcess = None  # type: ignore[assignment]  # until it is started
         self.line: connection.Connection = None  # type: ignore[assignment]

@@ -212,7 +212,7 @@ def test_a_deletion_makes_room_for_itself(tmp_path):
 
 
 def test_a_busy_server_says_so_to_hops(tmp_path):
-    with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"blocking": 0.7}) as busy:
+    with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"blocking": 0.7, "reserved": 0}) as busy:
         busy.client.submit(*grid(20), **ENDLESS)
         wait_for(lambda: busy.client.health()["busy"] == 1)
         vertices, faces = grid(3)

@@ -54,7 +54,7 @@ OPERATIONS = [(method, path) for path, own in description()["paths"].items() for
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
-    limits = {"blocking": 30.0, "seconds": 30.0}
+    limits = {"blocking": 30.0, "seconds": 30.0, "reserved": 0}
     with running_server(tmp_path_factory.mktemp("fuzz") / "jobs.sqlite", workers=1, limits=limits) as running:
         yield running
 

@@ -76,7 +76,8 @@ class Hanging:
 def one_worker(tmp_path_factory):
     """A server with one worker: whoever does not let go of it keeps all others waiting."""
     # With this grace no worker is ended by force that would end by itself.
-    with running_server(tmp_path_factory.mktemp("one") / "jobs.sqlite", KEY, workers=1, limits={"grace": PATIENCE}) as running:
+    limits = {"grace": PATIENCE, "reserved": 0}
+    with running_server(tmp_path_factory.mktemp("one") / "jobs.sqlite", KEY, workers=1, limits=limits) as running:
         yield running
 
 
@@ -114,6 +115,16 @@ def test_many_that_hang_up_leave_nothing_behind(one_worker):
         wait_for(lambda: (health()["busy"], health()["waiting"]) == (0, 0), what="solves of clients that are gone")
 
 
+def test_jobs_keep_nobody_waiting_who_waits_for_an_answer(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", KEY, workers=1, limits={"blocking": 20.0}) as server:
+        for _ in range(3):
+            assert submit(server, endless())[0] == 202
+        wait_for(lambda: (server.client.health()["busy"], server.client.health()["waiting"]) == (1, 2))
+        for k in range(10):
+            assert server.ask("POST", "/solve", hops_body("dome", K=0.01 + 0.001 * k))[0] == 200
+        assert [status["state"] for status in server.client.jobs()] == ["queued", "queued", "running"]
+
+
 def test_half_a_request_holds_no_worker(one_worker):
     body = hops_body("dome")
     half = Hanging(one_worker, b"", "/health", "GET")
@@ -134,7 +145,7 @@ def test_half_a_request_holds_no_worker(one_worker):
 @pytest.fixture(scope="module")
 def tight(tmp_path_factory):
     """A server that takes little."""
-    limits = {"blocking": 3.0, "queue": 5, "per_client": 3, "body": 2**20, "depth": 12, "calls": 2}
+    limits = {"blocking": 3.0, "queue": 5, "per_client": 3, "body": 2**20, "depth": 12, "calls": 2, "reserved": 0}
     with running_server(tmp_path_factory.mktemp("tight") / "jobs.sqlite", KEY, workers=1, limits=limits) as running:
         yield running
 

@@ -343,3 +343,14 @@ def test_who_is_waited_for_goes_before_all_but_those_who_wait_for_long():
         blocking.stop("go on")
         wait_for(lambda: len(ended) == 5)
     assert ended == ["old job", "call 1", "call 2", "job 1", "job 2"]
+
+
+def test_a_reserved_worker_takes_nothing_that_nobody_waits_for():
+    with WorkerPool(1, None, 1.0, reserved=1) as two:
+        blocking = begun(two, sleep_until_told)
+        job = two.start(add, (1, 1))
+        job.since -= 60
+        assert [two.start(add, (k, 1), urgent=True).result(PATIENCE) for k in range(3)] == [1, 2, 3]
+        assert not job.done() and two.health()["waiting"] == 1
+        blocking.stop("go on")
+        assert job.result(PATIENCE) == 2
