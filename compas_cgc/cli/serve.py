@@ -24,11 +24,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other needs a key"
     )
     parser.add_argument("--port", type=_port, default=7331, help="port (default 7331), 0 for any free one")
-    parser.add_argument("--key", help="what clients have to send (default: COMPAS_CGC_KEY, or none)")
+    parser.add_argument(
+        "--key",
+        action="append",
+        help="what clients have to send (default: COMPAS_CGC_KEY, or none); several, each with limits of its own, are given one by one",
+    )
     parser.add_argument("--workers", type=_positive, help="solves at the same time (default: processors less one)")
     parser.add_argument("--store", metavar="FILE", help="file that keeps the jobs (default: one of the user's, by the port)")
     parser.add_argument(
         "--name", action="append", default=[], help="host name that clients use for this server; may be given several times"
+    )
+    parser.add_argument(
+        "--trusted-proxy", metavar="ADDRESS", help="address of the proxy in front of the server, whose X-Forwarded-For names the clients"
     )
     parser.set_defaults(run=run)
 
@@ -43,12 +50,12 @@ def run(arguments: argparse.Namespace) -> int:
     except ImportError as error:
         raise CGCError(f"the server needs {error.name}; install it: pip install 'compas_cgc[server]'") from None
 
-    key = arguments.key or os.environ.get("COMPAS_CGC_KEY") or None
+    key = arguments.key or os.environ.get("COMPAS_CGC_KEY", "").split()
     names = tuple(name.lower() for name in arguments.name)
     if not is_warm():
         # Here, with a bar, and not in every worker.
         warm()
-    serve(arguments.host, arguments.port, key, arguments.workers, arguments.store, names=names)
+    serve(arguments.host, arguments.port, key, arguments.workers, arguments.store, names=names, trusted_proxy=arguments.trusted_proxy)
     return DONE
 
 

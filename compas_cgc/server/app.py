@@ -6,6 +6,7 @@ import logging
 import os
 import secrets
 import sqlite3
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -39,6 +40,7 @@ from .page import index
 from .page import page
 from .page import wants_page
 from .security import guard
+from .security import keys_of
 
 __all__ = ["create_app"]
 
@@ -53,7 +55,7 @@ SENTENCES = {
 
 def create_app(
     store: Union[str, Path] = ":memory:",
-    key: Optional[str] = None,
+    key: Union[str, Sequence[str], None] = None,
     workers: Optional[int] = None,
     limits: Optional[Limits] = None,
     hosts: tuple[str, ...] = (),
@@ -66,7 +68,8 @@ def create_app(
     store
         SQLite file that keeps the jobs, or ``":memory:"``.
     key
-        What clients have to send to have anything computed. Default: nothing.
+        What clients have to send to have anything computed. Default: nothing. Of several each is a client of its own,
+        wherever it asks from.
     workers
         Number of worker processes for all solves. Default: one less than the processors, at least one. A further one
         takes only those that somebody waits for.
@@ -79,7 +82,9 @@ def create_app(
     """
     limits = limits or Limits()
     app = Flask("compas_cgc.server", static_folder=None)
-    app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEY=key, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
+    app.config.update(
+        MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEYS=keys_of(key), HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8)
+    )
     # First, as it may be refused.
     stored = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)

@@ -26,7 +26,7 @@ class Limits:
     queue
         Most jobs that wait or run.
     per_client
-        Most jobs of one client (an address) that wait or run.
+        Most jobs of one client (an address, or a key where there are several) that wait or run.
     seconds
         Longest running time of a job.
     blocking

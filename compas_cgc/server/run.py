@@ -9,16 +9,19 @@ import socket
 import sys
 import threading
 import urllib.request
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
+from typing import Union
 
 from .._version import __version__
 from ..errors import CGCError
 from .limits import Limits
 from .security import hostname
 from .security import is_loopback
+from .security import keys_of
 
 if TYPE_CHECKING:
     from .jobs.engine import Jobs
@@ -43,11 +46,12 @@ def default_store(port: int) -> Path:
 def serve(
     host: str = HOST,
     port: int = PORT,
-    key: Optional[str] = None,
+    key: Union[str, Sequence[str], None] = None,
     workers: Optional[int] = None,
     store: Optional[str] = None,
     limits: Optional[Limits] = None,
     names: tuple[str, ...] = (),
+    trusted_proxy: Optional[str] = None,
 ) -> None:
     """Serve until interrupted.
 
@@ -58,7 +62,7 @@ def serve(
     port
         0 for any free one.
     key
-        What clients have to send.
+        What clients have to send: one key, or several, each of which has limits of its own.
     workers
         Number of worker processes.
     store
@@ -67,17 +71,20 @@ def serve(
         What is refused.
     names
         Host names under which clients reach the server.
+    trusted_proxy
+        Address of the proxy in front of the server: the last address of its X-Forwarded-For is the client's.
 
     Raises
     ------
     CGCError
         If there is no key where one is needed, or the port is taken.
     """
-    if not is_loopback(host) and not key:
+    keys = keys_of(key)
+    if not is_loopback(host) and not keys:
         raise CGCError(
             f"listening on {host} needs a key, or anybody on the network could use this machine; set one with --key or COMPAS_CGC_KEY"
         )
-    if key is not None and (len(key) < 8 or not key.isascii() or not key.isprintable() or " " in key):
+    if any(len(own) < 8 or not own.isascii() or not own.isprintable() or " " in own for own in keys):
         raise CGCError("the key must be 8 or more plain letters, digits and signs")
     names = tuple(hostname(name.split("//")[-1]) for name in names)
     if not all(names):
@@ -91,7 +98,7 @@ def serve(
     from .app import create_app
     from .waitress_channel import channel_class
 
-    app = create_app(store or default_store(port), key, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
+    app = create_app(store or default_store(port), keys, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
     server: Any = create_server(
         app,
         sockets=[listener],
@@ -104,11 +111,12 @@ def serve(
         channel_timeout=30,
         ident=None,
         clear_untrusted_proxy_headers=True,
+        **({"trusted_proxy": trusted_proxy, "trusted_proxy_headers": {"x-forwarded-for"}} if trusted_proxy else {}),
     )
     server.channel_class = channel_class(limits.body)
     everywhere = host in ("0.0.0.0", "::")
     shown = "127.0.0.1" if everywhere else f"[{host}]" if ":" in host else host
-    print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if key else 'without'} a key); Ctrl-C ends it")
+    print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if keys else 'without'} a key); Ctrl-C ends it")
     print(f"Grasshopper: put a Hops component and set its path to http://{shown}:{port}/cgc/dome", flush=True)
     if everywhere:
         print(f"other machines reach it under {' or '.join(names) or 'no name yet: give those of this machine with --name'}", flush=True)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import hmac
+from collections.abc import Sequence
+from typing import Optional
+from typing import Union
 from urllib.parse import urlsplit
 
 from flask import current_app
@@ -10,7 +14,7 @@ from flask import request
 
 from .errors import RequestError
 
-__all__ = ["Forbidden", "Misdirected", "Unauthorized", "guard", "hostname", "is_loopback"]
+__all__ = ["Forbidden", "Misdirected", "Unauthorized", "client_name", "guard", "hostname", "is_loopback", "keys_of"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -54,8 +58,7 @@ def guard() -> None:
     # Their GETs carry no Origin, but whose they are; a link to the page may be anywhere.
     if request.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not _is_link_to_page():
         raise Forbidden("requests of pages of other sites are refused")
-    key = current_app.config["KEY"]
-    if key and not _is_open() and not _has(key):
+    if current_app.config["KEYS"] and not _is_open() and _given_key() is None:
         raise Unauthorized(
             "the key is missing or wrong; send the server's key as RhinoComputeKey (in Hops: Preferences, Solver, Hops, API key)"
         )
@@ -71,10 +74,26 @@ def _is_open() -> bool:
     return request.method in ("GET", "HEAD", "OPTIONS") and not request.path.startswith("/api/")
 
 
-def _has(key: str) -> bool:
+def keys_of(key: Union[str, Sequence[str], None]) -> tuple[str, ...]:
+    """Return the keys of a server as a list, whether it has none, one or several."""
+    return () if not key else (key,) if isinstance(key, str) else tuple(key)
+
+
+def client_name() -> str:
+    """Return who asks, as far as limits for one client go: the owner of one of several keys, or else an address."""
+    keys = current_app.config["KEYS"]
+    key = _given_key() if len(keys) > 1 else None
+    # The store is no place for keys.
+    return (request.remote_addr or "") if key is None else f"key:{hashlib.sha256(key.encode()).hexdigest()[:16]}"
+
+
+def _given_key() -> Optional[str]:
+    """Return that of the server's keys that a request has."""
     scheme, _, bearer = request.headers.get("Authorization", "").partition(" ")
     given = [request.headers.get("RhinoComputeKey", ""), bearer.strip() if scheme.lower() == "bearer" else ""]
-    return any([hmac.compare_digest(text.encode(), key.encode()) for text in given])
+    # All are compared, so that the time tells nothing.
+    found = [key for key in current_app.config["KEYS"] for text in given if hmac.compare_digest(text.encode(), key.encode())]
+    return found[0] if found else None
 
 
 def hostname(host: str) -> str:

@@ -50,13 +50,13 @@ class Running:
 
 
 @contextmanager
-def running_server(store, key=None, workers=2, port=0, limits=None):
+def running_server(store, key=None, workers=2, port=0, limits=None, **more):
     """Run ``compas-cgc serve``, or with limits of its own the function behind that."""
     if limits is None:
         command = ["-m", "compas_cgc", "serve", "--port", str(port), "--workers", str(workers), "--store", str(store)]
         command += ["--key", key] if key else []
     else:
-        asked = {"port": port, "key": key, "workers": workers, "store": str(store), "limits": limits}
+        asked = {"port": port, "key": key, "workers": workers, "store": str(store), "limits": limits, **more}
         command = ["-c", WITH_LIMITS, json.dumps(asked)]
     process = subprocess.Popen([sys.executable, *command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     said, url = [], None
@@ -68,7 +68,7 @@ def running_server(store, key=None, workers=2, port=0, limits=None):
             if line.startswith("ready"):
                 break
         assert url, "".join(said)
-        running = Running(process, url, key)
+        running = Running(process, url, key if key is None or isinstance(key, str) else key[0])
         # A full pipe would stop the server.
         threading.Thread(target=running.said.extend, args=(process.stdout,), daemon=True).start()
         yield running

@@ -18,6 +18,7 @@ from ..jobs.engine import Jobs
 from ..jobs.future import TaskError
 from ..jobs.future import TaskStopped
 from ..jobs.future import WorkerDied
+from ..security import client_name
 
 __all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
 
@@ -42,7 +43,7 @@ def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
     RequestError
         Of the function, or because of the worker.
     """
-    return _waited(partial(jobs().call, function, *args, client=request.remote_addr or ""), function, hint)
+    return _waited(partial(jobs().call, function, *args, client=client_name()), function, hint)
 
 
 def run_in_io_pool(function: Callable, *args: object) -> Any:

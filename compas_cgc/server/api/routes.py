@@ -20,6 +20,7 @@ from ..._version import __version__
 from ..errors import BadRequest
 from ..errors import Busy
 from ..errors import Unprocessable
+from ..security import client_name
 from .blocking_calls import jobs
 from .blocking_calls import run_in_io_pool
 from .blocking_calls import run_in_worker
@@ -91,7 +92,7 @@ def submit() -> Response:
     if id is not None and not isinstance(id, str):
         raise Unprocessable("'id' must be a text")
     g.spent = {"check": time.perf_counter() - started}
-    job, _ = jobs().submit(kind, content, options, id, request.remote_addr or "")
+    job, _ = jobs().submit(kind, content, options, id, client_name())
     address = url_for("api.show", id=job.id)
     links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
     return respond(links, 202, {"Location": address})

@@ -18,6 +18,7 @@ from ..api.serialization import unpack_result
 from ..errors import RequestError
 from ..errors import Unprocessable
 from ..errors import error_body
+from ..security import client_name
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
@@ -109,7 +110,7 @@ def solve(prefix: str = "") -> Response:
 def _submit(values: object, context: dict) -> Reply:
     read_values(endpoint("cgc/submit"), values)
     body = json.dumps({"values": values, "context": context}).encode()
-    job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=request.remote_addr or "")
+    job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=client_name())
     return Reply(200, [entry("Job", "Text", [job.id])], [], passed_over(endpoint("cgc/submit"), values), {})
 
 

@@ -256,7 +256,7 @@ class Jobs:
         Raises
         ------
         Busy
-            If too many calls and jobs wait.
+            If too many calls wait; jobs are counted apart.
         TimeoutError
             If it took longer than the limit for requests that wait.
         """
@@ -264,7 +264,7 @@ class Jobs:
         with self._change:
             if sum(id.startswith("call:") for id in self._running) >= self.limits.calls:
                 raise Busy("the server is busy with other solves; try again in a moment")
-            self.admit(client)
+            self._check_open()
             running = self._running[f"call:{key}"] = RunningJob(client)
             # Somebody waits for it, as nobody does for a job.
             running.task = self._run(function, args, None, urgent=True)
@@ -292,19 +292,23 @@ class Jobs:
             self._conversions.release()
 
     def admit(self, client: str) -> None:
-        """Refuse when too much waits.
+        """Refuse a job when too many wait.
 
         Raises
         ------
         Busy
             With what to do.
         """
+        self._check_open()
+        clients = [running.client for id, running in self._running.items() if not id.startswith("call:")]
+        if len(clients) >= self.limits.queue:
+            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished")
+        if clients.count(client) >= self.limits.per_client:
+            raise Busy(f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them")
+
+    def _check_open(self) -> None:
         if self._closed:
             raise Busy("the server is stopping; submit again when it is back")
-        if len(self._running) >= self.limits.queue:
-            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished")
-        if sum(running.client == client for running in self._running.values()) >= self.limits.per_client:
-            raise Busy(f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them")
 
     def close(self) -> None:
         """Stop everything; jobs that are not finished wait for the next start of the server."""

@@ -188,12 +188,33 @@ def test_the_queue_is_bounded_for_one_and_for_all(tidy):
     assert [from_address("127.0.0.1", "/api/v1/jobs", body)[0] for _ in range(3)] == [202, 202, 202]
     status, again, found = from_address("127.0.0.1", "/api/v1/jobs", body)
     assert (status, again) == (429, "1") and "this client has 3 unfinished jobs" in found["message"]
-    status, _, found = from_address("127.0.0.1", "/solve", hops_body("dome"))
+    status, _, found = from_address("127.0.0.1", "/solve", hops_body("submit"))
     assert status == 429 and found["errors"] == [found["message"]] and found["values"] == []
     assert [from_address("127.0.0.2", "/api/v1/jobs", body)[0] for _ in range(2)] == [202, 202]
-    for path, content in (("/api/v1/jobs", body), ("/solve", hops_body("dome")), ("/solve", hops_body("submit"))):
+    for path, content in (("/api/v1/jobs", body), ("/solve", hops_body("submit"))):
         status, _, found = from_address("127.0.0.3", path, content)
         assert status == 429 and "the queue is full (5 jobs)" in found["errors"][0]
+
+
+def test_open_jobs_shut_out_no_hops_call_and_clients_behind_a_proxy_are_apart(tmp_path):
+    limits, keys = {"per_client": 2, "queue": 6}, ("the-first-key", "the-second-key")
+
+    def answered(server, path="/api/v1/jobs", body=json.dumps(endless()).encode(), **headers):
+        return server.ask("POST", path, body, **headers)[0]
+
+    with running_server(tmp_path / "proxy.sqlite", keys[0], workers=1, limits=limits, trusted_proxy="127.0.0.1") as server:
+        # The proxy adds an address behind what the client itself may have sent.
+        for client in ("192.0.2.1", "192.0.2.2", "192.0.2.99, 192.0.2.3"):
+            sent = {"X-Forwarded-For": client}
+            assert [answered(server, **sent) for _ in range(3)] == [202, 202, 429]
+        assert answered(server, **{"X-Forwarded-For": "192.0.2.4"}) == 429, "the queue is full"
+        for k, client in enumerate(("192.0.2.1", "192.0.2.4")):
+            assert answered(server, "/solve", hops_body("dome", K=0.01 + 0.001 * k), **{"X-Forwarded-For": client}) == 200
+    with running_server(tmp_path / "keys.sqlite", keys, workers=1, limits=limits) as server:
+        for key in keys:
+            sent = {"RhinoComputeKey": key, "X-Forwarded-For": "192.0.2.1"}
+            assert [answered(server, **sent) for _ in range(3)] == [202, 202, 429], "without a trusted proxy all have one address"
+        assert answered(server, RhinoComputeKey="another-key") == 401
 
 
 def test_solves_that_are_waited_for_are_bounded_too(tidy):
