@@ -45,6 +45,10 @@ class Limits:
         Most blocking solves at once; each holds a thread.
     reserved
         Workers besides the others that take nothing but blocking solves, so that no job keeps these waiting.
+    connections
+        Most connections of one address; of more those are closed that sent the least of a request.
+    head_seconds
+        Longest time that the head of a request may take to arrive.
     conversions
         Most files that are read or written at once; each holds a thread.
     """
@@ -66,6 +70,8 @@ class Limits:
     streams: int = 16
     calls: int = 32
     reserved: int = 1
+    connections: int = 128
+    head_seconds: float = 10.0
     conversions: int = 8
 
     @property

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["HOST", "PORT", "default_store", "serve"]
 
 HOST, PORT = "127.0.0.1", 7331
+CONNECTIONS = 800  # at once; where there is no poll, no more than about a thousand files can be waited for
 
 
 def default_store(port: int) -> Path:
@@ -103,7 +104,8 @@ def serve(
         app,
         sockets=[listener],
         threads=limits.threads,
-        connection_limit=limits.threads + 200,
+        connection_limit=CONNECTIONS,
+        asyncore_use_poll=True,
         # A body too large is read on and dropped, so that the client hears why; beyond this the connection is broken.
         max_request_body_size=16 * limits.body,
         channel_request_lookahead=1,
@@ -113,7 +115,7 @@ def serve(
         clear_untrusted_proxy_headers=True,
         **({"trusted_proxy": trusted_proxy, "trusted_proxy_headers": {"x-forwarded-for"}} if trusted_proxy else {}),
     )
-    server.channel_class = channel_class(limits.body)
+    server.channel_class = channel_class(limits, trusted_proxy)
     everywhere = host in ("0.0.0.0", "::")
     shown = "127.0.0.1" if everywhere else f"[{host}]" if ":" in host else host
     print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if keys else 'without'} a key); Ctrl-C ends it")

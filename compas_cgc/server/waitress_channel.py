@@ -1,13 +1,18 @@
-"""How waitress reads requests, but for two things.
+"""How waitress reads requests, but for some things.
 
-Of a body that is too large no more than its length is kept: left to itself waitress would break the connection of a
-client that is still sending, and nobody would read the sentence. And what is no HTTP is answered in JSON too.
+The head of a request has to come within some seconds as a whole, and no address can have so many connections that others
+find none: the one that got the least far makes room for a new one. Of a body that is too large no more than its length is
+kept: left to itself waitress would break the connection of a client that is still sending, and nobody would read the
+sentence. And what is no HTTP is answered in JSON too.
 """
 
 from __future__ import annotations
 
 import json
+import time
+from socket import socket
 from typing import Any
+from typing import Optional
 
 from waitress.buffers import OverflowableBuffer
 from waitress.channel import HTTPChannel
@@ -15,6 +20,7 @@ from waitress.parser import HTTPRequestParser
 from waitress.task import ErrorTask
 
 from .errors import error_body
+from .limits import Limits
 
 __all__ = ["channel_class"]
 
@@ -53,17 +59,59 @@ class _JSONErrorTask(ErrorTask):
         self.write(body)
 
 
-def channel_class(most: int) -> type[HTTPChannel]:
-    """Return the class of connections that keep bodies of at most so many bytes."""
+def channel_class(limits: Limits, trusted_proxy: Optional[str] = None) -> type[HTTPChannel]:
+    """Return the class of connections that keep to the limits.
+
+    Parameters
+    ----------
+    limits
+        Of bodies, heads and connections.
+    trusted_proxy
+        Its address may have any number of connections, as they are other people's.
+    """
 
     class Parser(HTTPRequestParser):
         def parse_header(self, header_plus: bytes) -> None:
             super().parse_header(header_plus)
             if self.body_rcv is not None:
-                self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, most)
+                self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, limits.body)
 
     class Channel(HTTPChannel):
         parser_class = Parser
         error_task_class = _JSONErrorTask
 
+        def __init__(self, server: Any, sock: socket, addr: Any, adj: Any, map: Optional[dict] = None):
+            # When the request began whose head is not here yet; a connection is made to send one.
+            self.head_since: Optional[float] = time.monotonic()
+            super().__init__(server, sock, addr, adj, map=map)
+            if trusted_proxy not in ("*", addr[0]):
+                _make_room(self, list(server.active_channels.values()), limits.connections)
+
+        def received(self, data: bytes) -> bool:
+            found = super().received(data)
+            reads_head = self.request is not None and not self.request.headers_finished
+            self.head_since = (self.head_since or time.monotonic()) if reads_head else None
+            return found
+
+        def readable(self) -> bool:
+            # Asked in every round, whether anything comes or not.
+            if self.head_since is not None and time.monotonic() - self.head_since > limits.head_seconds:
+                self.will_close = True
+            return super().readable()
+
     return Channel
+
+
+def _make_room(newest: Any, channels: list, most: int) -> None:
+    """Close a connection of the address of the newest one if it has too many: that which waits for the least."""
+    others = [own for own in channels if own is not newest and own.addr[0] == newest.addr[0] and not own.will_close]
+    if len(others) >= most:
+        # None whose request is being answered.
+        min((own for own in others if not own.requests), key=_progress, default=newest).will_close = True
+
+
+def _progress(channel: Any) -> tuple[int, float]:
+    """Return how far a connection is whose request is not complete: in its head, between two requests, or in a body."""
+    if channel.head_since is not None:
+        return 0, channel.head_since
+    return (1 if channel.request is None else 2), channel.last_activity

@@ -199,7 +199,9 @@ def test_the_queue_is_bounded_for_one_and_for_all(tidy):
 def test_open_jobs_shut_out_no_hops_call_and_clients_behind_a_proxy_are_apart(tmp_path):
     limits, keys = {"per_client": 2, "queue": 6}, ("the-first-key", "the-second-key")
 
-    def answered(server, path="/api/v1/jobs", body=json.dumps(endless()).encode(), **headers):
+    job_body = json.dumps(endless()).encode()
+
+    def answered(server, path="/api/v1/jobs", body=job_body, **headers):
         return server.ask("POST", path, body, **headers)[0]
 
     with running_server(tmp_path / "proxy.sqlite", keys[0], workers=1, limits=limits, trusted_proxy="127.0.0.1") as server:
@@ -318,6 +320,49 @@ def test_a_worker_killed_under_a_hops_component_is_told_to_it(one_worker):
     assert status == 500 and outputs == {} and "killed by signal 9" in errors[0]
     wait_for(lambda: one_worker.client.health()["idle"] == 1)
     assert one_worker.ask("POST", "/solve", hops_body("dome"))[0] == 200
+
+
+def test_connections_that_drip_heads_or_send_nothing_stop_nobody(tmp_path):
+    opened = []
+
+    def drip(server, count, text):
+        for _ in range(count):
+            opened.append(socket.create_connection(server.address.split(":"), PATIENCE))
+            opened[-1].sendall(text)
+
+    def open_still():
+        count = 0
+        for line in opened:
+            try:
+                line.sendall(b"x")
+                count += 1
+            except OSError:
+                continue
+        return count
+
+    limits = {"head_seconds": 600.0, "connections": 50}
+    try:
+        with running_server(tmp_path / "many.sqlite", KEY, workers=1, limits=limits) as server:
+            for text in (b"GET /health HTTP/1.1\r\nX-Slow: ", b""):
+                drip(server, 300, text)
+                for _ in range(5):
+                    assert server.ask("GET", "/health", timeout=20.0)[0] == 200
+            wait_for(lambda: open_still() <= 50)
+            # An answer that somebody waits for makes room for nobody.
+            id = submit(server, endless())[1]["id"]
+            stream = Hanging(server, b"", f"/api/v1/jobs/{id}/events", "GET")
+            assert stream.socket.recv(15).startswith(b"HTTP/1.1 200")
+            drip(server, 60, b"GET ")
+            assert server.client.health()["busy"] == 1 and stream.socket.recv(100)
+            server.client.delete(id)
+        with running_server(tmp_path / "slow.sqlite", KEY, workers=1, limits={"head_seconds": 1.0}) as server:
+            opened.clear()
+            drip(server, 20, b"GET /health HTTP/1.1\r\nX-Slow: ")
+            # Each of them goes on with its head all the while.
+            wait_for(lambda: not open_still(), seconds=30.0, what="heads without end")
+    finally:
+        for line in opened:
+            line.close()
 
 
 @pytest.mark.parametrize(
