@@ -9,18 +9,45 @@ from .moulds import MOULD_FORMATS
 from .moulds import MOULD_OPTIONS
 from .schemas import BYTES
 from .schemas import JOB
+from .schemas import JOB_LIST
 from .schemas import METHODS
 from .schemas import MODEL
+from .schemas import PAGE
 from .schemas import PROBLEM
 from .schemas import request_schema
 
 __all__ = ["description"]
 
+OPERATIONS = {
+    ("get", "/health"): "health",
+    ("get", "/version"): "version",
+    ("get", "/api/v1/methods"): "listMethods",
+    ("get", "/api/v1/jobs"): "listJobs",
+    ("post", "/api/v1/jobs"): "submitJob",
+    ("get", "/api/v1/jobs/{id}"): "getJob",
+    ("delete", "/api/v1/jobs/{id}"): "deleteJob",
+    ("post", "/api/v1/jobs/{id}/cancel"): "cancelJob",
+    ("get", "/api/v1/jobs/{id}/result"): "getResult",
+    ("post", "/api/v1/jobs/{id}/result"): "mergeResult",
+    ("get", "/api/v1/jobs/{id}/moulds"): "getMoulds",
+    ("get", "/api/v1/jobs/{id}/surface"): "getSurface",
+    ("get", "/api/v1/jobs/{id}/events"): "followJob",
+    ("post", "/api/v1/models"): "readModel",
+    ("get", "/api/v1/examples"): "listExamples",
+    ("get", "/api/v1/examples/{name}"): "getExample",
+}
 _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
 
 
 def description() -> dict:
     """Return the description of the job API."""
+    found = _description()
+    for (method, path), name in OPERATIONS.items():
+        found["paths"][path][method]["operationId"] = name
+    return found
+
+
+def _description() -> dict:
     job, model = "#/components/schemas/Job", "#/components/schemas/Model"
     result = {"200": {"description": "the result", "content": {kind: {} for kind in dict.fromkeys(FORMATS.values())}}}
     moulds = {"200": {"description": "moulds and panels", "content": {kind: {} for kind in MOULD_FORMATS.values()}}}
@@ -35,7 +62,10 @@ def description() -> dict:
                 "get": _operation("List the methods and their settings", {"200": _json({"$ref": "#/components/schemas/Methods"})}, "401"),
             },
             "/api/v1/jobs": {
-                "get": _operation("List the newest jobs", {"200": _json({"type": "object", "required": ["jobs"]})}, "401"),
+                "get": {
+                    **_operation("List the jobs, the newest first", {"200": _json({"$ref": "#/components/schemas/JobList"})}, "401", "422"),
+                    "parameters": [{"name": name, "in": "query", "schema": schema} for name, schema in PAGE.items()],
+                },
                 "post": {
                     **_operation(
                         "Submit a solve", {"202": _json({"type": "object", "required": ["id"]})}, "400", "401", "409", "413", "422", "429"
@@ -137,7 +167,14 @@ def description() -> dict:
             },
         },
         "components": {
-            "schemas": {"Job": JOB, "Request": request_schema(), "Methods": METHODS, "Model": MODEL, "Problem": PROBLEM},
+            "schemas": {
+                "Job": JOB,
+                "JobList": JOB_LIST,
+                "Request": request_schema(),
+                "Methods": METHODS,
+                "Model": MODEL,
+                "Problem": PROBLEM,
+            },
             "securitySchemes": {
                 "bearer": {"type": "http", "scheme": "bearer"},
                 "compute": {"type": "apiKey", "in": "header", "name": "RhinoComputeKey"},

@@ -18,13 +18,14 @@ def respond(body: object, status: int = 200, headers: Optional[dict] = None) -> 
     return Response(json.dumps(body, ensure_ascii=False, allow_nan=False), status, headers, mimetype="application/json")
 
 
-def status(job: Job) -> dict:
-    """Return the state of a job as plain data."""
+def status(job: Job, position: Optional[int] = None) -> dict:
+    """Return the state of a job as plain data, with its position in the queue where it waits."""
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     return {
         "id": job.id,
         "name": job.name,
         "state": job.state,
+        "position": position if job.state == "queued" else None,
         "progress": 1.0 if job.state == "succeeded" else step / steps if steps else 0.0,
         "stage": "solve" if step else "read" if job.state == "running" else job.state,
         "iteration": step,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator
+from collections.abc import Mapping
 from threading import BoundedSemaphore
 from typing import Any
 from typing import Optional
@@ -20,6 +21,7 @@ from ..._version import __version__
 from ..errors import BadRequest
 from ..errors import Busy
 from ..errors import Unprocessable
+from ..jobs.store import Job
 from ..security import client_name
 from .blocking_calls import jobs
 from .blocking_calls import run_in_io_pool
@@ -39,6 +41,8 @@ from .options import check_options
 from .requests import accept
 from .responses import respond
 from .responses import status
+from .schemas import PAGE
+from .schemas import STATES
 
 __all__ = ["api"]
 
@@ -113,8 +117,36 @@ def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
 
 @api.get("/api/v1/jobs")
 def show_all() -> Response:
-    """List the newest jobs."""
-    return respond({"jobs": [status(job) for job in jobs().list()]})
+    """List the jobs, the newest first, page by page."""
+    limit, offset, state = _page(request.args)
+    found, total = jobs().page(limit, offset, state)
+    positions = jobs().positions()
+    told = [status(job, positions.get(job.id)) for job in found]
+    return respond({"jobs": told, "total": total, "limit": limit, "offset": offset})
+
+
+def _page(given: Mapping[str, str]) -> tuple[int, int, Optional[str]]:
+    """Return limit, offset and state of a list that is asked for."""
+    unknown = sorted(set(given) - set(PAGE))
+    if unknown:
+        raise Unprocessable(f"there is no parameter {unknown[0]!r:.60}; there are {', '.join(PAGE)}")
+    state = given.get("state")
+    if state is not None and state not in STATES:
+        raise Unprocessable(f"'state' must be one of {', '.join(STATES)}")
+    return _bounded(given, "limit"), _bounded(given, "offset"), state
+
+
+def _bounded(given: Mapping[str, str], name: str) -> int:
+    schema: Any = PAGE[name]
+    text = given.get(name, str(schema["default"]))
+    low, high = schema["minimum"], schema["maximum"]
+    if not (text.isascii() and text.isdecimal() and len(text) < 12 and low <= int(text) <= high):
+        raise Unprocessable(f"'{name}' must be a whole number from {low} to {high}")
+    return int(text)
+
+
+def _status(job: Job) -> dict:
+    return status(job, jobs().positions().get(job.id))
 
 
 @api.get("/api/v1/jobs/<id>")
@@ -124,10 +156,10 @@ def show(id: str) -> Response:
     # Where all slots are taken the client is answered at once and asks again.
     if seconds > 0 and _wait_slots().acquire(blocking=False):
         try:
-            return respond(status(jobs().wait(id, seconds)))
+            return respond(_status(jobs().wait(id, seconds)))
         finally:
             _wait_slots().release()
-    return respond(status(jobs().get(id)))
+    return respond(_status(jobs().get(id)))
 
 
 @api.get("/api/v1/jobs/<id>/result")
@@ -186,7 +218,7 @@ def surface(id: str) -> Response:
 @api.post("/api/v1/jobs/<id>/cancel")
 def cancel(id: str) -> Response:
     """Stop a job."""
-    return respond(status(jobs().cancel(id)))
+    return respond(_status(jobs().cancel(id)))
 
 
 @api.delete("/api/v1/jobs/<id>")
@@ -210,7 +242,7 @@ def events(id: str) -> Response:
                 yield ": still here\n\n"
                 continue
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
-            yield f"event: {kind}\ndata: {json.dumps(status(job), ensure_ascii=False)}\n\n"
+            yield f"event: {kind}\ndata: {json.dumps(status(job, engine.positions().get(id)), ensure_ascii=False)}\n\n"
 
     answer = Response(stream(), mimetype="text/event-stream")
     # Called in the end, even when the stream was never begun.

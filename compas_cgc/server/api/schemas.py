@@ -7,16 +7,23 @@ from ...solvers.registry import method_names
 from .methods import settings_schema
 from .options import USER_ROLES
 
-__all__ = ["BYTES", "JOB", "METHODS", "MODEL", "PROBLEM", "request_schema"]
+__all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "request_schema"]
 
 BYTES = {"type": "string", "contentEncoding": "binary"}
+STATES = ("queued", "running", "succeeded", "failed", "cancelled")
+PAGE = {
+    "limit": {"type": "integer", "minimum": 1, "maximum": 1000, "default": 100},
+    "offset": {"type": "integer", "minimum": 0, "maximum": 10**9, "default": 0},
+    "state": {"enum": list(STATES)},
+}
 JOB = {
     "type": "object",
     "required": ["id", "state", "progress", "message"],
     "properties": {
         "id": {"type": "string"},
         "name": {"type": "string"},
-        "state": {"enum": ["queued", "running", "succeeded", "failed", "cancelled"]},
+        "state": {"enum": list(STATES)},
+        "position": {"type": ["integer", "null"], "minimum": 1, "description": "in the queue, null where it does not wait"},
         "progress": {"type": "number", "minimum": 0, "maximum": 1},
         "stage": {"type": "string"},
         "iteration": {"type": "integer"},
@@ -28,6 +35,16 @@ JOB = {
         "created": {"type": "number", "description": "seconds since 1970"},
         "message": {"type": ["string", "null"], "description": "one sentence, when the job is over"},
         "has_result": {"type": "boolean"},
+    },
+}
+JOB_LIST = {
+    "type": "object",
+    "required": ["jobs", "total", "limit", "offset"],
+    "properties": {
+        "jobs": {"type": "array", "items": {"$ref": "#/components/schemas/Job"}},
+        "total": {"type": "integer", "description": "number of all those that were asked for"},
+        "limit": {"type": "integer"},
+        "offset": {"type": "integer"},
     },
 }
 PACKED = {

@@ -11,6 +11,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Iterator
+from collections.abc import Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures import Executor
 from concurrent.futures import Future
@@ -161,10 +162,22 @@ class Jobs:
 
     def list(self) -> list[Job]:
         """Return the newest jobs."""
+        return self.page()[0]
+
+    def page(self, limit: int = 100, offset: int = 0, state: Optional[str] = None) -> tuple[Sequence[Job], int]:
+        """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
         with self._change:
             running = {id: dict(entry.progress) for id, entry in self._running.items()}
-            found = [self._lost.get(job.id, job) for job in self.store.newest() if job.id not in self._forgotten]
-            return [job._replace(progress=running.get(job.id, job.progress)) for job in found]
+            stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
+            found = [job for job in stored if state in (None, job.state)]
+            shown = found[offset : offset + limit]
+            return [job._replace(progress=running.get(job.id, job.progress)) for job in shown], len(found)
+
+    def positions(self) -> dict[str, int]:
+        """Return the place in the queue of every job that waits, from 1."""
+        with self._change:
+            waiting = [id for id, running in self._running.items() if not running.progress and not id.startswith("call:")]
+            return {id: place for place, id in enumerate(waiting, 1)}
 
     def result(self, id: str) -> bytes:
         """Return the packed result of a job."""

@@ -82,9 +82,9 @@ class Store:
         rows = self._rows("SELECT * FROM jobs WHERE id = ?", id)
         return rows[0] if rows else None
 
-    def newest(self, count: int = 100) -> list[Job]:
-        """Return the newest jobs."""
-        return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC LIMIT ?", count)
+    def all(self) -> list[Job]:
+        """Return all jobs that are remembered, the newest first."""
+        return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC")
 
     def unfinished(self) -> list[Job]:
         """Return the jobs that wait or ran when the server ended, the oldest first."""

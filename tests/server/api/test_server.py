@@ -369,6 +369,45 @@ def test_what_a_mesh_lacks_is_said_without_calls_of_python(server):
         assert not re.search(r"mesh\.|\w\(|--\w", status["message"])
 
 
+def test_jobs_are_listed_page_by_page_and_know_their_place_in_the_queue(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", KEY, workers=1) as own:
+
+        def listed(query=""):
+            status, _, content = ask(own, "GET", f"/api/v1/jobs?{query}")
+            return status, json.loads(content)
+
+        ids = [own.client.submit(*grid(4), id=f"finished-{k}", supports="boundary", targets=0.5) for k in range(3)]
+        assert [finished(own, id)["position"] for id in ids] == [None, None, None]
+        more = {"supports": "boundary", "targets": 0.5, "method": "flow", "settings": {"steps": 100000, "tolerance": 0.0}}
+        ids += [own.client.submit(*grid(20), id=f"unfinished-{k}", **more) for k in range(3)]
+        wait_for(lambda: own.client.poll(ids[3])["state"] == "running")
+        assert [own.client.poll(id)["position"] for id in ids[3:]] == [None, 1, 2]
+        _, found = listed()
+        assert [job["id"] for job in found["jobs"]] == ids[::-1] and (found["total"], found["limit"], found["offset"]) == (6, 100, 0)
+        _, found = listed("limit=2&offset=1")
+        assert [job["id"] for job in found["jobs"]] == ids[4:2:-1] and found["total"] == 6
+        _, found = listed("state=queued&limit=1")
+        assert [(job["id"], job["position"]) for job in found["jobs"]] == [(ids[5], 2)] and found["total"] == 2
+        assert listed("state=failed")[1]["jobs"] == []
+        for query, part in (
+            ("colour=red", "there is no parameter 'colour'; there are limit, offset, state"),
+            ("limit=0", "'limit' must be a whole number from 1 to 1000"),
+            ("limit=many", "'limit' must be"),
+            ("offset=-1", "'offset' must be a whole number from 0"),
+            ("state=lost", "'state' must be one of queued"),
+        ):
+            status, found = listed(query)
+            assert status == 422 and part in found["message"]
+        for id in ids[3:]:
+            own.client.delete(id)
+
+
+def test_every_operation_has_a_name_of_its_own():
+    operations = [own for path in description()["paths"].values() for name, own in path.items() if name != "parameters"]
+    names = [own["operationId"] for own in operations]
+    assert len(set(names)) == len(names) == 16 and all(name.isidentifier() for name in names)
+
+
 def test_too_much_is_refused(server):
     assert post(server, b" " * (Limits().body + 1))[0] == 413
     many = b'{"vertices": [' + b"[0,0,0]," * Limits().vertices + b"[0,0,0]]}"
