@@ -160,7 +160,7 @@ class Jobs:
             running = self._running.get(id)
             return job if running is None else job._replace(progress=dict(running.progress))
 
-    def list(self) -> list[Job]:
+    def list(self) -> Sequence[Job]:
         """Return the newest jobs."""
         return self.page()[0]
 
