@@ -104,7 +104,9 @@ def _made(function: Callable[..., Any], options: dict[str, Any]) -> Any:
         return numba.njit(**options)(function)
     except RuntimeError:
         # Neither the folder of the package nor the user's can be written to.
-        setattr(numba.config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
+        from numba.core import config
+
+        setattr(config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
         return numba.njit(**options)(function)
 
 
@@ -131,11 +133,11 @@ def _is_private(stat: os.stat_result, user: int) -> bool:
 @cache
 def _listen() -> None:
     """Have Numba tell of every compilation."""
-    from numba.core import event
+    from numba.core import event as events
 
-    class Listener(event.Listener):
-        def on_start(self, happening: Any) -> None:
-            name = _name(happening)
+    class Listener(events.Listener):
+        def on_start(self, event: Any) -> None:
+            name = _name(event)
             if name is None:
                 return
             if _clock.depth == 0:
@@ -143,8 +145,8 @@ def _listen() -> None:
                 _tell()
             _clock.depth += 1
 
-        def on_end(self, happening: Any) -> None:
-            name = _name(happening)
+        def on_end(self, event: Any) -> None:
+            name = _name(event)
             if name is None or not _clock.depth:
                 return
             _clock.depth -= 1
@@ -153,7 +155,7 @@ def _listen() -> None:
                 _compiled.append(name)
                 _tell()
 
-    event.register("numba:compile", Listener())
+    events.register("numba:compile", Listener())
 
 
 def _name(happening: Any) -> Optional[str]:
