@@ -113,22 +113,26 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     sharpest = float(np.degrees(fold.max(initial=0.0)))
     reasons = []
     if excess is not None and excess_most is not None and (excess > MEDIAN or excess_most > MOST):
-        off = f"{100 * (median or 0.0):.2g} % off the curvature asked for, and up to {100 * (most or 0.0):.2g} %"
+        off = f"{_percent(median or 0.0)} % off the curvature asked for, and up to {_percent(most or 0.0)} %"
         reasons.append(f"polynomials fitted to it are {off}")
     if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
-        reasons.append(f"it is wavy: vertices lie up to {100 * waviest:.0f} % of its bending off a smooth surface")
+        reasons.append(f"it is wavy: vertices lie up to {_percent(waviest)} % of its bending off a smooth surface")
     if both > BOTH:
-        reasons.append(f"{100 * both:.0f} % of it bulge to the other side than the rest of their region, with a fold between")
+        reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, with a fold between")
     if too_sharp > CREASED:
-        reasons.append(f"{100 * too_sharp:.2g} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
+        reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
     if before is not None and angle < NEEDLE and 2 * angle < _smallest_angle(before, F):
         reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
     if kept is not None and kept < LOST:
-        reasons.append(f"it has {100 * kept:.0f} % of the area of the input")
+        reasons.append(f"it has {_percent(kept)} % of the area of the input")
     bad = (error - own > MOST) | (wave > WAVIEST) | other
     bad[edges[sharp]] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f}" if share >= 0.1 else f"{100 * share:.2g}"
 
 
 def _percentiles(values: FloatArray, low: float, high: float) -> tuple[Optional[float], Optional[float]]:

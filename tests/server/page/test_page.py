@@ -447,3 +447,28 @@ def test_the_page_measures_curvature_as_the_package_does(page):
     inside = np.array(mesh.vertices_role()) != "free"
     inside[list(set(mesh.boundary_loops()[0]))] = False
     assert np.allclose(np.array(measured)[inside], gaussian_curvature(vertices, faces)[inside], rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path):
+    # K > 0 between two fixed rims has no smooth surface.
+    turn = np.linspace(0, 2 * np.pi, 36, endpoint=False)
+    radii = np.linspace(0.5, 1.0, 6)
+    vertices = np.concatenate([np.column_stack([r * np.cos(turn), r * np.sin(turn), 0 * turn]) for r in radii])
+    around = np.arange(36)
+    quads = [(36 * k + around, 36 * k + (around + 1) % 36, 36 * (k + 1) + (around + 1) % 36, 36 * (k + 1) + around) for k in range(5)]
+    faces = np.concatenate([np.column_stack(three) for a, b, c, d in quads for three in ((a, c, b), (a, d, c))])
+    mesh = CGCMesh.from_vertices_and_faces(vertices.tolist(), faces.tolist())
+    mesh.set_supports("boundary")
+    mesh.set_target(0.5)
+    page.load()
+    page.one("#file").send_keys(str(file_of(mesh, "3dm", tmp_path)))
+    wait_for(lambda: page.one("#solve").is_displayed())
+    page.at_rest()
+    page.solve()
+    page.seen(".verdict.warn")
+    assert page.one(".verdict h2").text == "Rough" and "not one to build" in page.one(".verdict p").text
+    pixels = page.at_rest().reshape(-1, 3).astype(int)
+    assert page.one("#rough-mark").is_displayed()
+    amber = (pixels[:, 0] > 200) & (abs(pixels[:, 1] - 155) < 30) & (pixels[:, 2] < 90)
+    assert amber.sum() > 50, "the places are marked"

@@ -108,7 +108,7 @@ class Page {
     this.charts.clear();
     this.verdict.clear();
     this.result = null;
-    this.scene.surface.mark([]);
+    this.mark([]);
     for (const id of ['downloads', 'course', 'cancel', 'progress']) $(id).hidden = true;
     this.hold();
     this.scene.moveTo(this.model.toScene(this.model.xyz));
@@ -131,6 +131,12 @@ class Page {
   paint() {
     this.painter.want(this.regions.targets);
     this.painter.paint();
+  }
+
+  /** Mark the places where the surface is rough. */
+  mark(places) {
+    this.scene.surface.mark(places);
+    $('rough-mark').hidden = !places.length;
   }
 
   light(region) {
@@ -172,7 +178,7 @@ class Page {
 
   /** Called by the solver with a surface on its way. */
   surface(xyz) {
-    this.scene.surface.mark([]);
+    this.mark([]);
     this.painter.measure(xyz, this.settings.supports);
     this.painter.paint();
     this.scene.moveTo(this.model.toScene(xyz));
@@ -190,7 +196,7 @@ class Page {
     this.painter.measure(xyz, this.settings.supports, result.curvature);
     this.painter.paint();
     this.scene.moveTo(this.model.toScene(xyz));
-    this.scene.surface.mark(result.report.verdict?.places ?? []);
+    this.mark(result.report.verdict?.places ?? []);
     if (first) this.scene.fit();
     this.verdict.show(result, this.model);
     const drawn = this.charts.end(result.history);
