@@ -170,7 +170,7 @@ drawing
 * folds, against the most that a smooth surface through the same vertices has;
 * triangles drawn out to needles, and area lost against the input.
 
-`result.verdict.places` are the vertices to look at: marked in amber on the page, and on the layer `CGC::Result::Rough` of a `.3dm`.
+`result.verdict.places` are the vertices to look at: marked in amber on the page, and on the layer `CGC Result::Rough` of a `.3dm`.
 
 A rough surface has a reason. The targets may be more than the supports can carry (`compas-cgc limits FILE`); a hole may be held where K
 > 0 has no

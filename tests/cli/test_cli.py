@@ -64,7 +64,8 @@ def test_the_main_job_as_the_readme_says(tmp_path):
     out, report = tmp_path / "roof.3dm", tmp_path / "report.json"
     done = command("solve", ROOFS / "nine_regions.3dm", "-o", out, "--target", "0.01", "--target", "4=0.04", "--report", report)
     assert done.returncode == 0, done.stderr
-    assert "converged" in done.stdout and done.stderr == ""
+    # In a new clone the kernels are compiled first, and that is said.
+    assert "converged" in done.stdout and done.stderr in ("", "compiling, once; this takes some seconds\n")
     written = json.loads(report.read_text(encoding="utf-8"))
     assert written["status"] == "converged"
     assert [region["target"] for region in written["regions"]] == [0.01] * 4 + [0.04] + [0.01] * 4
