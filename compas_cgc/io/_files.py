@@ -11,7 +11,7 @@ from typing import Union
 from .._atomic_write import replacing
 from ..errors import FileError
 
-__all__ = ["read_bytes", "read_lines", "written"]
+__all__ = ["read_bytes", "read_lines", "suffix_among", "written"]
 
 
 def read_bytes(path: Path) -> bytes:
@@ -77,3 +77,11 @@ def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise FileError(f"{path} cannot be written ({reason}); close it elsewhere, or choose another name or folder") from None
+
+
+def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:
+    """Return the suffix of a file in small letters if it is among others."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in suffixes:
+        raise FileError(f"{path}: {what} are written to {', '.join(suffixes)}, not to {suffix or 'a file without suffix'!r}")
+    return suffix

@@ -8,9 +8,9 @@ from typing import Union
 
 from .._version import __version__
 from ..fabrication.membrane_state import MembraneState
+from ._files import suffix_among
 from ._files import written
 from .inp import inp_text
-from .patterns import suffix_among
 
 __all__ = ["FORCE_SUFFIXES", "force_suffix", "forces_json", "write_forces"]
 

@@ -9,8 +9,8 @@ from typing import Union
 from ..errors import CGCError
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
+from ._files import suffix_among
 from ._files import written
-from .patterns import suffix_among
 
 __all__ = ["NET_SUFFIXES", "net_suffix", "write_net"]
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Union
 
-from ..errors import FileError
 from ..fabrication.drawing import draw_sheets
 from ..fabrication.dxf import write_dxf
 from ..fabrication.patterns import Patterns
 from ..fabrication.svg import write_svg
 from ..fabrication.tables import write_edge_table
+from ._files import suffix_among
 from ._files import written
 
 __all__ = ["PATTERN_SUFFIXES", "pattern_suffix", "write_patterns"]
@@ -28,14 +27,6 @@ def pattern_suffix(path: Union[str, os.PathLike]) -> str:
         If patterns are not written to files of that kind.
     """
     return suffix_among(path, PATTERN_SUFFIXES, "patterns")
-
-
-def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:
-    """Return the suffix of a file in small letters if it is among others."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in suffixes:
-        raise FileError(f"{path}: {what} are written to {', '.join(suffixes)}, not to {suffix or 'a file without suffix'!r}")
-    return suffix
 
 
 def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: bool = True) -> None:

@@ -13,6 +13,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.local_fits import local_fits
+from ...discrete.smooth_measure import DEGREE
+from ...discrete.smooth_measure import RINGS
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.smooth_measure import layout_errors
 from .gauss_newton import Taken
@@ -93,7 +95,7 @@ def _change(system: System, before: CurvatureEquations, after: CurvatureEquation
 def _off(system: System, equations: CurvatureEquations, vertices: FloatArray) -> float:
     """Return how far the fitted polynomials of a shape (n, 3) are from their targets, in the middle."""
     asked = _asked(system, vertices)
-    fitted = local_fits(vertices, equations.faces, asked, asked, 4, 3).gaussian
+    fitted = local_fits(vertices, equations.faces, asked, asked, DEGREE, RINGS).gaussian
     away = np.abs(fitted - equations.targets)[system.rows]
     return float(np.median(away[np.isfinite(away)])) if np.isfinite(away).any() else 0.0
 
