@@ -197,8 +197,10 @@ class Projector:
             if best.fulfils(goal, CLOSE * system.floor):
                 break
             best = min(best, system.at(taken.vertices, equations), key=lambda point: point.badness)
-        no_worse = np.abs(best.residual).max(initial=0.0) <= max(np.abs(reached.residual).max(initial=0.0), ROUNDED)
-        return best if best.fulfils(goal, system.floor) and no_worse else reached
+        # Compared as they are returned: rounding in the model's coordinates is part of them.
+        told = [self._system.at(self._frame.to_local(self._to_model(one.vertices)), equations).residual for one in (best, reached)]
+        left, had = (float(np.abs(residual).max(initial=0.0)) for residual in told)
+        return best if best.fulfils(goal, system.floor) and left <= max(had, ROUNDED) else reached
 
     def _found(self, point: Point, equations: CurvatureEquations, guess: FloatArray) -> Optional[FloatArray]:
         """Return the targets with those that were found (n,) [1/L^2], None where all were given."""
