@@ -18,7 +18,6 @@ from ..jobs.engine import Jobs
 from ..jobs.future import TaskError
 from ..jobs.future import TaskStopped
 from ..jobs.future import WorkerDied
-from ..security import client_name
 
 __all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
 
@@ -43,12 +42,12 @@ def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
     RequestError
         Of the function, or because of the worker.
     """
-    return _waited(partial(jobs().call, function, *args, client=client_name()), function, hint)
+    return _waited(partial(jobs().calls.call, function, *args), function, hint)
 
 
 def run_in_io_pool(function: Callable, *args: object) -> Any:
     """Run a function that reads or writes a file apart from the solves, as :func:`run_in_worker` does."""
-    return _waited(partial(jobs().convert, function, *args), function, "use a coarser mesh")
+    return _waited(partial(jobs().calls.convert, function, *args), function, "use a coarser mesh")
 
 
 def _waited(run: Callable, function: Callable, hint: str) -> Any:

@@ -12,11 +12,9 @@ import threading
 import time
 from collections.abc import Iterator
 from collections.abc import Sequence
-from concurrent.futures import CancelledError
 from concurrent.futures import Executor
 from concurrent.futures import Future
 from typing import Callable
-from typing import NamedTuple
 from typing import Optional
 
 from ..errors import Busy
@@ -25,10 +23,11 @@ from ..errors import Gone
 from ..errors import NotFound
 from ..errors import Unprocessable
 from ..limits import Limits
-from .future import TaskError
-from .future import TaskStopped
+from .calls import Calls
+from .future import start
 from .future import stop
-from .future import wait_for
+from .outcome import CANCELLED
+from .outcome import outcome_of
 from .store import Job
 from .store import Store
 from .worker import JobOutput
@@ -36,7 +35,6 @@ from .worker import JobOutput
 __all__ = ["Jobs"]
 
 ATTEMPTS = 2  # times that a job may be running while the server ends, until it is blamed for it
-CANCELLED = "it was cancelled"
 log = logging.getLogger(__name__)
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
 
@@ -77,10 +75,10 @@ class Jobs:
         self, executor: Executor, store: Store, solve: SolveJob, limits: Optional[Limits] = None, io_pool: Optional[Executor] = None
     ):
         self.executor = executor
-        self.io_pool = io_pool or executor
+        self.limits = limits or Limits()
+        self.calls = Calls(executor, io_pool or executor, self.limits)
         self.store = store
         self._solve = solve
-        self.limits = limits or Limits()
         self._running: dict[str, RunningJob] = {}
         # Jobs that are over, which the store could not be told of.
         self._lost: dict[str, Job] = {}
@@ -88,7 +86,6 @@ class Jobs:
         self._forgotten: set[str] = set()
         self._change = threading.Condition(threading.RLock())
         self._closed = False
-        self._conversions = threading.BoundedSemaphore(self.limits.conversions)
         for job in store.unfinished():
             if job.attempts >= ATTEMPTS:
                 text = f"the server ended {job.attempts} times while this job ran, it may need too much memory; use a coarser mesh"
@@ -176,7 +173,7 @@ class Jobs:
     def positions(self) -> dict[str, int]:
         """Return the place in the queue of every job that waits, from 1."""
         with self._change:
-            waiting = [id for id, running in self._running.items() if not running.progress and not id.startswith("call:")]
+            waiting = [id for id, running in self._running.items() if not running.progress]
             return {id: place for place, id in enumerate(waiting, 1)}
 
     def result(self, id: str) -> bytes:
@@ -250,60 +247,6 @@ class Jobs:
                 seen = self._running[id].changes if id in self._running else -1
                 job = self.get(id) if happened else None
 
-    # ------------------------------------------------------------------
-    # Calls that are waited for
-    # ------------------------------------------------------------------
-
-    def call(self, function: Callable, *args: object, client: str = "", disconnected: Callable[[], bool] = lambda: False) -> object:
-        """Run a function in a worker and wait for it.
-
-        Parameters
-        ----------
-        function, args
-            What to run.
-        client
-            Who asks.
-        disconnected
-            Tells whether the client has given up, which stops the function.
-
-        Raises
-        ------
-        Busy
-            If too many calls wait; jobs are counted apart.
-        TimeoutError
-            If it took longer than the limit for requests that wait.
-        """
-        key = secrets.token_urlsafe(16)
-        with self._change:
-            if sum(id.startswith("call:") for id in self._running) >= self.limits.calls:
-                raise Busy("the server is busy with other solves; try again in a moment")
-            self._check_open()
-            running = self._running[f"call:{key}"] = RunningJob(client)
-            # Somebody waits for it, as nobody does for a job.
-            running.task = self._run(function, args, None, urgent=True)
-        try:
-            return wait_for(running.task, self.limits.blocking, disconnected)
-        finally:
-            with self._change:
-                self._running.pop(f"call:{key}", None)
-
-    def convert(self, function: Callable, *args: object, disconnected: Callable[[], bool] = lambda: False) -> object:
-        """Run a function that reads or writes a file and wait for it; no solve is waited for.
-
-        Raises
-        ------
-        Busy
-            If too many wait already.
-        TimeoutError
-            If it took longer than the limit for requests that wait.
-        """
-        if not self._conversions.acquire(blocking=False):
-            raise Busy("the server is busy with other files; try again in a moment")
-        try:
-            return wait_for(self._run(function, args, None, self.io_pool), self.limits.blocking, disconnected)
-        finally:
-            self._conversions.release()
-
     def admit(self, client: str) -> None:
         """Refuse a job when too many wait.
 
@@ -313,7 +256,7 @@ class Jobs:
             With what to do.
         """
         self._check_open()
-        clients = [running.client for id, running in self._running.items() if not id.startswith("call:")]
+        clients = [running.client for running in self._running.values()]
         if len(clients) >= self.limits.queue:
             raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished")
         if clients.count(client) >= self.limits.per_client:
@@ -329,9 +272,10 @@ class Jobs:
             if self._closed:
                 return
             self._closed = True
-            left = [id for id in self._running if not id.startswith("call:")]
+            left = list(self._running)
             self._change.notify_all()
-        for executor in {self.executor, self.io_pool}:
+        self.calls.close()
+        for executor in {self.executor, self.calls.io_pool}:
             executor.shutdown(wait=True, cancel_futures=True)
         self._forget()
         for id in left:
@@ -358,19 +302,11 @@ class Jobs:
     def _start(self, job: Job) -> None:
         running = self._running[job.id] = RunningJob(job.client)
         kind, options, body = self.store.request(job.id)
-        running.task = self._run(
-            self._solve, (kind, options, body, self.limits), lambda progress: self._progress(job.id, running, progress)
+        args = (kind, options, body, self.limits)
+        running.task = start(
+            self.executor, self._solve, args, lambda progress: self._progress(job.id, running, progress), self.limits.seconds
         )
         running.task.add_done_callback(lambda task: self._done(job, running, task))
-
-    def _run(
-        self, function: Callable, args: tuple, on_progress: Optional[Callable], executor: Optional[Executor] = None, urgent: bool = False
-    ) -> Future:
-        executor = executor or self.executor
-        start = getattr(executor, "start", None)
-        if start is None:
-            return executor.submit(function, *args)
-        return start(function, args, on_progress=on_progress, time_limit=self.limits.seconds, urgent=urgent)
 
     def _progress(self, id: str, running: RunningJob, news: dict) -> None:
         with self._change:
@@ -392,7 +328,7 @@ class Jobs:
             # The task knows its listeners: a circle that would keep request and result for a long while.
             running.task = None
             try:
-                state, message, content, figures = _ending(task)
+                state, message, content, figures = outcome_of(task)
                 running.progress = {**running.progress, **(figures or {})}
                 self.store.finish(job.id, state, message, running.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
@@ -403,34 +339,3 @@ class Jobs:
             finally:
                 self._forget()
                 self._change.notify_all()
-
-
-class _Ending(NamedTuple):
-    """How a job ended."""
-
-    state: str  # succeeded, failed or cancelled
-    message: str  # one sentence
-    content: Optional[bytes] = None  # the packed result
-    figures: Optional[dict] = None  # of the last step
-
-
-def _ending(task: Future) -> _Ending:
-    """Return how a task that is over ended."""
-    reason = getattr(task, "stop_reason", None)
-    try:
-        output: JobOutput = task.result()
-    except CancelledError:
-        return _Ending("cancelled", "cancelled before it began")
-    except TaskStopped as error:
-        return _Ending("cancelled" if str(error) == CANCELLED else "failed", f"stopped: {error}")
-    except TaskError as error:
-        log.error("a job failed: %s", error.trace)
-        return _Ending("failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more")
-    except Exception as error:
-        return _Ending("failed", str(error))
-    # It may be asked to stop when it has just ended by itself.
-    if not output.stopped or reason is None:
-        return _Ending("succeeded" if output.content is not None else "failed", output.message, output.content, output.figures)
-    if reason == CANCELLED:
-        return _Ending("cancelled", output.message, output.content, output.figures)
-    return _Ending("failed", f"stopped: {reason}", output.content, output.figures)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import Executor
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Callable
 from typing import Optional
 
-__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "stop", "wait_for"]
+__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "start", "stop", "wait_for"]
 
 POLL_INTERVAL = 0.1  # seconds between two checks whether somebody still waits
 GRACE = 0.15  # seconds that somebody waits for a task that was asked to stop
@@ -76,6 +77,21 @@ class Task(Future):
             self.stop_time = time.monotonic()
             self.grace = grace
             self.stop_reason = reason
+
+
+def start(
+    executor: Executor,
+    function: Callable,
+    args: tuple,
+    on_progress: Optional[Callable] = None,
+    time_limit: Optional[float] = None,
+    urgent: bool = False,
+) -> Future:
+    """Start a call; an executor that is no pool of this package runs it to its end, without reports."""
+    own = getattr(executor, "start", None)
+    if own is None:
+        return executor.submit(function, *args)
+    return own(function, args, on_progress=on_progress, time_limit=time_limit, urgent=urgent)
 
 
 def stop(task: Optional[Future], reason: str) -> None:

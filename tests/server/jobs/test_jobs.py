@@ -308,8 +308,8 @@ def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
 
 def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     with pytest.raises(TimeoutError, match="gone"):
-        jobs.call(sleep_until_told, disconnected=lambda: True)
-    assert jobs.call(add, 2, 2) == 4
+        jobs.calls.call(sleep_until_told, disconnected=lambda: True)
+    assert jobs.calls.call(add, 2, 2) == 4
 
 
 def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():

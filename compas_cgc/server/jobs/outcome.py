@@ -1,0 +1,49 @@
+"""Outcome: how the task of a job ended, in the words of the job."""
+
+from __future__ import annotations
+
+import logging
+from concurrent.futures import CancelledError
+from concurrent.futures import Future
+from typing import NamedTuple
+from typing import Optional
+
+from .future import TaskError
+from .future import TaskStopped
+from .worker import JobOutput
+
+__all__ = ["CANCELLED", "Outcome", "outcome_of"]
+
+CANCELLED = "it was cancelled"
+log = logging.getLogger(__name__)
+
+
+class Outcome(NamedTuple):
+    """How a job ended."""
+
+    state: str  # succeeded, failed or cancelled
+    message: str  # one sentence
+    content: Optional[bytes] = None  # the packed result
+    figures: Optional[dict] = None  # of the last step
+
+
+def outcome_of(task: Future) -> Outcome:
+    """Return how a task that is over ended."""
+    reason = getattr(task, "stop_reason", None)
+    try:
+        output: JobOutput = task.result()
+    except CancelledError:
+        return Outcome("cancelled", "cancelled before it began")
+    except TaskStopped as error:
+        return Outcome("cancelled" if str(error) == CANCELLED else "failed", f"stopped: {error}")
+    except TaskError as error:
+        log.error("a job failed: %s", error.trace)
+        return Outcome("failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more")
+    except Exception as error:
+        return Outcome("failed", str(error))
+    # It may be asked to stop when it has just ended by itself.
+    if not output.stopped or reason is None:
+        return Outcome("succeeded" if output.content is not None else "failed", output.message, output.content, output.figures)
+    if reason == CANCELLED:
+        return Outcome("cancelled", output.message, output.content, output.figures)
+    return Outcome("failed", f"stopped: {reason}", output.content, output.figures)
