@@ -31,6 +31,9 @@ RENAMED = {
     "compas_cgc.result": "compas_cgc.model.result",
     "compas_cgc.rhino": "compas_cgc.io.rhino",
     "compas_cgc.rhino.inside": "compas_cgc.io.rhino.rhinocommon",
+    "compas_cgc.server.jobs.future": "compas_cgc.execution.future",
+    "compas_cgc.server.jobs.pool": "compas_cgc.execution.pool",
+    "compas_cgc.server.jobs.worker": "compas_cgc.execution.worker",
     "compas_cgc.solver": "compas_cgc.solvers.run",
 }
 _LONGEST_FIRST = sorted(RENAMED, key=len, reverse=True)

@@ -36,6 +36,7 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler
 from compas.rpc import Server
 
 from .._version import __version__
+from ..execution.pool import WorkerPool
 from ..server.api.decoding import read_json
 from ..server.api.formats import encoded
 from ..server.api.requests import accept
@@ -44,7 +45,6 @@ from ..server.api.tasks import solve_job
 from ..server.api.tasks import warm_up
 from ..server.errors import RequestError
 from ..server.jobs.engine import Jobs
-from ..server.jobs.pool import WorkerPool
 from ..server.jobs.store import Store
 from ..server.limits import Limits
 

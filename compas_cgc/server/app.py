@@ -20,6 +20,7 @@ from flask import g
 from flask import request
 from werkzeug.exceptions import HTTPException
 
+from ..execution.pool import WorkerPool
 from .api.mesh_files import warm_up_io
 from .api.requests import READERS
 from .api.responses import respond
@@ -33,7 +34,6 @@ from .hops.inputs import read_hops_request
 from .hops.routes import hops
 from .hops.routes import list_functions
 from .jobs.engine import Jobs
-from .jobs.pool import WorkerPool
 from .jobs.store import Store
 from .limits import Limits
 from .page import index

@@ -24,8 +24,8 @@ from .security import is_loopback
 from .security import keys_of
 
 if TYPE_CHECKING:
+    from ..execution.pool import WorkerPool
     from .jobs.engine import Jobs
-    from .jobs.pool import WorkerPool
 
 __all__ = ["HOST", "PORT", "default_store", "serve"]
 

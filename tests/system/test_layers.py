@@ -12,7 +12,7 @@ PACKAGE = Path(__file__).parents[2] / "compas_cgc"
 # From the bottom: a part imports from layers below its own.
 LAYERS = [
     {"_version", "_lazy", "errors", "client"},
-    {"_atomic_write", "_compiled"},
+    {"_atomic_write", "_compiled", "execution"},
     {"discrete"},
     {"linalg", "meshing"},
     {"model"},
@@ -21,7 +21,7 @@ LAYERS = [
     {"io", "plot"},
     {"_warm_up"},
     {"scene"},
-    {"paper"},
+    {"paper", "study"},
     {"server", "_deprecated"},
     {"grasshopper", "rpc"},
     {"cli"},

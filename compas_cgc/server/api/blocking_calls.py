@@ -10,14 +10,14 @@ from typing import Callable
 from flask import current_app
 from flask import request
 
+from ...execution.future import TaskError
+from ...execution.future import TaskStopped
+from ...execution.future import WorkerDied
 from ..errors import GatewayTimeout
 from ..errors import RequestError
 from ..errors import ServerStopping
 from ..errors import WorkerFailed
 from ..jobs.engine import Jobs
-from ..jobs.future import TaskError
-from ..jobs.future import TaskStopped
-from ..jobs.future import WorkerDied
 
 __all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
 

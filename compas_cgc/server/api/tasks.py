@@ -10,14 +10,14 @@ from typing import Callable
 from ..._warm_up import warm_up
 from ...analysis import analyse
 from ...datastructures import SolveResult
+from ...execution.worker import report
+from ...execution.worker import stop_wanted
 from ...model.checks import check
 from ...model.result import SolveState
 from ...solvers.run import solve
 from ..errors import Gone
 from ..errors import RequestError
-from ..jobs.worker import JobOutput
-from ..jobs.worker import report
-from ..jobs.worker import stop_wanted
+from ..jobs.output import JobOutput
 from ..limits import Limits
 from .requests import READERS
 from .requests import SolveRequest

@@ -6,10 +6,10 @@ import threading
 from concurrent.futures import Executor
 from typing import Callable
 
+from ...execution.future import start
+from ...execution.future import wait_for
 from ..errors import Busy
 from ..limits import Limits
-from .future import start
-from .future import wait_for
 
 __all__ = ["Calls"]
 

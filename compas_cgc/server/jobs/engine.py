@@ -17,6 +17,8 @@ from concurrent.futures import Future
 from typing import Callable
 from typing import Optional
 
+from ...execution.future import start
+from ...execution.future import stop
 from ..errors import Busy
 from ..errors import Conflict
 from ..errors import Gone
@@ -24,13 +26,11 @@ from ..errors import NotFound
 from ..errors import Unprocessable
 from ..limits import Limits
 from .calls import Calls
-from .future import start
-from .future import stop
 from .outcome import CANCELLED
 from .outcome import outcome_of
+from .output import JobOutput
 from .store import Job
 from .store import Store
-from .worker import JobOutput
 
 __all__ = ["Jobs"]
 
@@ -59,7 +59,7 @@ class Jobs:
     Parameters
     ----------
     executor
-        Runs the solves. With a :class:`~compas_cgc.server.jobs.pool.WorkerPool` jobs report their
+        Runs the solves. With a :class:`~compas_cgc.execution.pool.WorkerPool` jobs report their
         progress and can be stopped; any other executor runs them to their end.
     store
         Keeps the jobs. Those in it that are not finished are taken up again.

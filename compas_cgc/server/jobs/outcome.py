@@ -8,9 +8,9 @@ from concurrent.futures import Future
 from typing import NamedTuple
 from typing import Optional
 
-from .future import TaskError
-from .future import TaskStopped
-from .worker import JobOutput
+from ...execution.future import TaskError
+from ...execution.future import TaskStopped
+from .output import JobOutput
 
 __all__ = ["CANCELLED", "Outcome", "outcome_of"]
 

@@ -10,6 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from compas_cgc.execution.future import TaskError
+from compas_cgc.execution.future import TaskStopped
+from compas_cgc.execution.future import WorkerDied
+from compas_cgc.execution.pool import WorkerPool
+from compas_cgc.execution.worker import report
+from compas_cgc.execution.worker import stop_wanted
 from compas_cgc.server.api.requests import accept
 from compas_cgc.server.api.serialization import unpack_result
 from compas_cgc.server.api.tasks import solve_job
@@ -18,14 +24,8 @@ from compas_cgc.server.errors import Busy
 from compas_cgc.server.errors import Conflict
 from compas_cgc.server.errors import Gone
 from compas_cgc.server.jobs.engine import Jobs
-from compas_cgc.server.jobs.future import TaskError
-from compas_cgc.server.jobs.future import TaskStopped
-from compas_cgc.server.jobs.future import WorkerDied
-from compas_cgc.server.jobs.pool import WorkerPool
 from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
-from compas_cgc.server.jobs.worker import report
-from compas_cgc.server.jobs.worker import stop_wanted
 from compas_cgc.server.limits import Limits
 
 from ...support.server_process import PATIENCE

@@ -14,22 +14,12 @@ from multiprocessing import connection
 from multiprocessing import parent_process
 from typing import Any
 from typing import Callable
-from typing import NamedTuple
 from typing import Optional
 
-__all__ = ["JobOutput", "report", "run_tasks", "stop_wanted"]
+__all__ = ["report", "run_tasks", "stop_wanted"]
 
 _line: Optional[connection.Connection] = None
 _flag: Any = None
-
-
-class JobOutput(NamedTuple):
-    """What the function that solves a job returns."""
-
-    message: str  # one sentence
-    content: Optional[bytes] = None  # the packed result, None if there is none
-    stopped: bool = False  # it ended early because it was asked to
-    figures: Optional[dict] = None  # of its last step, as a report tells them; the last report may be of an earlier one
 
 
 def report(progress: object) -> None:
