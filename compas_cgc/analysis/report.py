@@ -20,6 +20,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
+from ..discrete.corners import corner_angles
 from ..meshing import vertex_labels
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
@@ -206,9 +207,8 @@ def _concave_edges(V: Vertices, F: Faces, label: IntArray, creases: Edges) -> In
 
 def _quality(V: Vertices, F: Faces, asked: Mask) -> MeshQuality:
     corners = V[F]
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    length = np.linalg.norm(ahead, axis=2)
-    angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(ahead, back), axis=2), np.einsum("ijk,ijk->ij", ahead, back)))
+    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    angle = np.degrees(corner_angles(V, F))
     valence = np.bincount(F.ravel(), minlength=len(V))
     cell = vertex_areas(V, F)
     inner = asked if asked.any() else cell > 0

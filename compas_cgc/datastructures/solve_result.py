@@ -93,7 +93,7 @@ class SolveResult:
             problem = problem.with_targets(solution.targets)
         before = problem.without_dummies()
         real = before.with_vertices(solution.vertices[problem.roles != DUMMY])
-        return cls(
+        made = cls(
             real,
             *solution[1:8],
             settings=settings,
@@ -102,6 +102,10 @@ class SolveResult:
             start=before.vertices,
             measure=solution.measure,
         )
+        if solution.verdict is not None:
+            # Judged already, when the method was chosen.
+            made.__dict__["verdict"] = solution.verdict
+        return made
 
     @property
     def converged(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from .verdict import Verdict
 
 __all__ = ["STATUSES", "History", "Solution", "SolveState"]
 
@@ -64,3 +65,4 @@ class Solution(NamedTuple):
     method: str = ""  # the method that was used
     measure: str = "defect"  # of K, by which the errors are told
     targets: Optional[FloatArray] = None  # (n,) targets with those that were found, None where all were given [1/L^2]
+    verdict: Optional[Verdict] = None  # of the surface, where it was judged on the way

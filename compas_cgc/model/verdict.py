@@ -14,6 +14,7 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..discrete.corners import corner_angles
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
 from ..meshing.regions import vertex_labels
@@ -245,8 +246,4 @@ def _off_creases(problem: CGCProblem) -> IntArray:
 
 
 def _smallest_angle(V: FloatArray, F: IntArray) -> float:
-    corners = V[F]
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cross = np.cross(ahead, back)
-    angles = np.arctan2(np.sqrt(np.einsum("ijk,ijk->ij", cross, cross)), np.einsum("ijk,ijk->ij", ahead, back))
-    return float(np.degrees(angles.min(initial=np.pi)))
+    return float(np.degrees(corner_angles(V, F).min(initial=np.pi)))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from compas_cgc import solve
+from compas_cgc.analysis import analyse
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.problem import CREASE
@@ -129,3 +130,18 @@ def test_a_result_is_judged_where_there_is_a_surface():
     assert result.to_dict()["verdict"]["word"] == "fair" and result.start is not None
     lost = replace(result, status="diverged")
     assert lost.verdict is None and lost.to_dict()["verdict"] is None
+
+
+def test_a_surface_is_judged_once_however_often_its_verdict_is_read(monkeypatch):
+    judged = []
+
+    def counted(*args):
+        judged.append(args)
+        return verdict(*args)
+
+    for module in ("solvers.selection", "datastructures.solve_result", "analysis.report"):
+        monkeypatch.setattr(f"compas_cgc.{module}.verdict", counted)
+    roof = square(8, 0.5)
+    result = solve(roof)
+    assert analyse(result, roof).verdict is result.verdict and len(judged) == 1
+    assert result.verdict == verdict(result.problem, result.start)
