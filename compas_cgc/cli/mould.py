@@ -11,10 +11,9 @@ from typing import Optional
 
 from ..errors import CGCError
 from ..errors import FileError
-from ..fabrication import MATERIALS
-from .arguments import add_reading
-from .arguments import reading
-from .arguments import with_targets
+from .building import add_task
+from .building import read_solved
+from .building import settings_of
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -42,54 +41,32 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Divide a solved surface into panels, and say on which moulds they are made and how they fit."
+    add_task(parser, "mould", leave=("size", "count"))
     parser.epilog = _EPILOG
-    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="the .3dm file to write")
     divided = parser.add_mutually_exclusive_group(required=True)
-    divided.add_argument("--size", type=float, metavar="L", help="width of the panels, nearly, in model units")
-    divided.add_argument("--count", type=int, metavar="N", help="panels to each region, nearly")
+    divided.add_argument("--size", metavar="L", help="width of the panels, nearly, in model units")
+    divided.add_argument("--count", metavar="N", help="panels to each region, nearly")
     divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm")
-    parser.add_argument("--along", default="plan", metavar="plan|curvature", help="what the grid of panels follows (default: plan)")
-    parser.add_argument("--material", default="glass", metavar="|".join(MATERIALS), help="what the panels are of (default: glass)")
-    parser.add_argument("--thickness", type=float, default=6.0, metavar="MM", help="of the panels in mm (default: 6)")
-    parser.add_argument("--tolerance", type=float, default=0.0, metavar="MM", help="gap up to which panels of different K share a mould")
-    parser.add_argument(
-        "--target", action="append", default=[], metavar="[REGION=]K", help="Gaussian curvature, as for solve, where the file does not say"
-    )
-    parser.add_argument("--rough", action="store_true", help="take a surface that its verdict calls rough all the same")
     parser.add_argument("--no-page", action="store_true", help="write no page of pictures")
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
-    add_reading(parser)
     parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..fabrication import moulds
-    from ..fabrication import panels
-    from ..io import read_problem
+    from ..fabrication.tasks import build
     from ..io.rhino import write_moulds
 
     output = Path(arguments.output)
     if output.suffix.lower() != ".3dm":
         raise FileError(f"moulds are written as .3dm, not as {output.name!r}: change the suffix")
     say = (lambda text: None) if arguments.quiet else print
-    read = read_problem(arguments.input, result=True, **reading(arguments))
-    for note in read.notes:
-        say(f"{arguments.input}: {note}")
-    problem = read.checked()
-    problem = with_targets(problem, arguments.target)
-    divided = panels(problem, arguments.size, count=arguments.count, curves=_curves(arguments), along=arguments.along)
-    report = moulds(
-        problem,
-        divided,
-        material=arguments.material,
-        thickness=arguments.thickness,
-        tolerance=max(0.0, arguments.tolerance),
-        rough=arguments.rough,
-    )
+    settings = settings_of(arguments, "mould")
+    problem = read_solved(arguments)
+    curves = _curves(arguments)
+    report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
     say(str(report))
     page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None

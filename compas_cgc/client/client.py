@@ -142,18 +142,90 @@ class Client:
             # The server answers at once when too many wait for their jobs.
             time.sleep(max(0.0, pause - (time.monotonic() - looked)))
 
+    def build(
+        self,
+        task: str,
+        vertices: Optional[Rows] = None,
+        faces: Optional[Rows] = None,
+        *,
+        job: Optional[str] = None,
+        settings: Optional[dict] = None,
+        on_progress: Optional[Callable[[dict], object]] = None,
+        cancel: Optional[Callable[[], bool]] = None,
+        interval: float = 0.2,
+        id: Optional[str] = None,
+        **options: object,
+    ) -> dict:
+        """Make something of a solved surface and wait for it.
+
+        Parameters
+        ----------
+        task
+            ``mould``, ``unroll``, ``membrane``, ``net``; or ``limits``, how much curvature supports carry. See :meth:`tasks`.
+        vertices, faces
+            The solved surface, with its ``creases``, ``targets`` and ``supports`` among the options.
+        job
+            Instead: the job that solved it.
+        settings
+            Of the task, such as ``{"sheet": "3.0x1.5"}``.
+        on_progress, cancel, interval, id, options
+            See :meth:`solve`.
+
+        Returns
+        -------
+        dict
+            With ``id``, ``text`` to show, ``formats`` for :meth:`result`, and arrays to draw.
+
+        Raises
+        ------
+        ServerUnavailable, Refused, Failed
+            With a sentence to show.
+        """
+        id = self.submit_build(task, vertices, faces, job=job, settings=settings, id=id, **options)
+        try:
+            return self._followed(id, on_progress, cancel, interval)
+        except (Failed, Refused, ServerUnavailable):
+            raise
+        except BaseException:
+            with suppress(ClientError):
+                self.cancel(id)
+            raise
+
+    def submit_build(
+        self,
+        task: str,
+        vertices: Optional[Rows] = None,
+        faces: Optional[Rows] = None,
+        *,
+        job: Optional[str] = None,
+        settings: Optional[dict] = None,
+        id: Optional[str] = None,
+        **options: object,
+    ) -> str:
+        """Hand in a task on a solved surface, or on the result of a job, and return the id of its own job."""
+        if job is None:
+            return self.submit(
+                [] if vertices is None else vertices, [] if faces is None else faces, id, task=task, settings=settings, **options
+            )
+        body = {"id": id or uuid.uuid4().hex, "task": task, "job": job, "settings": settings, **_plain(options)}
+        return self._json("POST", "/api/v1/jobs", body)["id"]
+
+    def tasks(self) -> list[dict]:
+        """Return what can be built: name, text, options and formats of each."""
+        return self._json("GET", "/api/v1/tasks")["tasks"]
+
     def submit(self, vertices: Rows, faces: Rows, id: Optional[str] = None, **options: object) -> str:
         """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
         body = {
             "id": id or uuid.uuid4().hex,
             "vertices": _packed(vertices, "f8"),
             "faces": _packed(faces, "i4"),
-            **{name: value.tolist() if isinstance(value, Listable) else value for name, value in options.items()},
+            **_plain(options),
         }
         return self._json("POST", "/api/v1/jobs", body)["id"]
 
     def submit_file(self, content: bytes, kind: str, **options: object) -> str:
-        """Hand in the bytes of a ``3dm`` or ``obj`` file and return the id of the job."""
+        """Hand in the bytes of a ``3dm`` or ``obj`` file, for a ``task`` among the options or a solve, and return the id of the job."""
         query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **options})})
         return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
 
@@ -176,7 +248,7 @@ class Client:
     def result(self, id: str, format: str, beside: Optional[bytes] = None) -> Union[dict, bytes]: ...
 
     def result(self, id: str, format: str = "arrays", beside: Optional[bytes] = None) -> Union[dict, bytes]:
-        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``.
+        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``, and the files of a build.
 
         Parameters
         ----------
@@ -281,6 +353,10 @@ class Client:
             return json.loads(self.request(method, path, body))
         except ValueError:
             raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
+
+
+def _plain(options: Mapping[str, object]) -> dict[str, object]:
+    return {name: value.tolist() if isinstance(value, Listable) else value for name, value in options.items()}
 
 
 def _query(options: dict[str, object]) -> str:

@@ -27,10 +27,10 @@ from ..model.problem import PosesProblem
 from .grids import curvature_coordinates
 from .grids import plan_coordinates
 from .grids import square_coordinates
+from .option_values import ALONG
 
-__all__ = ["ALONG", "Panel", "panels"]
+__all__ = ["Panel", "panels"]
 
-ALONG = ("plan", "curvature")
 ROUNDS = 5  # in which faces go over to the panel that most of their neighbours are of
 CRUMB = 0.2  # faces of a panel, against their share of the region, below which it goes to a neighbour
 JUST = 1e-6  # part of a panel by which it may be larger than asked

@@ -9,6 +9,7 @@ from typing import Union
 from ..errors import CGCError
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
+from ..fabrication.plain_data import build_data
 from ._files import suffix_among
 from ._files import written
 
@@ -53,24 +54,9 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
         return
     with written(path) as temporary:
         if suffix == ".json":
-            temporary.write_bytes((json.dumps(net_data(net)) + "\n").encode("utf-8"))
+            temporary.write_bytes((json.dumps(build_data("net", net.problem, net)) + "\n").encode("utf-8"))
         else:
             _write_dxf(str(temporary), net)
-
-
-def net_data(net: CurveNet) -> dict:
-    """Return curves, nodes and sides as plain data."""
-    return {
-        "spacing": net.spacing,
-        "curves": [
-            {"region": own.region, "kind": own.kind, "family": own.family, "length": own.length, "points": own.points.tolist()}
-            for own in net.curves
-        ],
-        "nodes": net.nodes.tolist(),
-        "sides": net.sides.tolist(),
-        "lengths": net.lengths.tolist(),
-        "report": net.summary(),
-    }
 
 
 def _write_dxf(path: str, net: CurveNet) -> None:

@@ -12,10 +12,10 @@ from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import write
 from compas_cgc.cli import main
-from compas_cgc.cli.unroll import sheet_size
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.option_values import sheet
 
 from ..support.constant_curvature import cone
 from ..support.constant_curvature import revolved_patch
@@ -77,9 +77,9 @@ def test_wrong_orders_end_in_a_sentence_and_write_nothing(files, tmp_path, capsy
 
 
 def test_sheets_are_given_in_the_units_of_the_drawing_or_in_others():
-    assert sheet_size("3.0x1.5", "Meters") == (3.0, 1.5)
-    assert sheet_size("3000 x 1500mm", "Meters") == pytest.approx((3.0, 1.5))
-    assert sheet_size("3x1.5m", "Millimeters") == pytest.approx((3000.0, 1500.0))
+    assert sheet("3.0x1.5", "the sheet").within("Meters") == sheet([3.0, 1.5], "the sheet").within(None) == (3.0, 1.5)
+    assert sheet("3000 x 1500mm", "the sheet").within("Meters") == pytest.approx((3.0, 1.5))
+    assert sheet("3x1.5m", "the sheet").within("Millimeters") == pytest.approx((3000.0, 1500.0))
 
 
 def test_check_says_how_wide_flat_sheets_may_be(files, capsys):

@@ -16,7 +16,7 @@ KINDS = (
 )
 SCALARS = {"Number": (int, float), "Integer": int, "Boolean": bool, "Text": str}
 TYPES = {"Boolean": "System.Boolean", "Number": "System.Double", "Text": "System.String", "Integer": "System.Int32"}
-TYPES["Mesh"] = "Rhino.Geometry.Mesh"
+TYPES.update({"Mesh": "Rhino.Geometry.Mesh", "Curve": "Rhino.Geometry.PolylineCurve", "Point": "Rhino.Geometry.Point3d"})
 PATH = re.compile(r"\{\d+(;\d+)*\}")
 LEAK = re.compile(r'Traceback|File "|\.py\b|site-packages|[A-Z]:\\|/(home|tmp|usr|var|root|work)/')
 
@@ -191,6 +191,9 @@ class Hops:
         if kind == "System.String":
             return self.shown(data if isinstance(data, str) else text)
         fields = json.loads(text)
+        if kind == TYPES["Point"]:
+            require(set(fields) == set("XYZ") and all(isinstance(x, float) for x in fields.values()), "no point")
+            return rhino3dm.Point3d(*(fields[axis] for axis in "XYZ"))
         require(all(isinstance(value, (str, int)) for value in fields.values()), "geometry that is no dictionary of texts")
         geometry = rhino3dm.CommonObject.Decode(fields)
         require(type(geometry).__name__ == kind.split(".")[-1] and geometry.IsValid, f"no valid {kind}")

@@ -11,6 +11,10 @@ import numpy as np
 from ...datastructures import SolveResult
 from ...meshing import crease_paths
 from ...model.roles import ROLES
+from ..errors import Unprocessable
+from .builds import BUILD_FORMATS
+from .builds import build_file
+from .builds import is_build
 from .decoding import packed
 from .mesh_files import KINDS
 from .mesh_files import file_bytes
@@ -18,9 +22,11 @@ from .rhino_mesh import mesh_text
 from .serialization import WORDS
 from .serialization import unpack_result
 
-__all__ = ["FORMATS", "encoded", "merged_into"]
+__all__ = ["FORMATS", "SHOWN", "encoded", "merged_into"]
 
-FORMATS = {**dict.fromkeys(("arrays", "packed", "compas", "hops"), "application/json"), **KINDS}
+SHOWN = ("arrays", "packed", "compas", "hops")  # others are files to keep
+OF_A_SOLVE = {**dict.fromkeys(SHOWN, "application/json"), **KINDS}
+FORMATS = {**OF_A_SOLVE, **BUILD_FORMATS}
 
 
 def encoded(name: str, content: bytes) -> bytes:
@@ -29,10 +35,19 @@ def encoded(name: str, content: bytes) -> bytes:
     Parameters
     ----------
     name
-        ``arrays``, ``packed``, ``compas``, ``hops``, ``3dm`` or ``obj``.
+        One of :data:`FORMATS`.
     content
-        See :func:`compas_cgc.server.api.serialization.pack_result`.
+        See :func:`compas_cgc.server.api.serialization.pack_result`, or of a build.
+
+    Raises
+    ------
+    Unprocessable
+        If the job has no result of that format.
     """
+    if is_build(content):
+        return build_file(content, name)
+    if name not in OF_A_SOLVE:
+        raise Unprocessable(f"a solve has no result of the format {name}; it has {', '.join(OF_A_SOLVE)}")
     result, report = unpack_result(content)
     if name in ("arrays", "packed"):
         return _arrays(result, report, name == "packed")

@@ -19,8 +19,8 @@ __all__ = ["KINDS", "file_bytes", "read_upload", "warm_up_io"]
 KINDS = {"3dm": "model/vnd.3dm", "obj": "model/obj"}
 
 
-def read_upload(kind: str, body: bytes) -> ReadProblem:
-    """Return the problem in the bytes of a file.
+def read_upload(kind: str, body: bytes, result: bool = False) -> ReadProblem:
+    """Return the problem in the bytes of a file, of a .3dm with a result that result where it is wanted.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def read_upload(kind: str, body: bytes) -> ReadProblem:
         path = Path(folder) / f"upload.{kind}"
         path.write_bytes(body)
         try:
-            return read_problem(path)
+            return read_problem(path, result=result)
         except FileError as error:
             raise Unprocessable(str(error).replace(str(path), "the file")) from None
 

@@ -14,6 +14,8 @@ from .schemas import METHODS
 from .schemas import MODEL
 from .schemas import PAGE
 from .schemas import PROBLEM
+from .schemas import TASKS
+from .schemas import build_schema
 from .schemas import request_schema
 
 __all__ = ["description"]
@@ -22,6 +24,7 @@ OPERATIONS = {
     ("get", "/health"): "health",
     ("get", "/version"): "version",
     ("get", "/api/v1/methods"): "listMethods",
+    ("get", "/api/v1/tasks"): "listTasks",
     ("get", "/api/v1/jobs"): "listJobs",
     ("post", "/api/v1/jobs"): "submitJob",
     ("get", "/api/v1/jobs/{id}"): "getJob",
@@ -48,7 +51,8 @@ def description() -> dict:
 
 
 def _description() -> dict:
-    job, model = "#/components/schemas/Job", "#/components/schemas/Model"
+    job, model, request, build = (f"#/components/schemas/{name}" for name in ("Job", "Model", "Request", "BuildRequest"))
+    tasks = {"200": _json({"$ref": "#/components/schemas/Tasks"})}
     result = {"200": {"description": "the result", "content": {kind: {} for kind in dict.fromkeys(FORMATS.values())}}}
     moulds = {"200": {"description": "moulds and panels", "content": {kind: {} for kind in MOULD_FORMATS.values()}}}
     refusals = ("400", "401", "404", "409", "410", "413", "422", "429", "500", "504")
@@ -61,6 +65,9 @@ def _description() -> dict:
             "/api/v1/methods": {
                 "get": _operation("List the methods and their settings", {"200": _json({"$ref": "#/components/schemas/Methods"})}, "401"),
             },
+            "/api/v1/tasks": {
+                "get": _operation("List what is built from solved surfaces, with the settings", tasks, "401"),
+            },
             "/api/v1/jobs": {
                 "get": {
                     **_operation("List the jobs, the newest first", {"200": _json({"$ref": "#/components/schemas/JobList"})}, "401", "422"),
@@ -68,7 +75,9 @@ def _description() -> dict:
                 },
                 "post": {
                     **_operation(
-                        "Submit a solve", {"202": _json({"type": "object", "required": ["id"]})}, "400", "401", "409", "413", "422", "429"
+                        "Submit a solve, or another task on what was solved",
+                        {"202": _json({"type": "object", "required": ["id"]})},
+                        *("400", "401", "404", "409", "410", "413", "422", "429"),
                     ),
                     "parameters": [
                         {"name": "kind", "in": "query", "schema": {"enum": ["json", "3dm", "obj"]}},
@@ -82,7 +91,7 @@ def _description() -> dict:
                     "requestBody": {
                         "required": True,
                         "content": {
-                            "application/json": {"schema": {"$ref": "#/components/schemas/Request"}},
+                            "application/json": {"schema": {"anyOf": [{"$ref": request}, {"$ref": build}]}},
                             "application/octet-stream": {"schema": BYTES},
                         },
                     },
@@ -171,7 +180,9 @@ def _description() -> dict:
                 "Job": JOB,
                 "JobList": JOB_LIST,
                 "Request": request_schema(),
+                "BuildRequest": build_schema(),
                 "Methods": METHODS,
+                "Tasks": TASKS,
                 "Model": MODEL,
                 "Problem": PROBLEM,
             },

@@ -34,8 +34,9 @@ from .options import OPTIONS
 from .options import apply_options
 from .options import check_options
 from .options import settings_of
+from .serialization import unpack_result
 
-__all__ = ["READERS", "SolveRequest", "accept", "solve_request"]
+__all__ = ["MESH", "READERS", "SOLVED_READERS", "Reader", "SolveRequest", "accept", "solve_request"]
 
 MESH = ("vertices", "faces", "roles", "mesh")
 
@@ -103,15 +104,23 @@ def _problem_of(value: dict, limits: Limits) -> CGCProblem:
     return CGCProblem(vertices, faces, drawing=Drawing("Mesh"))
 
 
-def _read_file(kind: str, options: dict, body: bytes, limits: Limits) -> SolveRequest:
-    read = read_upload(kind, body)
+def _read_file(kind: str, options: dict, body: bytes, limits: Limits, result: bool = False) -> SolveRequest:
+    read = read_upload(kind, body, result)
     problem = read.checked()
     check_size(len(problem.vertices), len(problem.faces), limits)
     return solve_request(problem, options, limits, read.notes)
 
 
+def _read_result(options: dict, body: bytes, limits: Limits) -> SolveRequest:
+    return solve_request(unpack_result(body)[0].problem, options, limits)
+
+
 # By the kind of the body: (options, body, limits) to a request. What they need is importable in the workers.
-READERS: dict[str, Callable[[dict, bytes, Limits], SolveRequest]] = {
+Reader = Callable[[dict, bytes, Limits], SolveRequest]
+READERS: dict[str, Reader] = {
     "json": _read_json_request,
     **{kind: partial(_read_file, kind) for kind in KINDS},
+    "result": _read_result,
 }
+# The same for what has been solved.
+SOLVED_READERS: dict[str, Reader] = {**READERS, **{kind: partial(_read_file, kind, result=True) for kind in KINDS}}

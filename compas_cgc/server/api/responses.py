@@ -27,7 +27,8 @@ def status(job: Job, position: Optional[int] = None) -> dict:
         "state": job.state,
         "position": position if job.state == "queued" else None,
         "progress": 1.0 if job.state == "succeeded" else step / steps if steps else 0.0,
-        "stage": "solve" if step else "read" if job.state == "running" else job.state,
+        "task": job.progress.get("task", "solve"),
+        "stage": _stage(job),
         "iteration": step,
         "iterations": steps,
         "error": job.progress.get("max_error"),
@@ -38,3 +39,9 @@ def status(job: Job, position: Optional[int] = None) -> dict:
         "message": job.message,
         "has_result": job.size is not None,
     }
+
+
+def _stage(job: Job) -> str:
+    if job.state != "running":
+        return "solve" if job.progress.get("step", 0) else job.state
+    return job.progress.get("stage") or ("solve" if job.progress.get("step", 0) else "read")

@@ -1,4 +1,4 @@
-"""Rhino meshes in JSON, as Hops and McNeel's compute clients read them."""
+"""Rhino meshes and polylines in JSON, as Hops and McNeel's compute clients read them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...io.rhino.colours import signed_colours
 from ...io.rhino.meshes import coloured
 from ...io.rhino.meshes import mesh_from_arrays
 
-__all__ = ["mesh_text"]
+__all__ = ["mesh_text", "polyline_text"]
 
 
 def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray] = None, limit: float = 1.0) -> str:
@@ -30,3 +30,10 @@ def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray
     if values is not None:
         mesh = coloured(mesh, signed_colours(values, limit))
     return json.dumps(mesh.Encode())
+
+
+def polyline_text(points: FloatArray) -> str:
+    """Return a polyline (k, 3) [L] as text."""
+    import rhino3dm
+
+    return json.dumps(rhino3dm.PolylineCurve([rhino3dm.Point3d(*point) for point in points.tolist()]).Encode())

@@ -26,8 +26,10 @@ from ..security import client_name
 from .blocking_calls import jobs
 from .blocking_calls import run_in_io_pool
 from .blocking_calls import run_in_worker
-from .decoding import read_json
+from .builds import is_build
+from .builds import tasks
 from .formats import FORMATS
+from .formats import SHOWN
 from .formats import encoded
 from .formats import merged_into
 from .mesh_files import KINDS
@@ -36,13 +38,12 @@ from .moulds import MOULD_FORMATS
 from .moulds import moulds_of
 from .moulds import read_mould_options
 from .openapi import description
-from .options import OPTIONS
-from .options import check_options
-from .requests import accept
 from .responses import respond
 from .responses import status
 from .schemas import PAGE
 from .schemas import STATES
+from .submissions import file_submission
+from .submissions import json_submission
 
 __all__ = ["api"]
 
@@ -77,6 +78,12 @@ def list_methods() -> Response:
     return respond({"methods": methods()})
 
 
+@api.get("/api/v1/tasks")
+def list_tasks() -> Response:
+    """List what is built from solved surfaces, with the options."""
+    return respond({"tasks": tasks()})
+
+
 @api.post("/api/v1/jobs")
 def submit() -> Response:
     """Accept a job."""
@@ -85,34 +92,16 @@ def submit() -> Response:
     body = request.get_data(cache=False)
     kind = request.args.get("kind", "json")
     if kind == "json":
-        value = read_json(body, limits)
-        content = accept(value, limits)
-        options, id = {"name": value.get("name", "")}, value.get("id")
+        given = json_submission(body, limits, jobs().result)
     elif kind in KINDS:
-        content = body
-        options, id = _file_options(body)
+        given = file_submission(kind, body, request.args.get("options", "{}"), limits)
     else:
         raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
-    if id is not None and not isinstance(id, str):
-        raise Unprocessable("'id' must be a text")
     g.spent = {"check": time.perf_counter() - started}
-    job, _ = jobs().submit(kind, content, options, id, client_name())
+    job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
     address = url_for("api.show", id=job.id)
     links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
     return respond(links, 202, {"Location": address})
-
-
-def _file_options(body: bytes) -> tuple[dict, Optional[str]]:
-    """Return the options in the query of an upload, and the id that the client gives the job."""
-    limits = current_app.config["LIMITS"]
-    if not body:
-        raise BadRequest("the request is empty; send the bytes of the file")
-    text = request.args.get("options", "{}")
-    options = read_json(text.encode(), limits)
-    if not isinstance(options, dict) or set(options) - set(OPTIONS):
-        raise Unprocessable(f"'options' must be a JSON object of {', '.join(OPTIONS)}")
-    check_options(options, None, limits)
-    return options, options.pop("id", None)
 
 
 @api.get("/api/v1/jobs")
@@ -171,9 +160,9 @@ def result(id: str) -> Response:
     content = jobs().result(id)
     started = time.perf_counter()
     # What is small is quicker here than there and back.
-    small = name == "packed" or (name not in KINDS and len(content) < SMALL)
+    small = name == "packed" or is_build(content) or (name not in KINDS and len(content) < SMALL)
     answer = Response(encoded(name, content) if small else run_in_io_pool(encoded, name, content), mimetype=FORMATS[name])
-    if name in KINDS:
+    if name not in SHOWN:
         answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
     g.spent = {"encode": time.perf_counter() - started}
     return answer

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from ...model.constraint_data import KINDS as CONSTRAINTS
 from ...solvers.registry import method_names
+from .builds import SOLVE
+from .builds import TASK_NAMES
+from .builds import tasks
 from .methods import settings_schema
 from .options import USER_ROLES
 
-__all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "request_schema"]
+__all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "TASKS", "build_schema", "request_schema"]
 
 BYTES = {"type": "string", "contentEncoding": "binary"}
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
@@ -25,6 +28,7 @@ JOB = {
         "state": {"enum": list(STATES)},
         "position": {"type": ["integer", "null"], "minimum": 1, "description": "in the queue, null where it does not wait"},
         "progress": {"type": "number", "minimum": 0, "maximum": 1},
+        "task": {"type": "string", "description": "solve, or what is made of a solved surface"},
         "stage": {"type": "string"},
         "iteration": {"type": "integer"},
         "iterations": {"type": ["integer", "null"]},
@@ -99,6 +103,25 @@ MODEL = {
         },
     },
 }
+TASKS = {
+    "type": "object",
+    "required": ["tasks"],
+    "properties": {
+        "tasks": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["name", "text", "options", "formats"],
+                "properties": {
+                    "name": {"enum": list(TASK_NAMES[1:])},
+                    "text": {"type": "string"},
+                    "options": {"type": "array", "items": {"type": "object", "required": ["name"]}, "description": "name and JSON schema"},
+                    "formats": {"type": "array", "items": {"type": "string"}, "description": "of the result"},
+                },
+            },
+        },
+    },
+}
 METHODS = {
     "type": "object",
     "required": ["methods"],
@@ -159,9 +182,29 @@ def request_schema() -> dict:
                 "oneOf": [{"enum": ["all"]}, INDICES],
                 "description": "regions whose K is found with the surface; the targets of the answer hold it",
             },
+            "task": {"enum": [SOLVE]},
             "method": {"enum": list(method_names()), "description": "see /api/v1/methods"},
             "settings": settings_schema(),
             "flip": {"type": "boolean"},
             "live": {"type": "boolean", "description": "report the moving surface"},
         },
     }
+
+
+def build_schema() -> dict:
+    """Return the schema of a request for another task than a solve: of the surface that it is made of, or of the job that solved it."""
+    properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live")}
+    task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all but limits take what is solved"}
+    job = {"type": "string", "description": "the job whose result is taken, instead of a mesh"}
+    settings = {"anyOf": [_settings_of(own) for own in tasks()]}
+    return {
+        "type": "object",
+        "required": ["task"],
+        "additionalProperties": False,
+        "properties": {**properties, "task": task, "job": job, "settings": settings},
+    }
+
+
+def _settings_of(task: dict) -> dict:
+    properties = {own["name"]: {name: value for name, value in own.items() if name != "name"} for own in task["options"]}
+    return {"title": task["name"], "type": "object", "additionalProperties": False, "properties": properties}

@@ -21,9 +21,11 @@ from ...solvers.registry import method_names
 from ...solvers.registry import method_of
 from ...solvers.registry import settings_for
 from ...solvers.settings import Settings
+from ..errors import Unprocessable
 
-__all__ = ["pack_problem", "pack_result", "unpack_problem", "unpack_result"]
+__all__ = ["NO_SURFACE", "pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
+NO_SURFACE = "this job did not solve for a surface; name the job of the solve"
 WORDS = ("status", "message", "iterations", "seconds", "max_error", "method", "measure")
 
 
@@ -47,7 +49,15 @@ def pack_result(result: SolveResult, report: dict) -> bytes:
 
 
 def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
-    """Return the result and the report of :func:`pack_result`."""
+    """Return the result and the report of :func:`pack_result`.
+
+    Raises
+    ------
+    Unprocessable
+        If it is the content of another task.
+    """
+    if not content.startswith(b"PK"):
+        raise Unprocessable(NO_SURFACE)
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
-from typing import Callable
 
 from ..._warm_up import warm_up
 from ...analysis import analyse
 from ...datastructures import SolveResult
 from ...execution.worker import report
 from ...execution.worker import stop_wanted
+from ...fabrication.tasks import TASKS
 from ...model.checks import check
 from ...model.result import SolveState
 from ...solvers.run import solve
@@ -19,7 +19,11 @@ from ..errors import Gone
 from ..errors import RequestError
 from ..jobs.output import JobOutput
 from ..limits import Limits
+from .builds import SOLVE
+from .builds import built
 from .requests import READERS
+from .requests import SOLVED_READERS
+from .requests import Reader
 from .requests import SolveRequest
 from .serialization import pack_result
 from .wording import in_request_words
@@ -60,9 +64,7 @@ def run_request(request: SolveRequest) -> SolveResult:
     return solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
 
 
-def solve_job(
-    kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Callable[[dict, bytes, Limits], SolveRequest]] = READERS
-) -> JobOutput:
+def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Reader] = READERS) -> JobOutput:
     """Solve a request.
 
     Parameters
@@ -78,6 +80,8 @@ def solve_job(
     readers
         Make a request of options, body and limits, by kind.
     """
+    if options.get("task", SOLVE) != SOLVE:
+        return _build_job(kind, options, body, limits)
     report({"step": 0})
     try:
         if kind not in readers:
@@ -87,6 +91,19 @@ def solve_job(
     except (RequestError, ValueError) as error:
         return JobOutput(in_request_words(error))
     return JobOutput(result.message, pack_result(result, _report(request, result)), result.status == "cancelled", _figures(result))
+
+
+def _build_job(kind: str, options: dict, body: bytes, limits: Limits) -> JobOutput:
+    """Make something of a solved surface, or look for its limits."""
+    task, rest = options["task"], {name: value for name, value in options.items() if name not in ("task", "settings")}
+    report({"task": task, "stage": "read", "step": 0})
+    readers: Mapping[str, Reader] = SOLVED_READERS if task in TASKS else READERS
+    try:
+        request = readers[kind](rest, body, limits)
+        message, content = built(task, request.problem, options.get("settings") or {}, list(request.notes))
+    except (RequestError, ValueError) as error:
+        return JobOutput(in_request_words(error))
+    return JobOutput(message, content)
 
 
 def _figures(result: SolveResult) -> dict:

@@ -155,7 +155,7 @@ def entry(name: str, kind: str, items: Iterable[object]) -> dict:
         Numbers, truths, texts, or geometry as text.
     """
     write = _WRITERS.get(kind, str)
-    data = [{"type": RESULT_TYPES[kind], "data": write(item)} for item in items]
+    data = [{"type": ITEM_TYPES.get(kind, RESULT_TYPES[kind]), "data": write(item)} for item in items]
     return {"ParamName": name, "InnerTree": {"{0}": data} if data else {}}
 
 
@@ -189,8 +189,11 @@ def finite_items(values: np.ndarray) -> tuple[list[float], Optional[str]]:
     return [], "some vertices have no finite curvature, so none are put out; check the mesh for degenerate faces"
 
 
+# What is sent has the type of its class.
+ITEM_TYPES = {"Curve": "Rhino.Geometry.PolylineCurve"}
 _WRITERS: dict[str, Callable] = {
     "Number": format_number,
     "Boolean": lambda value: "true" if value else "false",
     "Text": format_text,
+    "Point": lambda place: json.dumps(dict(zip("XYZ", place))),
 }

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 from typing import Union
 
-from ...fabrication import MATERIALS
 from ...solvers.registry import METHODS
 from ...solvers.registry import method_names
 from ...solvers.registry import options
 from ...solvers.registry import owners
 from ...solvers.settings import AutoSettings
 from ...solvers.settings import Option
+from .build_endpoints import build_endpoints
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
+from .schema import icon
 
 __all__ = ["OPTION_INPUTS", "endpoint", "endpoints"]
-
-
-def _icon(path: str, colour: str = "#b5482f") -> str:
-    return (
-        '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
-        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>'
-    )
 
 
 MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
@@ -88,7 +82,7 @@ def endpoints() -> dict[str, Endpoint]:
             "cgc/dome",
             "CGC Dome",
             "Find the surface of constant Gaussian curvature over the edge of a mesh, which stays where it is.",
-            _icon("M3 18C3 8 21 8 21 18M3 18H21M12 10.5V18"),
+            icon("M3 18C3 8 21 8 21 18M3 18H21M12 10.5V18"),
             (MESH, K),
             (SURFACE, INFO, ERROR),
         ),
@@ -96,7 +90,7 @@ def endpoints() -> dict[str, Endpoint]:
             "cgc/solve",
             "CGC Solve",
             "Find the surface whose Gaussian curvature is the number asked for in each region between creases.",
-            _icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
+            icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
             _solve_inputs(),
             (SURFACE, INFO, ERROR),
         ),
@@ -104,7 +98,7 @@ def endpoints() -> dict[str, Endpoint]:
             "cgc/flow",
             "CGC Flow",
             "Take some steps of the Gaussian curvature flow with the edge fixed; feed the result back to watch it move.",
-            _icon("M3 19C8 19 8 13 12 13S16 7 21 7M17 4L21 7L18 11"),
+            icon("M3 19C8 19 8 13 12 13S16 7 21 7M17 4L21 7L18 11"),
             (MESH, K, Input("Steps", "N", "Integer", "Steps to take. Defaults to 10.", default=10, low=1, high=10000)),
             (SURFACE, INFO, ERROR),
         ),
@@ -112,7 +106,7 @@ def endpoints() -> dict[str, Endpoint]:
             "cgc/analyse",
             "CGC Analyse",
             "Measure the curvature of a mesh at its vertices, inside of its edge.",
-            _icon("M4 20V10M10 20V4M16 20V13M21 20H3", "#2b7bba"),
+            icon("M4 20V10M10 20V4M16 20V13M21 20H3", "#2b7bba"),
             (
                 MESH,
                 Input("Target", "T", "Number", "K that the colours are measured against. Defaults to 0.", default=0.0, low=-1e9, high=1e9),
@@ -124,39 +118,12 @@ def endpoints() -> dict[str, Endpoint]:
                 Output("Info", "I", "Text", "Report."),
             ),
         ),
-        Endpoint(
-            "cgc/mould",
-            "CGC Mould",
-            "Divide a solved surface into panels, and lay them onto the moulds that they are made on.",
-            _icon("M3 20C3 11 21 11 21 20ZM7 8C10 4 14 4 17 8", "#2b7bba"),
-            (
-                MESH,
-                DRAWN_INPUTS[2],
-                DRAWN_INPUTS[3],
-                DRAWN_INPUTS[4],
-                Input("Count", "N", "Integer", "Panels to each region, nearly. Defaults to 4.", default=4, low=1, high=100_000),
-                Input(
-                    "Size", "W", "Number", "Width of the panels, instead of Count. Defaults to 0, which is by Count.", default=0.0, low=0.0
-                ),
-                Input("Along", "Al", "Text", "plan or curvature. Defaults to plan.", default="plan"),
-                Input("Material", "Ma", "Text", f"{', '.join(MATERIALS)}. Defaults to glass.", default="glass"),
-                Input("Thickness", "Th", "Number", "Thickness of the panels in mm. Defaults to 6.", default=6.0, low=0.0),
-            ),
-            (
-                Output("Panels", "P", "Mesh", "Panels in place."),
-                Output("OnMoulds", "O", "Mesh", "The panels as they lie on their moulds, whose poles are at the origin."),
-                Output("Moulds", "Mo", "Mesh", "The moulds, one for every K."),
-                Output("Mould", "I", "Integer", "Number of the mould of every panel, from 0."),
-                Output("Names", "Na", "Text", "Names of the panels, region and number."),
-                Output("Misses", "Mi", "Number", "By how much each panel misses its place if it is not bent, in mm."),
-                INFO,
-            ),
-        ),
+        *build_endpoints({own.name: own for own in DRAWN_INPUTS}, INFO),
         Endpoint(
             "cgc/submit",
             "CGC Submit",
             "Start a solve that may take long and go on working; CGC Fetch brings the result.",
-            _icon("M12 20V6M6 11L12 5L18 11"),
+            icon("M12 20V6M6 11L12 5L18 11"),
             _solve_inputs(),
             (Output("Job", "J", "Text", "Name of the job, for CGC Fetch."),),
         ),
@@ -164,7 +131,7 @@ def endpoints() -> dict[str, Endpoint]:
             "cgc/fetch",
             "CGC Fetch",
             "Bring the result of a job, or how far it is.",
-            _icon("M12 4V18M6 13L12 19L18 13"),
+            icon("M12 4V18M6 13L12 19L18 13"),
             (
                 Input("Job", "J", "Text", "Job of CGC Submit."),
                 Input("Tick", "T", "Integer", "Any number that changes, from a Timer or a slider, to ask again. Defaults to 0.", default=0),

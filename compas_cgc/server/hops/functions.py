@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -14,9 +13,6 @@ from ...discrete import gaussian_curvature
 from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ...fabrication import moulds
-from ...fabrication import panels
-from ...fabrication.mould_surface import cap_mesh
 from ...meshing import vertex_labels
 from ...model.checks import check
 from ...model.problem import CGCProblem
@@ -28,6 +24,7 @@ from ..api.tasks import run_request
 from ..api.wording import in_request_words
 from ..errors import RequestError
 from ..limits import Limits
+from .build_functions import BUILD_FUNCTIONS
 from .data_tree import entry
 from .data_tree import finite_items
 from .data_tree import passed_over
@@ -35,22 +32,13 @@ from .data_tree import read_values
 from .endpoints import endpoint
 from .inputs import dome_request
 from .inputs import solve_inputs_request
-from .inputs import surface_of
+from .reply import Reply
+from .reply import spent
 
-__all__ = ["Reply", "run_function", "surface_values"]
+__all__ = ["run_function", "surface_values"]
 
 MAX_REGIONS = 20  # that the info tells of
 GOOD_ENOUGH = ("converged", "step_limit", "stalled")
-
-
-class Reply(NamedTuple):
-    """What a function answers."""
-
-    status: int
-    values: list[dict]
-    errors: list[str]
-    warnings: list[str]
-    spent: dict[str, float]  # seconds by part
 
 
 def run_function(uri: str, values: object, context: dict, limits: Limits) -> Reply:
@@ -79,12 +67,12 @@ def _solved(request: SolveRequest, started: float) -> Reply:
     solved = time.perf_counter()
     notes = list(request.notes)
     if result.status not in GOOD_ENOUGH:
-        return Reply(422, [], [result.message], notes, _spent(started, read, solved))
+        return Reply(422, [], [result.message], notes, spent(started, read, solved))
     judged = f"the surface is {result.verdict}"
     remarks = [] if result.converged else [in_request_words(said) for said in check(request.problem)]
     warnings = ([] if result.verdict and result.verdict.fair else [judged]) if result.converged else [result.message, *remarks]
     info = "\n".join([judged, f"{result.message} ({result.seconds:.2f} s)", *notes, *remarks])
-    return Reply(200, surface_values(result, info), [], warnings, _spent(started, read, solved))
+    return Reply(200, surface_values(result, info), [], warnings, spent(started, read, solved))
 
 
 def _flow(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
@@ -96,7 +84,7 @@ def _flow(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
     # Steps that were asked for and taken are no failure.
     warnings = [] if result.status in ("converged", "step_limit") else [result.message]
     values = surface_values(result, "\n".join([result.message, *request.notes]))
-    return Reply(200, values, [], warnings, _spent(started, read, solved))
+    return Reply(200, values, [], warnings, spent(started, read, solved))
 
 
 def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
@@ -115,30 +103,10 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
         entry("H", "Number", columns[1]),
         entry("Info", "Text", ["\n".join([report, *notes])]),
     ]
-    return Reply(200, values, [], warnings, _spent(started, read, measured))
+    return Reply(200, values, [], warnings, spent(started, read, measured))
 
 
-def _mould(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
-    problem, notes = surface_of(inputs, context, limits)
-    read = time.perf_counter()
-    size = inputs["Size"] or None
-    divided = panels(problem, size, count=None if size else inputs["Count"], along=inputs["Along"])
-    report = moulds(problem, divided, material=inputs["Material"], thickness=inputs["Thickness"])
-    made = time.perf_counter()
-    panel_meshes = [mesh_text(problem.vertices[fit.development.vertices], fit.development.faces) for fit in report.panels]
-    values = [
-        entry("Panels", "Mesh", panel_meshes),
-        entry("OnMoulds", "Mesh", [mesh_text(fit.on_mould, fit.development.faces) for fit in report.panels]),
-        entry("Moulds", "Mesh", [mesh_text(*cap_mesh(mould.surface, mould.radius)) for mould in report.moulds]),
-        entry("Mould", "Integer", [fit.mould - 1 for fit in report.panels]),
-        entry("Names", "Text", [fit.panel.name for fit in report.panels]),
-        entry("Misses", "Number", [fit.rigid for fit in report.panels]),
-        entry("Info", "Text", ["\n".join([str(report), *notes])]),
-    ]
-    return Reply(200, values, [], [], _spent(started, read, made))
-
-
-FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, "cgc/mould": _mould}
+FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, **BUILD_FUNCTIONS}
 
 
 def surface_values(result: SolveResult, info: str) -> list[dict]:
@@ -173,7 +141,3 @@ def _coloured(vertices: FloatArray, faces: IntArray, missed: FloatArray, scale: 
     """Return the mesh coloured by its error; errors that nobody can see stay white."""
     size = np.abs(missed[np.isfinite(missed)]).max(initial=0.0)
     return mesh_text(vertices, faces, missed, max(float(size), 1e-3 * abs(scale or 0.0)) or 1.0)
-
-
-def _spent(started: float, read: float, solved: float) -> dict[str, float]:
-    return {"decode": read - started, "solve": solved - read, "encode": time.perf_counter() - solved}

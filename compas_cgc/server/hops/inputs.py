@@ -70,6 +70,8 @@ def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem,
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
     problem = read.checked()
+    if "Supports" in inputs and not inputs["Supports"]:
+        problem = problem.with_supports("boundary")
     return (problem if inputs["At"] else problem.with_targets(inputs["K"][0])), _notes(read)
 
 

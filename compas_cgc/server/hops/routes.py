@@ -19,6 +19,7 @@ from ..errors import RequestError
 from ..errors import Unprocessable
 from ..errors import error_body
 from ..security import client_name
+from .build_endpoints import BUILDS
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
@@ -26,18 +27,18 @@ from .data_tree import passed_over
 from .data_tree import read_values
 from .endpoints import endpoint
 from .endpoints import endpoints
-from .functions import Reply
 from .functions import run_function
 from .functions import surface_values
 from .protocol import context_of
 from .protocol import known
 from .protocol import read_body
 from .protocol import uri_of
+from .reply import Reply
 
 __all__ = ["hops", "list_functions"]
 
 CACHE_SIZE = 64 * 2**20  # bytes of answers in the cache
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", "cgc/mould")  # the same request has the same answer
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
 
 hops = Blueprint("hops", __name__)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Optional
 from typing import Union
 
-__all__ = ["Endpoint", "Input", "Output"]
+__all__ = ["Endpoint", "Input", "Output", "icon"]
 
 RESULT_TYPES = {
     "Number": "System.Double",
@@ -17,6 +17,14 @@ RESULT_TYPES = {
     "Point": "Rhino.Geometry.Point3d",
     "Curve": "Rhino.Geometry.Curve",
 }
+
+
+def icon(path: str, colour: str = "#b5482f") -> str:
+    """Return an icon with a path of 24 by 24 as SVG."""
+    return (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
+        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>'
+    )
 
 
 @dataclass(frozen=True)

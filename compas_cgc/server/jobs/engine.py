@@ -143,7 +143,8 @@ class Jobs:
             self.admit(client)
             id = id or secrets.token_urlsafe(16)
             name = str(options.get("name", ""))[:100]
-            job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, {}, None, None)
+            task = {"task": options["task"]} if "task" in options else {}
+            job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
             self.store.add(job, kind, options, body)
             self._start(job)
         return job, True
@@ -155,7 +156,7 @@ class Jobs:
             if job is None:
                 raise NotFound(f"there is no job {id:.80}; it was deleted, or was never here")
             running = self._running.get(id)
-            return job if running is None else job._replace(progress=dict(running.progress))
+            return job if running is None else job._replace(progress={**job.progress, **running.progress})
 
     def list(self) -> Sequence[Job]:
         """Return the newest jobs."""
@@ -168,7 +169,7 @@ class Jobs:
             stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
             found = [job for job in stored if state in (None, job.state)]
             shown = found[offset : offset + limit]
-            return [job._replace(progress=running.get(job.id, job.progress)) for job in shown], len(found)
+            return [job._replace(progress={**job.progress, **running.get(job.id, {})}) for job in shown], len(found)
 
     def positions(self) -> dict[str, int]:
         """Return the place in the queue of every job that waits, from 1."""
@@ -329,7 +330,7 @@ class Jobs:
             running.task = None
             try:
                 state, message, content, figures = outcome_of(task)
-                running.progress = {**running.progress, **(figures or {})}
+                running.progress = {**job.progress, **running.progress, **(figures or {})}
                 self.store.finish(job.id, state, message, running.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
             except sqlite3.Error as error:

@@ -1,0 +1,112 @@
+"""What the commands that build from a solved surface share: their options, how they read, and how they end."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Optional
+
+from ..fabrication.tasks import TASKS
+from ..fabrication.tasks import BuildOption
+from ..fabrication.tasks import read_settings
+from .arguments import add_reading
+from .arguments import reading
+from .arguments import with_targets
+from .exits import DONE
+
+if TYPE_CHECKING:
+    from ..model.problem import CGCProblem
+
+__all__ = ["add_outputs", "add_task", "build_and_write", "read_solved", "settings_of"]
+
+
+def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = ()) -> None:
+    """Add the file, the options of a task as the table has them, and the arguments for reading; those in `leave` are added elsewhere."""
+    parser.description = TASKS[task].text
+    parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    for own in TASKS[task].options:
+        if own.name not in leave:
+            _add(parser, own)
+    parser.add_argument(
+        "--target",
+        action="append",
+        default=[],
+        metavar="[REGION=]K",
+        help="K that the surface has been solved for, where the file does not say",
+    )
+    add_reading(parser)
+
+
+def add_outputs(parser: argparse.ArgumentParser, kinds: str) -> None:
+    """Add ``-o``, which may be given several times."""
+    parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help=f"a {kinds} file; several times")
+
+
+def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:
+    help = own.text.replace("%", "%%")
+    flag = (own.flag or own.name).replace("_", "-")
+    if own.schema.get("type") == "boolean":
+        wanted = not own.schema["default"]
+        parser.add_argument(
+            f"--{flag}" if wanted else f"--no-{flag}", dest=own.name, default=None, action="store_const", const=wanted, help=_switch(own)
+        )
+    elif own.many:
+        parser.add_argument(f"--{flag}", dest=own.name, action="append", metavar=own.metavar, help=f"{help}; several times")
+    else:
+        parser.add_argument(f"--{flag}", dest=own.name, metavar=own.metavar, help=help)
+
+
+def _switch(own: BuildOption) -> str:
+    return own.text if not own.schema["default"] else f"turn off: {own.text}"
+
+
+def settings_of(arguments: argparse.Namespace, task: str) -> dict[str, Any]:
+    """Return the options of a task.
+
+    Raises
+    ------
+    CGCError
+        If one is not understood.
+    """
+    given = {own.name: getattr(arguments, own.name) for own in TASKS[task].options}
+    flags = {own.name: f"--{(own.flag or own.name).replace('_', '-')}" for own in TASKS[task].options}
+    return read_settings(task, given, flags)
+
+
+def read_solved(arguments: argparse.Namespace) -> CGCProblem:
+    """Return the surface of a file; of a .3dm with a result, the result.
+
+    Raises
+    ------
+    CGCError
+        If it cannot be read.
+    """
+    from ..io import read_problem
+
+    read = read_problem(arguments.input, **reading(arguments), result=True)
+    if not getattr(arguments, "quiet", False):
+        for note in read.notes:
+            print(f"{arguments.input}: {note}")
+    return with_targets(read.checked(), arguments.target)
+
+
+def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional[str] = None) -> int:
+    """Read, build, tell, and write all outputs."""
+    from ..fabrication.tasks import build
+    from ..io.builds import build_suffix
+    from ..io.builds import write_build
+
+    for output in arguments.output:
+        build_suffix(task, output)
+    settings = settings_of(arguments, task)
+    problem = read_solved(arguments)
+    if supports:
+        problem = problem.with_supports(supports)
+    report = build(task, problem, settings)
+    print(report)
+    for output in arguments.output:
+        write_build(output, task, problem, report, nodes=settings.get("nodes", True))
+        print(f"wrote {output}")
+    return DONE

@@ -1,0 +1,148 @@
+"""Values of options: what a designer writes in a command line, or a program in JSON, as the functions take it."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+from ..errors import CGCError
+from .materials import METRES
+
+__all__ = ["ALONG", "LARGEST", "Sheet", "number", "paths", "points", "region_numbers", "sheet", "strain", "text", "truth", "whole"]
+
+LARGEST = 1e9
+ALONG = ("plan", "curvature")  # what a grid of panels follows
+_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+
+
+class Sheet(NamedTuple):
+    """Length and width of a sheet."""
+
+    length: float
+    width: float
+    unit: Optional[str] = None  # that of the drawing where none is given
+
+    def within(self, units: Optional[str]) -> tuple[float, float]:
+        """Return length and width in the units of a drawing, such as ``Meters`` [L]."""
+        scale = 1.0 if self.unit is None else _UNITS[self.unit] / METRES.get(units or "Meters", 1.0)
+        return self.length * scale, self.width * scale
+
+
+# Each takes a value and what to call it in a sentence, and raises CGCError.
+
+
+def number(value: object, what: str) -> float:
+    """Return a finite number of moderate size."""
+    found = _as_float(value)
+    if found is None or abs(found) > LARGEST:
+        raise CGCError(f"{what} must be a number up to {LARGEST:g}, not {_short(value)}")
+    return found
+
+
+def whole(value: object, what: str) -> int:
+    """Return a whole number."""
+    found = _as_float(value)
+    if found is None or found != int(found) or abs(found) > LARGEST:
+        raise CGCError(f"{what} must be a whole number, not {_short(value)}")
+    return int(found)
+
+
+def text(value: object, what: str) -> str:
+    """Return a text."""
+    if not isinstance(value, str) or len(value) > 200:
+        raise CGCError(f"{what} must be a text, not {_short(value)}")
+    return value
+
+
+def truth(value: object, what: str) -> bool:
+    """Return a truth value, ``true`` and ``false`` for those."""
+    found = {"true": True, "false": False}.get(value) if isinstance(value, str) else value
+    if not isinstance(found, bool):
+        raise CGCError(f"{what} must be true or false, not {_short(value)}")
+    return found
+
+
+def sheet(value: object, what: str) -> Sheet:
+    """Return a sheet such as ``3.0x1.5``, ``3000x1500mm`` or ``[3.0, 1.5]``."""
+    parts, unit = (list(value), None) if isinstance(value, (list, tuple)) else _of_sheet(value)
+    length, width = map(_as_float, parts) if len(parts) == 2 else (None, None)
+    if length is None or width is None:
+        raise CGCError(f"{what} must be LENGTHxWIDTH, such as 3.0x1.5 or 3000x1500mm, not {_short(value)}")
+    return Sheet(length, width, unit)
+
+
+def _of_sheet(value: object) -> tuple[list[str], Optional[str]]:
+    """Return the numbers of a text such as ``3000x1500mm``, none where it is no such text, and the unit."""
+    found = re.fullmatch(r"\s*([0-9.]+)\s*[x×X]\s*([0-9.]+)\s*(mm|cm|m|in|ft)?\s*", value) if isinstance(value, str) else None
+    return ([found.group(1), found.group(2)], found.group(3)) if found else ([], None)
+
+
+def strain(value: object, what: str) -> float:
+    """Return a strain such as ``0.002`` or ``0.2%``."""
+    body, percent, rest = value.partition("%") if isinstance(value, str) else (value, "", "")
+    found = _as_float(body)
+    if found is None or rest.strip():
+        raise CGCError(f"{what} must be a number such as 0.002 or 0.2%, not {_short(value)}")
+    return found * (0.01 if percent else 1.0)
+
+
+def paths(value: object, what: str) -> list[list[int]]:
+    """Return paths of vertices: texts such as ``4,12,20``, or lists of numbers."""
+    sentence = f"{what} must be the numbers of vertices, such as 4,12,20, not {_short(value)}"
+    rows = [_numbers(row) for row in _rows(value)]
+    if not rows or any(row is None or any(x != int(x) or not 0 <= x <= LARGEST for x in row) for row in rows):
+        raise CGCError(sentence)
+    return [[int(x) for x in row or ()] for row in rows]
+
+
+def points(value: object, what: str) -> Union[str, list[list[float]]]:
+    """Return points: texts such as ``1.0,2.0,0.5``, or lists of three numbers; or ``supports``."""
+    rows = _rows(value)
+    if rows == ["supports"]:
+        return "supports"
+    found = [_numbers(row) for row in rows]
+    if not found or any(row is None or len(row) != 3 for row in found):
+        said = " ".join(rows) if all(isinstance(row, str) for row in rows) else value
+        raise CGCError(f"{what} must be X,Y,Z such as 1.0,2.0,0.5, or 'supports', not {_short(said)}")
+    return [row for row in found if row is not None]
+
+
+def region_numbers(value: object, what: str) -> list[int]:
+    """Return numbers of regions."""
+    if not isinstance(value, (list, tuple)) or not value:
+        raise CGCError(f"{what} must be numbers of regions, not {_short(value)}")
+    return [whole(part, f"every region of {what}") for part in value]
+
+
+def _rows(value: object) -> list:
+    """Return a text alone as a list of it, and a list of numbers alone as a list of one row."""
+    if isinstance(value, str):
+        return [value]
+    if not isinstance(value, (list, tuple)):
+        return []
+    return [value] if value and all(_as_float(part) is not None for part in value) and not isinstance(value[0], str) else list(value)
+
+
+def _numbers(row: object) -> Optional[list[float]]:
+    parts = row.split(",") if isinstance(row, str) else row
+    found = [_as_float(part) for part in parts] if isinstance(parts, (list, tuple)) else []
+    numbers = [x for x in found if x is not None]
+    return numbers if numbers and len(numbers) == len(found) else None
+
+
+def _as_float(value: object) -> Optional[float]:
+    """Return a finite number, of a text too, None for anything else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        return None
+    try:
+        found = float(value)
+    except (ValueError, OverflowError):
+        return None
+    return found if math.isfinite(found) else None
+
+
+def _short(value: object) -> str:
+    return f"{value!r:.60}"

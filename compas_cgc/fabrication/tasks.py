@@ -1,0 +1,277 @@
+"""Tasks: what is built from a solved surface, each with its options; the one table that all doors read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from typing import Callable
+from typing import NamedTuple
+from typing import Optional
+
+from ..errors import CGCError
+from ..model.problem import PosesProblem
+from . import option_values as values
+from .materials import MATERIALS
+
+__all__ = ["TASKS", "BuildOption", "Task", "build", "read_settings"]
+
+
+class BuildOption(NamedTuple):
+    """An option of a task."""
+
+    name: str
+    text: str  # what it does, without a full stop
+    read: Callable[[object, str], Any]  # of a value and what to call it, raises CGCError
+    schema: dict  # of JSON, without the text
+    metavar: str = ""  # of the command line; none for a switch
+    flag: str = ""  # of the command line, where it is not the name
+    many: bool = False  # may be given several times in a command line
+    file: bool = False  # changes what is written only, not what is built
+
+
+class Task(NamedTuple):
+    """Something that is made of a solved surface."""
+
+    name: str
+    text: str
+    options: tuple[BuildOption, ...]
+    run: Callable[[PosesProblem, dict[str, Any]], Any]
+
+
+_NUMBER = {"type": "number", "minimum": -values.LARGEST, "maximum": values.LARGEST}
+_LENGTH = {"type": "number", "minimum": 0, "maximum": values.LARGEST}
+_REGIONS = BuildOption(
+    "regions",
+    "take these regions only",
+    values.region_numbers,
+    {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1},
+    "N",
+    "region",
+    many=True,
+)
+_ROUGH = BuildOption("rough", "take a surface that check calls rough all the same", values.truth, {"type": "boolean", "default": False})
+
+
+def _mould(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .moulding import moulds
+    from .panelling import panels
+
+    how = {name: settings.pop(name) for name in ("size", "count", "curves", "along") if name in settings}
+    if not {"size", "count", "curves"} & set(how):
+        how["count"] = 1
+    return moulds(surface, panels(surface, how.pop("size", None), **how), **settings)
+
+
+def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .patterns import unroll
+
+    size = settings.pop("sheet", None)
+    units = surface.to_problem().drawing.units
+    return unroll(surface, size.within(units) if isinstance(size, values.Sheet) else size, **settings)
+
+
+def _membrane(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .membrane_state import membrane
+
+    return membrane(surface, **settings)
+
+
+def _net(surface: PosesProblem, settings: dict[str, Any]) -> Any:
+    from .curves import curve_net
+
+    return curve_net(surface, **settings)
+
+
+TASKS: dict[str, Task] = {
+    own.name: own
+    for own in (
+        Task(
+            "mould",
+            "Divide a solved surface into panels, and say on which moulds they are made and how they fit.",
+            (
+                BuildOption("size", "width of the panels, nearly, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
+                BuildOption(
+                    "count",
+                    "panels to each region, nearly, instead of a size",
+                    values.whole,
+                    {"type": "integer", "minimum": 1, "maximum": 1_000_000},
+                    "N",
+                ),
+                BuildOption(
+                    "along",
+                    "what the grid of panels follows (default: plan)",
+                    values.text,
+                    {"enum": list(values.ALONG), "default": "plan"},
+                    "|".join(values.ALONG),
+                ),
+                BuildOption(
+                    "material",
+                    "what the panels are of (default: glass)",
+                    values.text,
+                    {"enum": list(MATERIALS), "default": "glass"},
+                    "|".join(MATERIALS),
+                ),
+                BuildOption(
+                    "thickness",
+                    "of the panels in mm (default: 6)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0, "default": 6.0},
+                    "MM",
+                ),
+                BuildOption(
+                    "tolerance",
+                    "gap in mm up to which panels of different K share a mould (default: 0)",
+                    values.number,
+                    {**_LENGTH, "default": 0.0},
+                    "MM",
+                ),
+                _ROUGH,
+            ),
+            _mould,
+        ),
+        Task(
+            "unroll",
+            "Lay a solved surface out as flat pieces within sheets, with labels, folds, rulings and marks along seams.",
+            (
+                BuildOption(
+                    "sheet",
+                    "length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: no end of it)",
+                    values.sheet,
+                    {
+                        "oneOf": [
+                            {"type": "string", "pattern": r"^[0-9.]+ *[x×X] *[0-9.]+ *(mm|cm|m|in|ft)?$"},
+                            {"type": "array", "items": {**_LENGTH, "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 2},
+                        ]
+                    },
+                    "LxW",
+                ),
+                BuildOption(
+                    "strain",
+                    "largest strain of flattened pieces, such as 0.002 or 0.2%",
+                    values.strain,
+                    {"oneOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": "^[0-9.]+ *%?$"}]},
+                    "E",
+                ),
+                BuildOption(
+                    "seams",
+                    "a path of vertices to cut along, in place of those that are found",
+                    values.paths,
+                    {"type": "array", "items": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 2}},
+                    "V,V,...",
+                    "seam",
+                    many=True,
+                ),
+                _REGIONS,
+                BuildOption("spacing", "distance between pieces on a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"),
+                BuildOption("rulings", "distance between the rulings drawn, 0 for none", values.number, _LENGTH, "D"),
+                BuildOption(
+                    "nodes", "number the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
+                ),
+                _ROUGH,
+            ),
+            _unroll,
+        ),
+        Task(
+            "membrane",
+            "Find the membrane forces of a surface of constant K in each region, and edge forces in exact balance with the load.",
+            (
+                BuildOption(
+                    "pressure",
+                    "load along the normals for each area, outwards where positive",
+                    values.number,
+                    {**_NUMBER, "default": 0.0},
+                    "P",
+                ),
+                BuildOption("weight", "load downwards for each area of the surface", values.number, {**_NUMBER, "default": 0.0}, "G"),
+                BuildOption(
+                    "edge_beams",
+                    "whether free edges have beams that take the forces of the surface (default: yes); else they stay unloaded",
+                    values.truth,
+                    {"type": "boolean", "default": True},
+                ),
+                _ROUGH,
+            ),
+            _membrane,
+        ),
+        Task(
+            "net",
+            "Trace the curves that a surface of constant K in each region is built along.",
+            (
+                BuildOption(
+                    "spacing",
+                    "distance between curves (default: a twelfth of a region)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0},
+                    "D",
+                ),
+                BuildOption(
+                    "through",
+                    "trace curves through points instead, or through 'supports'",
+                    values.points,
+                    {
+                        "oneOf": [
+                            {"enum": ["supports"]},
+                            {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
+                        ]
+                    },
+                    "X,Y,Z",
+                    many=True,
+                ),
+                _REGIONS,
+                _ROUGH,
+            ),
+            _net,
+        ),
+    )
+}
+
+
+def read_settings(task: str, given: Mapping[str, object], called: Optional[Mapping[str, str]] = None) -> dict[str, Any]:
+    """Return the options of a task as :func:`build` takes them; those that are None stay open.
+
+    Parameters
+    ----------
+    task
+        One of :data:`TASKS`.
+    given
+        Values by name, of JSON or as texts.
+    called
+        How sentences call the options. Default: by their names in quotes.
+
+    Raises
+    ------
+    CGCError
+        With a sentence that names the option.
+    """
+    options = {own.name: own for own in TASKS[task].options}
+    unknown = [name for name in given if name not in options]
+    if unknown:
+        raise CGCError(f"there is no option {unknown[0]!r:.60}; there are {', '.join(options)}")
+    called = called or {name: f"'{name}'" for name in options}
+    return {name: options[name].read(value, called[name]) for name, value in given.items() if value is not None}
+
+
+def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
+    """Make something of a solved surface.
+
+    Parameters
+    ----------
+    task
+        One of :data:`TASKS`.
+    surface
+        A result, mesh or problem.
+    settings
+        Of :func:`read_settings`, or as the function of the task takes them.
+
+    Returns
+    -------
+    MouldReport, Patterns, MembraneState or CurveNet
+
+    Raises
+    ------
+    CGCError
+        If there is no such thing, in a sentence.
+    """
+    own = TASKS[task]
+    passed = {option.name for option in own.options if option.file}
+    return own.run(surface, {name: value for name, value in settings.items() if name not in passed})

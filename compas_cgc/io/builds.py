@@ -1,0 +1,91 @@
+"""What was built as files: which formats each task has, and one function that writes them all."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from typing import Any
+from typing import Union
+
+from ..fabrication.mould_report import MouldReport
+from ..model.problem import CGCProblem
+from ._files import suffix_among
+from ._files import written
+from .forces import FORCE_SUFFIXES
+from .forces import write_forces
+from .nets import NET_SUFFIXES
+from .nets import write_net
+from .patterns import PATTERN_SUFFIXES
+from .patterns import write_patterns
+
+__all__ = ["BUILD_SUFFIXES", "build_suffix", "write_build"]
+
+# By task, the first for Rhino.
+BUILD_SUFFIXES: dict[str, tuple[str, ...]] = {
+    "mould": (".3dm", ".csv"),
+    "unroll": PATTERN_SUFFIXES,
+    "membrane": FORCE_SUFFIXES,
+    "net": NET_SUFFIXES,
+}
+_WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves"}
+
+
+def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
+    """Return the suffix of a file that a task can be written to, in small letters.
+
+    Raises
+    ------
+    FileError
+        If what it makes is not written to files of that kind.
+    """
+    return suffix_among(path, BUILD_SUFFIXES[task], _WHAT[task])
+
+
+def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, report: Any, *, nodes: bool = True) -> None:
+    """Write what a task has made in the format of the suffix, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        Of a suffix in :data:`BUILD_SUFFIXES`.
+    task
+        Which it is.
+    problem
+        The surface that it was made of.
+    report
+        What was made.
+    nodes
+        Whether the nodes along the outlines of patterns are numbered.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written.
+    CGCError
+        If a package is missing that the format needs.
+    """
+    suffix = build_suffix(task, path)
+    if task == "unroll":
+        write_patterns(path, report, nodes=nodes)
+    elif task == "membrane":
+        write_forces(path, report)
+    elif task == "net":
+        write_net(path, report)
+    elif suffix == ".3dm":
+        from .rhino.mould_layers import write_moulds
+
+        write_moulds(path, problem, report)
+    else:
+        with written(path) as temporary:
+            temporary.write_bytes(_panel_table(report).encode("utf-8"))
+
+
+def _panel_table(report: MouldReport) -> str:
+    """Return a row for every panel with its figures, as CSV."""
+    rows = [own.to_dict() for own in report.panels]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()

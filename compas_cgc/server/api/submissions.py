@@ -1,0 +1,121 @@
+"""Submissions: the bodies of requests for jobs, checked and made ready to be queued."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from typing import Callable
+from typing import NamedTuple
+from typing import Optional
+
+from ..errors import BadRequest
+from ..errors import Unprocessable
+from ..limits import Limits
+from .builds import SOLVE
+from .builds import TASK_NAMES
+from .builds import check_build
+from .builds import is_build
+from .decoding import read_json
+from .options import OPTIONS
+from .options import check_options
+from .requests import MESH
+from .requests import accept
+from .serialization import NO_SURFACE
+
+__all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission"]
+
+OF_A_SOLVE = ("method", "live")
+FILE_OPTIONS = ("task", *OPTIONS)
+
+
+class Submission(NamedTuple):
+    """A job to be queued."""
+
+    kind: str  # what the body is, one of the readers
+    body: bytes
+    options: dict[str, Any]
+    id: Optional[str]
+
+
+def json_submission(body: bytes, limits: Limits, result_of: Callable[[str], bytes]) -> Submission:
+    """Return the submission of a JSON body: a mesh, or the job whose result is taken.
+
+    Raises
+    ------
+    RequestError
+        With a sentence that names the field.
+    """
+    value: Any = read_json(body, limits)
+    task = _task_of(value) if isinstance(value, dict) else SOLVE
+    if task == SOLVE:
+        content = accept(_without(value, "task"), limits)
+        return Submission("json", content, {"name": value.get("name", "")}, _id_of(value))
+    own = _without(value, "task", "settings", "job")
+    told = {"task": task, "settings": check_build(task, value.get("settings"), limits), "name": value.get("name", "")}
+    _refuse_options_of_a_solve(own, task)
+    if value.get("job") is None:
+        return Submission("json", accept(own, limits), told, _id_of(value))
+    if not isinstance(value["job"], str):
+        raise Unprocessable("'job' must be the id of a job")
+    wrong = sorted(set(own) & set(MESH))
+    if wrong:
+        raise Unprocessable(f"give 'job' or {wrong[0]!r}, not both")
+    unknown = sorted(set(own) - set(OPTIONS))
+    if unknown:
+        raise Unprocessable(f"there is no field {unknown[0]!r:.60}; there are task, job, {', '.join(OPTIONS)}")
+    check_options(own, None, limits)
+    content = result_of(value["job"])
+    if is_build(content):
+        raise Unprocessable(NO_SURFACE)
+    return Submission("result", content, {**_without(own, "id"), **told}, _id_of(value))
+
+
+def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submission:
+    """Return the submission of the bytes of a file, and of options as JSON.
+
+    Raises
+    ------
+    RequestError
+        With a sentence that names the option.
+    """
+    if not body:
+        raise BadRequest("the request is empty; send the bytes of the file")
+    options: Any = read_json(text.encode("utf-8", "surrogatepass"), limits)
+    if not isinstance(options, dict) or set(options) - set(FILE_OPTIONS):
+        raise Unprocessable(f"'options' must be a JSON object of {', '.join(FILE_OPTIONS)}")
+    task = _task_of(options)
+    if task == SOLVE:
+        own = _without(options, "task")
+        check_options(own, None, limits)
+        return Submission(kind, body, _without(own, "id"), _id_of(own))
+    own = _without(options, "task", "settings")
+    _refuse_options_of_a_solve(own, task)
+    check_options(own, None, limits)
+    told = {"task": task, "settings": check_build(task, options.get("settings"), limits)}
+    return Submission(kind, body, {**_without(own, "id"), **told}, _id_of(own))
+
+
+def _task_of(value: Mapping[str, Any]) -> str:
+    task = value.get("task", SOLVE)
+    if task not in TASK_NAMES:
+        raise Unprocessable(f"'task' must be one of {', '.join(TASK_NAMES)}")
+    if task == SOLVE and value.get("job") is not None:
+        raise Unprocessable("'job' takes the surface of a job for another task, such as unroll; a solve needs a mesh")
+    return task
+
+
+def _refuse_options_of_a_solve(value: Mapping[str, Any], task: str) -> None:
+    wrong = next((name for name in OF_A_SOLVE if name in value), None)
+    if wrong is not None:
+        raise Unprocessable(f"{wrong!r} is for a solve, the task is {task}; leave it out")
+
+
+def _without(value: Any, *names: str) -> Any:
+    return {name: item for name, item in value.items() if name not in names} if isinstance(value, dict) else value
+
+
+def _id_of(value: Mapping[str, Any]) -> Optional[str]:
+    id = value.get("id")
+    if id is not None and not isinstance(id, str):
+        raise Unprocessable("'id' must be a text")
+    return id

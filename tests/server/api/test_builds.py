@@ -1,0 +1,207 @@
+"""Builds over HTTP: moulds, flat patterns, forces, nets and limits of a surface, as arrays and as files, or a sentence."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import CGCProblem
+from compas_cgc import write
+from compas_cgc.client import Failed
+from compas_cgc.client import Refused
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication.option_values import ALONG
+from compas_cgc.fabrication.panelling import panels as divided
+
+from ...support.constant_curvature import cone
+from ...support.constant_curvature import revolved_patch
+from ...support.server_process import running_server
+from ...support.shapes import grid
+
+KEY = "a-key-for-builds"
+HEADS = {"3dm": b"3D Geometry File Format ", "dxf": b"  0\nSECTION", "svg": b"<svg ", "csv": b"p", "inp": b"*", "json": b"{"}
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", KEY) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def client(server):
+    return server.client
+
+
+CONE, DOME, SADDLE = (cone(6, 24), 0.0), (revolved_patch(10, 0.02), 0.02), (revolved_patch(12, -0.02), -0.02)
+
+
+def asked(shape):
+    (vertices, faces), K = shape
+    return vertices, faces, {"supports": "boundary", "targets": K}
+
+
+def problem(shape):
+    (vertices, faces), K = shape
+    return CGCProblem(vertices, faces).with_supports("boundary").with_targets(K)
+
+
+@pytest.mark.parametrize(
+    "task, shape, settings, made",
+    [
+        ("mould", DOME, {"count": 4, "material": "timber"}, lambda own: moulds(own, divided(own, count=4), material="timber")),
+        ("unroll", CONE, {"sheet": "3000x1500mm", "rulings": 0.4}, lambda own: unroll(own, (3.0, 1.5), rulings=0.4)),
+        ("unroll", DOME, {"sheet": [3, 1.5], "strain": "0.2%"}, lambda own: unroll(own, (3.0, 1.5), strain=0.002)),
+        ("membrane", DOME, {"pressure": -1.5}, lambda own: membrane(own, -1.5)),
+        ("net", SADDLE, {"spacing": 1.0}, lambda own: curve_net(own, 1.0)),
+        ("net", SADDLE, {"through": [[0.0, 0.0, 4.0]]}, lambda own: curve_net(own, through=[[0.0, 0.0, 4.0]])),
+    ],
+)
+def test_a_build_is_what_python_gives_as_arrays_and_as_files(client, task, shape, settings, made):
+    vertices, faces, options = asked(shape)
+    states = []
+    told = client.build(task, vertices, faces, settings=settings, on_progress=states.append, **options)
+    assert told["text"] == str(made(problem(shape))) and told["task"] == task == states[-1]["task"]
+    assert set(told["formats"]) <= {"arrays", *HEADS}
+    for name in told["formats"][1:]:
+        assert client.result(told["id"], name).startswith(HEADS[name])
+    with pytest.raises(Refused, match="it has arrays"):
+        client.result(told["id"], "obj")
+
+
+def test_what_is_drawn_is_the_surface(client):
+    vertices, faces, options = asked(CONE)
+    told = client.build("unroll", vertices, faces, settings={"sheet": "3.0x1.5"}, **options)
+    place = told["in_place"]
+    V, F = np.array(place["vertices"]), np.array(place["triangles"])
+    assert np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1).sum() / 2 == pytest.approx(told["area"])
+    assert {line["layer"] for line in told["lines"]} >= {"OUTLINE", "SHEET"} and len(told["pieces"]) == 1 + max(place["piece"])
+    length, width = told["sheet"]
+    for piece in told["pieces"]:
+        (low, high) = (own(np.array(piece["outlines"][0]), axis=0) for own in (np.min, np.max))
+        assert (low >= -1e-9).all() and (high <= [length + 1e-9, width + 1e-9]).all()
+    vertices, faces, options = asked(DOME)
+    told = client.build("mould", vertices, faces, settings={"size": 2.5}, **options)
+    assert len(told["panels"]) == len(panels(problem(DOME), 2.5)) and {"rigid", "stress", "outlines", "on_mould"} <= set(told["panels"][0])
+    told = client.build("membrane", vertices, faces, settings={"pressure": 2.0}, **options)
+    state = membrane(problem(DOME), 2.0)
+    assert np.allclose(told["face_forces"], state.forces) and len(told["N1"]) == len(vertices)
+    assert np.shape(told["crosses"]["lines"])[0::3] == (2, 3) and set(told["line_loads"]["kind"]) == {"support"}
+
+
+def test_the_result_of_a_job_a_file_and_a_compas_mesh_are_taken(client, server, tmp_path):
+    vertices, faces = grid(8)
+    solved = client.solve(vertices, faces, supports="boundary", targets=0.3, method="newton", settings={"measure": "exact"})
+    by_job = client.build("mould", job=solved["id"], settings={"count": 4})
+    surface = CGCProblem(np.array(solved["vertices"]), np.array(solved["faces"])).with_supports("boundary").with_targets(0.3)
+    by_arrays = client.build("mould", surface.vertices, surface.faces, supports="boundary", targets=0.3, settings={"count": 4})
+    assert by_job["panels"] == by_arrays["panels"] and max(own["edge_error"] for own in by_job["panels"]) < 1e-11
+    write(tmp_path / "solved.3dm", surface)
+    id = client.submit_file((tmp_path / "solved.3dm").read_bytes(), "3dm", task="mould", settings={"count": 4})
+    assert client.poll(id, wait=20)["state"] == "succeeded" and client.result(id)["text"] == by_job["text"]
+    mesh = json.loads(CGCMesh.from_problem(surface).to_jsonstring())
+    body = json.dumps({"task": "mould", "mesh": mesh, "settings": {"count": 4}}).encode()
+    status, _, content = server.ask("POST", "/api/v1/jobs", body, RhinoComputeKey=KEY)
+    assert status == 202 and client.poll(json.loads(content)["id"], wait=20)["state"] == "succeeded"
+    assert client.result(json.loads(content)["id"])["text"] == by_job["text"]
+
+
+def test_limits_tell_a_slider_where_to_end(client):
+    vertices, faces = grid(6)
+    told = client.build("limits", vertices, faces, supports="boundary", targets=1.0, settings={"tolerance": 0.1})
+    assert told["status"] == "found" and told["target"] > 0 and "these supports carry" in told["text"]
+
+
+def test_the_list_of_tasks_is_the_table(client):
+    found = {own["name"]: own for own in client.tasks()}
+    assert set(found) == {"mould", "unroll", "membrane", "net", "limits"}
+    along = next(own for own in found["mould"]["options"] if own["name"] == "along")
+    assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == ["arrays", "dxf", "svg", "csv", "3dm"]
+
+
+@pytest.mark.parametrize(
+    "body, sentence",
+    [
+        ({"task": "paint"}, "'task' must be one of solve, mould, unroll, membrane, net, limits"),
+        ({"task": ["net"]}, "'task' must be one of"),
+        ({"task": "unroll", "settings": {"sheet": "large"}}, "'sheet' must be LENGTHxWIDTH"),
+        ({"task": "unroll", "settings": {"strain": "much"}}, "'strain' must be a number"),
+        ({"task": "unroll", "settings": {"colour": 1}}, "there is no option 'colour'; there are sheet, strain"),
+        ({"task": "unroll", "settings": 3}, "'settings' must be an object"),
+        ({"task": "unroll", "settings": {"seams": [[1, "a"]]}}, "'seams' must be the numbers of vertices"),
+        ({"task": "net", "settings": {"through": [[1, 2]]}}, "'through' must be X,Y,Z"),
+        ({"task": "net", "settings": {"regions": [0.5]}}, "every region of 'regions' must be a whole number"),
+        ({"task": "mould", "settings": {"rough": 1}}, "'rough' must be true or false"),
+        ({"task": "membrane", "method": "flow"}, "'method' is for a solve, the task is membrane"),
+        ({"task": "limits", "settings": {"tolerance": 2}}, "'tolerance' must be between 0 and 1"),
+        ({"task": "net", "job": 7}, "'job' must be the id of a job"),
+        ({"job": "some-job-id"}, "'job' takes the surface of a job for another task"),
+    ],
+)
+def test_wrong_orders_are_refused_before_they_are_queued(server, body, sentence):
+    vertices, faces = grid(2)
+    mesh = {} if "job" in body else {"vertices": vertices.tolist(), "faces": faces.tolist()}
+    status, _, content = server.ask("POST", "/api/v1/jobs", json.dumps({**mesh, **body}).encode(), RhinoComputeKey=KEY)
+    assert status == 422 and sentence in json.loads(content)["message"]
+
+
+@pytest.mark.parametrize(
+    "task, shape, settings, sentence",
+    [
+        ("membrane", DOME, {}, "there is no load"),
+        ("membrane", CONE, {"pressure": 1.0}, "has K = 0"),
+        ("unroll", CONE, {"seams": [[0, 1]]}, "no seam opens"),
+        ("unroll", CONE, {"sheet": "1e"}, "LENGTHxWIDTH"),
+        ("unroll", CONE, {"sheet": [0.001, 0.001]}, "give a larger one"),
+        ("net", SADDLE, {"regions": [4]}, "there is no such region"),
+        ("mould", DOME, {"material": "cheese"}, "there is no material 'cheese'"),
+        ("mould", CONE, {"count": 1}, "hole"),
+        ("limits", CONE, {}, "no limit to look for"),
+    ],
+)
+def test_what_cannot_be_built_fails_with_a_sentence_and_no_result(client, task, shape, settings, sentence):
+    vertices, faces, options = asked(shape)
+    with pytest.raises((Failed, Refused), match=sentence):
+        client.build(task, vertices, faces, settings=settings, **options)
+
+
+def test_a_rough_surface_is_refused_for_every_task(client):
+    (vertices, faces), K = DOME
+    rough = vertices + 0.2 * np.random.default_rng(2).standard_normal(vertices.shape)
+    for task, settings in (("mould", {}), ("unroll", {}), ("membrane", {"pressure": 1.0}), ("net", {})):
+        with pytest.raises(Failed, match="rough"):
+            client.build(task, rough, faces, settings=settings, supports="boundary", targets=K)
+
+
+def test_jobs_without_such_a_result_say_so(client, server):
+    vertices, faces, options = asked(SADDLE)
+    net = client.build("net", vertices, faces, settings={"spacing": 1.0}, **options)["id"]
+    with pytest.raises(Refused, match="did not solve for a surface") as error:
+        client.build("net", job=net)
+    assert error.value.status == 422
+    for method, path in (("GET", f"/api/v1/jobs/{net}/moulds?count=1"), ("POST", f"/api/v1/jobs/{net}/result?format=3dm")):
+        status, _, content = server.ask(method, path, b"x" if method == "POST" else None, RhinoComputeKey=KEY)
+        assert status == 422 and "did not solve for a surface" in json.loads(content)["message"]
+    with pytest.raises(Refused, match="there is no job"):
+        client.build("net", job="nobody-has-this")
+    solve = client.solve(*grid(3), supports="boundary", targets=0.1)["id"]
+    with pytest.raises(Refused, match="a solve has no result of the format dxf"):
+        client.result(solve, "dxf")
+
+
+def test_a_build_is_cancelled(client):
+    vertices, faces = revolved_patch(60, -0.02)
+    id = client.submit_build("net", vertices, faces, supports="boundary", targets=-0.02, settings={"spacing": 0.02})
+    while client.poll(id)["state"] == "queued":
+        time.sleep(0.02)
+    assert client.poll(id)["stage"] in ("read", "build") and client.cancel(id)["id"] == id
+    status = client.poll(id, wait=20)
+    assert status["state"] == "cancelled" and not status["has_result"] and status["task"] == "net"

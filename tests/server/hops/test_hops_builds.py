@@ -1,0 +1,95 @@
+"""Functions of Hops that build from a solved surface, by real requests in every generation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCProblem
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import unroll
+from compas_cgc.io.rhino.meshes import mesh_from_arrays
+from compas_cgc.io.rhino.meshes import mesh_to_arrays
+
+from ...support.constant_curvature import cone
+from ...support.constant_curvature import revolved_patch
+from ...support.hops_client import Hops
+from ...support.server_process import running_server
+
+KEY = "a-key-for-hops"
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    with running_server(tmp_path_factory.mktemp("hops") / "jobs.sqlite", KEY) as running:
+        yield running
+
+
+@pytest.fixture
+def hops(server):
+    return lambda name, generation=8, comma=False: Hops(f"{server.url}/cgc/{name}", generation, KEY, comma)
+
+
+def lengths(curves):
+    """Return the length of every polyline."""
+    found = []
+    for curve in curves:
+        points = np.array([(curve.Point(k).X, curve.Point(k).Y, curve.Point(k).Z) for k in range(curve.PointCount)])
+        found.append(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return found
+
+
+def problem(shape, K):
+    return CGCProblem(*shape).with_supports("boundary").with_targets(K)
+
+
+@pytest.mark.parametrize("generation, comma", [(8, True), (2026, False)])
+def test_a_cone_is_laid_out_on_sheets(hops, generation, comma):
+    shape = cone(6, 24)
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    status, outputs, errors, warnings = hops("unroll", generation, comma).solve(**given)
+    assert (status, errors, warnings) == (200, [], [])
+    patterns = unroll(problem(shape, 0.0), (3.0, 1.5))
+    assert outputs["Labels"] == [piece.label for piece in patterns.pieces] and patterns.summary() in outputs["Info"][0]
+    assert len(outputs["Outlines"]) == len(outputs["Pieces"]) == len(outputs["Places"]) == len(patterns.pieces)
+    expected = [np.linalg.norm(own.points - np.roll(own.points, 1, axis=0), axis=1).sum() for p in patterns.pieces for own in p.loops]
+    assert np.allclose(lengths(outputs["Outlines"]), expected, rtol=1e-9) and len(outputs["Sheets"]) == patterns.sheets
+    V, F = mesh_to_arrays(outputs["Pieces"][0])
+    area = np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1).sum() / 2
+    assert area == pytest.approx(patterns.pieces[0].area)
+
+
+def test_forces_of_a_dome(hops):
+    shape = revolved_patch(8, 0.02)
+    status, outputs, errors, warnings = hops("membrane", comma=True).solve(Mesh=mesh_from_arrays(*shape), K=[0.02], Pressure=2.0)
+    state = membrane(problem(shape, 0.02), 2.0)
+    assert (status, errors, warnings) == (200, [], list(state.remarks))
+    assert state.summary() in outputs["Info"][0] and len(outputs["N1"]) == len(shape[0]) and min(outputs["N2"]) > 0
+    assert outputs["Compression"] == [] and len(outputs["Tension"]) == 2 * len(shape[1]) and len(outputs["Reactions"]) > 8
+
+
+def test_a_net_and_curves_through_points(hops):
+    shape = revolved_patch(12, -0.02)
+    mesh = mesh_from_arrays(*shape)
+    status, outputs, errors, _ = hops("net").solve(Mesh=mesh, K=[-0.02], Spacing=1.0)
+    net = curve_net(problem(shape, -0.02), 1.0)
+    assert (status, errors) == (200, []) and len(outputs["First"]) + len(outputs["Second"]) == len(net.curves)
+    assert np.allclose(outputs["Sides"], net.lengths) and len(outputs["Nodes"]) == len(net.nodes)
+    status, outputs, errors, _ = hops("net").solve(Mesh=mesh, K=[-0.02], Through=[(0.0, 0.0, 4.0)])
+    assert (status, errors) == (200, []) and len(outputs["First"]) == len(outputs["Second"]) == 1
+
+
+@pytest.mark.parametrize(
+    "name, K, inputs, sentence",
+    [
+        ("unroll", 0.5, {}, "the surface is rough"),
+        ("unroll", 0.02, {"Length": 0.001}, "give a larger one"),
+        ("membrane", 0.02, {"Pressure": 0.0}, "there is no load"),
+        ("net", 0.02, {"Through": [(99.0, 99.0, 99.0)]}, "does a point lie on it"),
+        ("mould", 0.02, {"Material": "cheese"}, "there is no material 'cheese'"),
+    ],
+)
+def test_what_cannot_be_built_is_said_in_the_balloon(hops, name, K, inputs, sentence):
+    status, outputs, errors, _ = hops(name).solve(Mesh=mesh_from_arrays(*revolved_patch(8, 0.02)), K=[K], **inputs)
+    assert status == 422 and outputs == {} and len(errors) == 1 and sentence in errors[0]
