@@ -19,6 +19,7 @@ __all__ = ["build_parser", "main"]
 # Each is a module here with a function add_arguments, which is called when the command is.
 COMMANDS = {
     "solve": "solve a mesh file",
+    "study": "solve many variants of a drawing",
     "mould": "say on which moulds the panels of a solved surface are made",
     "check": "say what a file holds and what keeps it from being solved",
     "unroll": "lay a solved surface out as flat pieces on sheets",

@@ -46,12 +46,18 @@ class WorkerPool(Executor):
         Seconds between being asked to stop and being killed.
     reserved
         Number of further processes that take urgent tasks only.
+
+    Attributes
+    ----------
+    workers
+        Number of processes that take any task.
     """
 
     def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0, reserved: int = 0):
         self._context = multiprocessing.get_context("spawn")
         self._warm_up = warm_up
         self._grace = grace
+        self.workers = workers
         self._waiting: deque[Task] = deque()
         self._change = threading.Condition()
         self._closed = False

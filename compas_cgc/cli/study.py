@@ -1,0 +1,143 @@
+"""``compas-cgc study``: many variants of a drawing, to a table, a contact sheet and the best of them."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Optional
+
+from .arguments import add_reading
+from .arguments import reading
+from .console import bar
+from .console import interruptible
+from .exits import DONE
+from .exits import INTERRUPTED
+
+if TYPE_CHECKING:
+    from ..study import Results
+    from ..study.run import Progress
+
+__all__ = ["add_arguments", "run"]
+
+_EPILOG = """\
+The study is a TOML file that names what is varied:
+
+  sample = "grid"                     # or "list"; or "random" or "latin hypercube", with count and seed
+  supports = "corners"
+  [parameters]
+  K = { from = 0.002, to = 0.006, count = 9 }
+  gate = { kind = "clearance", where = [5.5, 0.0, 9.5, 3.0], values = [2.0, 2.5] }
+  [pareto]
+  least = ["area"]
+  most = ["volume"]
+
+OUT is a folder: table.csv (and table.parquet), surfaces.npy, contact_sheet.png, pareto.png and best/*.3dm. A study that was stopped
+goes on where it was when the command is given again. docs/studies.md tells more.
+
+examples:
+  compas-cgc study roof.3dm study.toml -o roofs
+  compas-cgc study roof.3dm study.toml -o roofs --workers 4
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Solve many variants of a drawing, judge each, and write a table, pictures and the best ones."
+    parser.epilog = _EPILOG
+    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument("study", metavar="STUDY", help="a .toml file that says what is varied")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the folder to write to")
+    parser.add_argument("--workers", type=_count, metavar="N", help="processes (default: as many as the processors)")
+    parser.add_argument("--no-pictures", action="store_true", help="draw nothing")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    add_reading(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..io import read_problem
+    from ..study.outputs import best_variants
+    from ..study.outputs import write_best
+    from ..study.outputs import write_pictures
+    from ..study.run import run_study
+    from ..study.spec import read_study
+
+    say = (lambda text: None) if arguments.quiet else print
+    study = read_study(arguments.study)
+    read = read_problem(arguments.input, **reading(arguments))
+    for note in read.notes:
+        say(f"{arguments.input}: {note}")
+    shown = _Bar(arguments.quiet)
+    with interruptible() as cancelled:
+
+        def on_progress(state: Progress) -> bool:
+            shown(state)
+            return cancelled.is_set()
+
+        try:
+            workers = arguments.workers or os.cpu_count() or 1
+            results = run_study(read.checked(), study, arguments.output, workers=workers, on_progress=on_progress)
+        finally:
+            shown.close()
+    if len(results) < len(study.variants):
+        print(
+            f"compas-cgc: stopped after {len(results)} of {len(study.variants)} variants; give the command again to go on", file=sys.stderr
+        )
+        return INTERRUPTED
+    say(_summary(results))
+    if not arguments.no_pictures:
+        for path in write_pictures(results):
+            say(f"wrote {path}")
+    for path, variant in zip(write_best(results, Path(arguments.input)), best_variants(results)):
+        say(f"variant {variant}: wrote {path}")
+    return DONE
+
+
+class _Bar:
+    """Progress of a study on one line of a terminal; elsewhere nothing."""
+
+    def __init__(self, quiet: bool):
+        self.quiet = quiet or not sys.stderr.isatty()
+        self.began: Optional[float] = None
+        self.text = ""
+
+    def __call__(self, state: Progress) -> None:
+        """Show how far it is."""
+        if self.quiet:
+            return
+        now = time.monotonic()
+        self.began = now if self.began is None else self.began
+        text = f"{bar(state.done / state.variants)} {state.done} of {state.variants} variants"
+        new = state.done - state.before
+        if new:
+            seconds = (state.variants - state.done) * (now - self.began) / new
+            text += f", {seconds:.0f} s left"
+        if text != self.text:
+            sys.stderr.write("\r" + text.ljust(len(self.text)))
+            sys.stderr.flush()
+            self.text = text
+
+    def close(self) -> None:
+        """Take the line away again."""
+        if self.text:
+            sys.stderr.write("\r" + " " * len(self.text) + "\r")
+            sys.stderr.flush()
+
+
+def _summary(results: Results) -> str:
+    status, verdict = results.column("status"), results.column("verdict")
+    fair = sum(own == "converged" and said == "fair" for own, said in zip(status, verdict))
+    rough = sum(own == "converged" and said != "fair" for own, said in zip(status, verdict))
+    left = len(results) - fair - rough
+    return f"{len(results)} variants: {fair} fair, {rough} rough, {left} without a surface of that K\nwrote {results.folder / 'table.csv'}"
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1 up, not {text!r}")
+    return int(text)

@@ -1,0 +1,154 @@
+"""Parameters: what of a drawing a study can change, by the kind that it is called in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Mapping
+from dataclasses import dataclass
+from dataclasses import replace
+from typing import Any
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import Indices
+from ..errors import CGCError
+from ..model.constraint_data import constraint_of
+from ..model.problem import CGCProblem
+from .morph import moved_along
+from .sampling import Values
+from .sampling import values_of
+
+__all__ = ["KINDS", "Parameter", "parameter_of"]
+
+Change = Callable[[CGCProblem, Any], CGCProblem]
+
+# Goals with the field that holds their number.
+GOALS = {
+    "rise": "rise",
+    "height": "height",
+    "volume": "volume",
+    "area": "area",
+    "length": "length",
+    "above": "height",
+    "below": "height",
+    "clearance": "height",
+    "near plane": "distance",
+}
+STRATEGIES = ("s", "e")
+SHAPES = ("supports", "move")  # change the drawing itself, before anything that is asked of it
+KINDS = ("K", *STRATEGIES, *SHAPES, *GOALS)
+_OF_VALUES = ("values", "from", "to", "count", "scale", "kind")
+_OF_KIND = {"K": ("region",), "s": ("crease",), "e": ("crease",), "supports": (), "move": ("crease", "vertices", "direction")}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One thing that a study changes."""
+
+    name: str
+    kind: str  # one of KINDS
+    values: Values
+    more: Mapping[str, Any]  # which region, crease, vertices, direction or place
+
+    @property
+    def is_shape(self) -> bool:
+        """Whether it changes the drawing, not what is asked of it."""
+        return self.kind in SHAPES
+
+    def change(self, drawing: CGCProblem) -> Change:
+        """Return the function that gives a problem on the mesh of a drawing a value; what all values share is worked out here.
+
+        Raises
+        ------
+        CGCError
+            If the drawing has no such region, crease or vertex.
+        """
+        try:
+            return self._change(drawing)
+        except (ValueError, TypeError) as error:
+            raise CGCError(f"the parameter {self.name}: {error}") from None
+
+    def _change(self, drawing: CGCProblem) -> Change:
+        if self.kind == "K":
+            region = self.more.get("region")
+            within = np.ones(len(drawing.vertices), bool) if region is None else drawing.region_vertices(region)
+            return lambda problem, K: replace(problem, targets=np.where(within, K, problem.targets))
+        if self.kind in STRATEGIES:
+            along = np.zeros(len(drawing.vertices), bool)
+            along[_crease(drawing, self.more.get("crease"))] = True
+            return lambda problem, value: replace(problem, **{self.kind: np.where(along, value, getattr(problem, self.kind))})
+        if self.kind == "supports":
+            return lambda problem, supports: problem.with_supports(supports)
+        if self.kind == "move":
+            crease = self.more.get("crease")
+            moving = drawing.positions(self.more.get("vertices", ())) if crease is None else _crease(drawing, crease)
+            moved = moved_along(drawing, moving, np.array(self.more["direction"], dtype=np.float64), crease is not None)
+            return lambda problem, distance: moved(distance)
+        more = dict(self.more)
+        if isinstance(more.get("where"), str):
+            places = dict(drawing.drawing.places)
+            if more["where"] not in places:
+                known = f"there are {', '.join(places)}" if places else "the drawing names none"
+                raise CGCError(f"there is no place {more['where']!r} in the drawing; {known}")
+            more["where"] = places[more["where"]]
+        number = GOALS[self.kind]
+        return lambda problem, value: problem.with_constraints([constraint_of({**more, "kind": self.kind, number: value})])
+
+
+def parameter_of(name: str, given: object) -> Parameter:
+    """Return the parameter that a table of the study describes; a list stands for its values.
+
+    Raises
+    ------
+    CGCError
+        If it is not understood, with what is.
+    """
+    table: Mapping[str, Any] = given if isinstance(given, Mapping) else {"values": given}
+    kind = table.get("kind", name)
+    if kind not in KINDS:
+        raise CGCError(f"the parameter {name} is of no kind that is known; say kind = one of {', '.join(KINDS)}")
+    more = {key: value for key, value in table.items() if key not in _OF_VALUES}
+    unknown = [key for key in more if key not in _OF_KIND[kind]] if kind in _OF_KIND else []
+    if unknown:
+        known = ", ".join((*_OF_KIND[kind], *_OF_VALUES))
+        raise CGCError(f"the parameter {name}: {unknown[0]!r} says nothing of the kind {kind}; it takes {known}")
+    values = values_of(name, table, words=kind == "supports")
+    if kind == "move":
+        more["direction"] = _direction(name, more.get("direction"))
+        if ("crease" in more) is ("vertices" in more):
+            raise CGCError(f"the parameter {name}: say what moves, either the number of a crease or a list of vertices")
+    if kind in GOALS:
+        if kind == "height":
+            more.setdefault("vertices", "crown")
+        _tried(name, {**more, "kind": kind, GOALS[kind]: values.all()[0]})
+    return Parameter(name, kind, values, more)
+
+
+def _tried(name: str, data: dict[str, Any]) -> None:
+    if isinstance(data.get("where"), str):
+        return  # a place of the drawing, which is known later
+    try:
+        constraint_of(data)
+    except (ValueError, TypeError) as error:
+        raise CGCError(f"the parameter {name}: {error}") from None
+
+
+def _direction(name: str, given: object) -> list[float]:
+    vector: Union[list, np.ndarray] = np.asarray(given, dtype=object)
+    try:
+        numbers = [float(value) for value in vector]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) != 3 or not np.isfinite(numbers).all() or not any(numbers):
+        raise CGCError(f"the parameter {name}: direction must be three numbers such as [0, 1, 0], not {given!r}")
+    return numbers
+
+
+def _crease(problem: CGCProblem, number: Any) -> Indices:
+    paths = problem.crease_paths()
+    if number is None:
+        return np.unique([v for path in paths for v in path]).astype(np.int64)
+    if not 0 <= int(number) < len(paths):
+        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)}, from 0 on")
+    return np.array(paths[int(number)], dtype=np.int64)

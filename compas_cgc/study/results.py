@@ -1,0 +1,144 @@
+"""Results of a study: its table and its surfaces, as they are in the folder."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
+from ..errors import CGCError
+from ..errors import FileError
+from ..io import read_problem
+from ..model.problem import CGCProblem
+from .spec import Ranking
+from .spec import Study
+from .table import read_rows
+from .variants import Plan
+
+__all__ = ["DRAWING", "PARQUET", "STUDY", "SURFACES", "TABLE", "Results"]
+
+STUDY, DRAWING, TABLE, PARQUET, SURFACES = "study.json", "drawing.json", "table.csv", "table.parquet", "surfaces.npy"
+
+
+class Results:
+    """A folder that a study was, or is being, written to.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+
+    Attributes
+    ----------
+    columns
+        Names of the columns.
+    rows
+        Values, variant by variant, None where there is none.
+
+    Raises
+    ------
+    FileError
+        If there is no study.
+    """
+
+    def __init__(self, folder: Union[str, os.PathLike[str]]):
+        self.folder = Path(folder)
+        self.columns, self.rows = read_rows(self.folder / TABLE)
+        # A row may be there a moment before it is whole.
+        self.rows = [row for row in self.rows if len(row) == len(self.columns)]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @cached_property
+    def study(self) -> Study:
+        """The study itself."""
+        try:
+            about = json.loads((self.folder / STUDY).read_text(encoding="utf-8"))
+            return Study.from_dict(about["study"])
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise FileError(f"{self.folder / STUDY} cannot be read ({error}); give the folder of a study") from None
+
+    @cached_property
+    def drawing(self) -> CGCProblem:
+        """What the variants are made of."""
+        return read_problem(self.folder / DRAWING).checked()
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The study of the drawing, which makes the problem of any variant."""
+        return Plan(self.study, self.drawing)
+
+    @cached_property
+    def surfaces(self) -> FloatArray:
+        """Vertices of all variants (variants, n, 3), NaN where there is no surface, read from the file as they are used [L]."""
+        return np.load(self.folder / SURFACES, mmap_mode="r")
+
+    def column(self, name: str) -> list[Any]:
+        """Return the values of a column.
+
+        Raises
+        ------
+        CGCError
+            If there is no such column.
+        """
+        if name not in self.columns:
+            raise CGCError(f"the table has no column {name!r}; it has {', '.join(self.columns)}")
+        k = self.columns.index(name)
+        return [row[k] for row in self.rows]
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return the numbers of a column, NaN where there is none."""
+        return np.array([value if isinstance(value, (int, float)) else np.nan for value in self.column(name)], dtype=np.float64)
+
+    def problem(self, variant: int) -> CGCProblem:
+        """Return the problem of a variant on its surface, with the K that was found.
+
+        Raises
+        ------
+        CGCError
+            If there is no such variant, or it has no surface.
+        """
+        vertices = self.vertices(variant)
+        problem = self.plan.problem(variant).with_vertices(vertices)
+        found = {
+            int(name[1:]): value for name, value in zip(self.columns, self.rows[variant]) if name in self.plan.found and value is not None
+        }
+        return problem.with_targets(found) if found else problem
+
+    def vertices(self, variant: int) -> FloatArray:
+        """Return the vertices of a variant (n, 3) [L].
+
+        Raises
+        ------
+        CGCError
+            If there is no such variant, or it has no surface.
+        """
+        if not 0 <= variant < len(self.rows):
+            raise CGCError(f"there is no variant {variant}; the table has {len(self.rows)}, from 0 on")
+        vertices = np.array(self.surfaces[variant])
+        if not np.isfinite(vertices).all():
+            raise CGCError(f"variant {variant} has no surface: {self.column('note')[variant]}")
+        return vertices
+
+    def good(self) -> Indices:
+        """Return the variants that reached their K with a fair surface (k,); where none did, those that reached it."""
+        status, verdict = self.column("status"), self.column("verdict")
+        fair = [k for k in range(len(self)) if status[k] == "converged" and verdict[k] == "fair"]
+        return np.array(fair or [k for k in range(len(self)) if status[k] == "converged"], dtype=np.int64)
+
+    def best(self, ranking: Ranking) -> list[int]:
+        """Return the best of the good variants: by the first column, and those after it where it is even."""
+        good = self.good()
+        keys = [self.numbers(name)[good] for name in ranking.least] + [-self.numbers(name)[good] for name in ranking.most]
+        known = np.isfinite(keys).all(axis=0) if keys else np.zeros(len(good), bool)
+        # The last key counts first.
+        order = np.lexsort([good[known], *(key[known] for key in reversed(keys))])
+        return good[known][order][: ranking.count].tolist()

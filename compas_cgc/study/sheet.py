@@ -1,0 +1,132 @@
+"""Contact sheet: every variant of a study as a small picture, with its number and what it was made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import Optional
+
+import numpy as np
+
+from ..plot.output import matplotlib_module
+from ..plot.output import new_figure
+from ..plot.view import Frame
+from ..plot.view import frame_of
+from ..plot.view import project
+from .results import Results
+from .thumbnails import VIEW
+from .thumbnails import thumbnail
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["contact_sheet"]
+
+WIDTH = 24.0  # of the sheet [in]
+ASPECT = 1.5  # width of the sheet against its height, nearly
+MOST = 2000  # pictures on one sheet
+LARGEST = 320  # pixels of a picture
+FEWEST = 4  # pictures in a row
+HEAD = 0.7  # of the sheet [in]
+LETTERS = 3  # lines under a picture
+COLOURS = {"fair": (0.62, 0.76, 0.80), "rough": (0.93, 0.66, 0.47), "unfinished": (0.78, 0.78, 0.78)}
+
+
+def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, show: Optional[Sequence[str]] = None) -> Figure:
+    """Return the pictures of variants, all from one side and at one scale: fair ones blue, rough ones orange, unfinished ones grey.
+
+    Parameters
+    ----------
+    results
+        A study that has begun.
+    variants
+        Which. Default: all, or as many as a sheet holds, evenly chosen.
+    show
+        Columns under the pictures. Default: the parameters, or the first two of them.
+
+    Raises
+    ------
+    CGCError
+        If matplotlib is not installed, or there is no such column or variant.
+    """
+    chosen = _chosen(len(results)) if variants is None else list(variants)
+    shown = list(show or results.plan.inputs[: LETTERS - 1])
+    frame = _frame(results, chosen)
+    aspect = frame.height / frame.width
+    columns = max(FEWEST, math.ceil(math.sqrt(ASPECT * (aspect + 0.25) * len(chosen))))
+    cell = WIDTH / columns  # [in]
+    points = min(9.0, 72 * cell / 13)  # of the letters
+    step = cell * aspect + LETTERS * 1.25 * points / 72
+    height = HEAD + step * math.ceil(len(chosen) / columns)
+    figure = new_figure(WIDTH, height)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    width = min(LARGEST, int(cell * figure.dpi))
+    pixels = width, max(1, int(width * aspect))
+    faces, creases = results.drawing.faces, results.drawing.creases
+    words = _words(results, shown)
+    for place, variant in enumerate(chosen):
+        x, y = cell * (place % columns), HEAD + step * (place // columns)
+        vertices = np.array(results.surfaces[variant])
+        if np.isfinite(vertices).all():
+            picture = thumbnail(vertices, faces, COLOURS[_kind(results, variant)], pixels, frame, creases)
+            axes.imshow(picture, extent=(x, x + cell, y + cell * aspect, y), aspect="auto")
+        axes.text(x + cell / 2, y + cell * aspect, words[variant], fontsize=points, ha="center", va="top", linespacing=1.05)
+    axes.set_xlim(0.0, WIDTH)
+    axes.set_ylim(height, 0.0)
+    _head(axes, results, chosen)
+    return figure
+
+
+def _chosen(count: int) -> list[int]:
+    if count <= MOST:
+        return list(range(count))
+    return np.unique(np.linspace(0, count - 1, MOST).astype(int)).tolist()
+
+
+def _frame(results: Results, chosen: Sequence[int]) -> Frame:
+    """Return what of the sheet all pictures fit in."""
+    corners = []
+    for variant in chosen:
+        vertices = np.array(results.surfaces[variant])
+        if np.isfinite(vertices).all():
+            seen = project(vertices, VIEW, vertices)[:, :2]
+            corners += [seen.min(axis=0), seen.max(axis=0)]
+    return frame_of(np.array(corners).reshape(-1, 2))
+
+
+def _kind(results: Results, variant: int) -> str:
+    row = dict(zip(results.columns, results.rows[variant]))
+    if row["status"] != "converged":
+        return "unfinished"
+    return "fair" if row["verdict"] == "fair" else "rough"
+
+
+def _words(results: Results, shown: Sequence[str]) -> list[str]:
+    values = [results.column(name) for name in shown]
+    status = results.column("status")
+    lines = []
+    for k in range(len(results)):
+        own = [f"{name} {_short(column[k])}" for name, column in zip(shown, values)]
+        how = [] if status[k] == "converged" else [str(status[k])]
+        lines.append("\n".join([f"{k}", *how, *own][:LETTERS]))
+    return lines
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else "-" if value is None else str(value)
+
+
+def _head(axes: Any, results: Results, chosen: Sequence[int]) -> None:
+    kinds = [_kind(results, variant) for variant in chosen]
+    part = "" if len(chosen) == len(results) else f", {len(chosen)} of them"
+    text = f"{results.folder.name}: {len(results)} variants{part}"
+    axes.text(0.15, 0.35, text, fontsize=14, va="center")
+    patch = matplotlib_module("patches").Rectangle
+    x = WIDTH - 6.6
+    for kind, colour in COLOURS.items():
+        axes.add_patch(patch((x, 0.22), 0.3, 0.26, color=colour))
+        axes.text(x + 0.4, 0.35, f"{kind} ({kinds.count(kind)})", fontsize=12, va="center")
+        x += 2.2

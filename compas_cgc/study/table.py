@@ -1,0 +1,163 @@
+"""Table of a study: CSV that grows in the order of the variants, and a packed array of their surfaces."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from typing import Optional
+
+import numpy as np
+
+from .._atomic_write import replacing
+from ..errors import CGCError
+from ..errors import FileError
+from .variants import Measured
+
+__all__ = ["Table", "parsed", "read_rows", "write_parquet"]
+
+
+class Table:
+    """Rows and surfaces on their way to the disk, which a kill at any time leaves with whole rows and their surfaces.
+
+    Parameters
+    ----------
+    path, surfaces
+        The CSV file, and the ``.npy`` file of ``(variants, n, 3)`` float64 [L], NaN where there is no surface.
+    columns
+        Of the table.
+    variants, vertices
+        Numbers of them.
+
+    Attributes
+    ----------
+    rows
+        Number of rows that are written.
+    """
+
+    def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], variants: int, vertices: int):
+        self.rows = _whole_rows(path, columns)
+        shape = (variants, vertices, 3)
+        try:
+            known = surfaces.exists() and self.rows > 0
+            self._surfaces = np.lib.format.open_memmap(surfaces, "r+") if known else np.lib.format.open_memmap(surfaces, "w+", float, shape)
+            if self._surfaces.shape != shape:
+                raise FileError(f"{surfaces} holds the surfaces of something else; give another folder")
+            self._file = open(path, "a", encoding="utf-8", newline="")
+        except (OSError, ValueError) as error:
+            raise FileError(f"{path.parent} cannot be written to ({error}); make room there or give another folder") from None
+        if not self.rows and not self._file.tell():
+            self._write([tuple(columns)])
+
+    def add(self, block: Sequence[Measured]) -> None:
+        """Write the next variants; the surfaces first, as a row says that its surface is there.
+
+        Raises
+        ------
+        FileError
+            If the disk is full.
+        """
+        try:
+            for one in block:
+                self._surfaces[self.rows] = np.nan if one.vertices is None else one.vertices
+                self.rows += 1
+            self._write([one.row for one in block])
+        except OSError as error:
+            raise FileError(f"the table cannot be written ({error.strerror}); make room on the disk and start the study again") from None
+
+    def close(self) -> None:
+        """Close the files."""
+        self._surfaces.flush()
+        self._file.close()
+
+    def _write(self, rows: Sequence[tuple]) -> None:
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([_text(value) for value in row] for row in rows)
+        # In one go, so that a row is there or not.
+        self._file.write(text.getvalue())
+        self._file.flush()
+
+
+def _text(value: Any) -> Any:
+    if isinstance(value, float):
+        return repr(value)
+    return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+
+
+def _whole_rows(path: Path, columns: Sequence[str]) -> int:
+    """Return how many rows of a table are whole, and cut what is left of one that is not."""
+    try:
+        content = path.read_bytes()
+    except FileNotFoundError:
+        return 0
+    whole = content[: content.rfind(b"\n") + 1]
+    rows = list(csv.reader(io.StringIO(whole.decode("utf-8"), newline="")))
+    if rows and rows[0] != list(columns):
+        raise CGCError(f"{path} is the table of something else; give another folder")
+    if len(whole) < len(content):
+        os.truncate(path, len(whole))
+    return max(0, len(rows) - 1)
+
+
+def read_rows(path: Path) -> tuple[list[str], list[list[Any]]]:
+    """Return the columns and the rows of a table; numbers are numbers, and None what is empty.
+
+    Raises
+    ------
+    FileError
+        If there is none.
+    """
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            text = file.read()
+    except OSError as error:
+        raise FileError(f"{path} cannot be read ({error.strerror}); give the folder of a study") from None
+    rows = list(csv.reader(io.StringIO(text[: text.rfind("\n") + 1])))
+    if not rows:
+        raise FileError(f"{path} is empty; the study has not begun")
+    return rows[0], [[parsed(word) for word in row] for row in rows[1:]]
+
+
+def parsed(word: str) -> Any:
+    """Return the number that a word is, None for an empty one, else the word."""
+    if not word:
+        return None
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            continue
+    return word
+
+
+def write_parquet(path: Path, columns: Sequence[str], rows: Sequence[Sequence[Any]], needed: bool = False) -> Optional[Path]:
+    """Write a table as Parquet, where pyarrow is installed.
+
+    Raises
+    ------
+    CGCError
+        If it is needed and pyarrow is missing.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        if needed:
+            raise CGCError('Parquet needs pyarrow: pip install "compas_cgc[study]"; the same table is there as CSV') from None
+        return None
+    arrays = {name: pyarrow.array(_alike([row[k] for row in rows])) for k, name in enumerate(columns)}
+    with replacing(path) as beside:
+        parquet.write_table(pyarrow.table(arrays), beside)
+    return path
+
+
+def _alike(values: list[Any]) -> list[Any]:
+    """Return values of one type, as a column of Parquet has them."""
+    kinds = {type(value) for value in values} - {type(None)}
+    if kinds <= {int} or kinds <= {str}:
+        return values
+    one: Any = float if kinds <= {int, float} else str
+    return [None if value is None else one(value) for value in values]

@@ -1,0 +1,195 @@
+"""Variants: the problems that a study makes of a drawing, and what is measured of their surfaces."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Mapping
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+from ..datastructures import SolveResult
+from ..discrete.arrays import FloatArray
+from ..errors import CGCError
+from ..model.goals import measures
+from ..model.goals.bound import support_height
+from ..model.goals.bound import unknown_regions
+from ..model.problem import CGCProblem
+from ..solvers.run import solve
+from .parameters import Change
+from .spec import Study
+
+__all__ = ["Measured", "Plan"]
+
+MEASURES = ("status", "verdict", "rise", "height", "area", "volume", "error", "roughness", "steps", "method")
+SHAPES = 16  # drawings of moved creases and supports that are kept
+
+
+class Measured(NamedTuple):
+    """A variant with its surface."""
+
+    row: tuple[Any, ...]  # of the table, in the order of Plan.columns
+    vertices: Optional[FloatArray]  # (n, 3), None where there is no surface [L]
+
+
+class Plan:
+    """A study of a drawing, with what does not change from variant to variant.
+
+    Parameters
+    ----------
+    study
+        What is varied and measured.
+    drawing
+        Vertices, faces, roles, targets and constraints, without dummies.
+
+    Raises
+    ------
+    CGCError
+        If the drawing has not what a parameter changes.
+    """
+
+    def __init__(self, study: Study, drawing: CGCProblem):
+        self.study = study
+        self.drawing = study.posed(drawing.without_dummies())
+        self._shapes = [k for k, own in enumerate(study.parameters) if own.is_shape]
+        self._asked = [k for k, own in enumerate(study.parameters) if not own.is_shape]
+        self._drawn: OrderedDict[tuple, tuple[CGCProblem, list[Change]]] = OrderedDict()
+        self._settings = study.solver_settings
+        self._unknown = list(unknown_regions(self.drawing))
+        # A study that cannot be is refused before it begins.
+        for own in study.parameters:
+            own.change(self.drawing)
+        known = set(self.columns)
+        for column in (*study.pareto.columns, *study.best.columns):
+            if column not in known:
+                raise CGCError(f"the table has no column {column!r}; it has {', '.join(self.columns)}")
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of the table."""
+        panels = ("panels", "moulds") if self.study.panels is not None else ()
+        forces = ("tension", "compression") if self.study.membrane is not None else ()
+        return ("variant", *self.inputs, *MEASURES, *self.found, *panels, *forces, "note")
+
+    @property
+    def found(self) -> tuple[str, ...]:
+        """The columns of the K that is found, by region."""
+        return tuple(f"K{region}" for region in self._unknown)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The columns of the parameters: their names, told apart from what is measured."""
+        return tuple(f"{name} asked" if name in MEASURES else name for name in self.study.names)
+
+    def problem(self, variant: int) -> CGCProblem:
+        """Return the problem of a variant.
+
+        Raises
+        ------
+        CGCError
+            If the drawing cannot be changed so.
+        """
+        values = self.study.variants[variant]
+        problem, changes = self._shape(tuple(_hashable(values[k]) for k in self._shapes), values)
+        for change, k in zip(changes, self._asked):
+            problem = change(problem, values[k])
+        return problem
+
+    def solve(self, variant: int) -> SolveResult:
+        """Return the result of a variant."""
+        return solve(self.problem(variant), method=self.study.method, settings=self._settings)
+
+    def measured(self, variant: int) -> Measured:
+        """Return the row of a variant and its surface; what is wrong with it is told in its note."""
+        try:
+            result = self.solve(variant)
+        except CGCError as error:
+            return self.refused(variant, str(error))
+        figures, note = self._figures(result)
+        return Measured(self._row(variant, figures, note), result.vertices)
+
+    def refused(self, variant: int, note: str, status: str = "refused") -> Measured:
+        """Return the row of a variant without a surface."""
+        return Measured(self._row(variant, {"status": status}, note), None)
+
+    def _shape(self, key: tuple, values: tuple) -> tuple[CGCProblem, list[Change]]:
+        """Return the drawing with its shape changed, and the functions that ask something of it."""
+        if key in self._drawn:
+            self._drawn.move_to_end(key)
+            return self._drawn[key]
+        problem = self.drawing
+        for k in self._shapes:
+            problem = self.study.parameters[k].change(problem)(problem, values[k])
+        self._drawn[key] = problem, [self.study.parameters[k].change(problem) for k in self._asked]
+        if len(self._drawn) > SHAPES:
+            self._drawn.popitem(last=False)
+        return self._drawn[key]
+
+    def _row(self, variant: int, figures: Mapping[str, Any], note: str) -> tuple[Any, ...]:
+        own = dict(zip(self.inputs, self.study.variants[variant]))
+        known = {**figures, **own, "variant": variant, "note": note}
+        return tuple(known.get(column) for column in self.columns)
+
+    def _figures(self, result: SolveResult) -> tuple[dict[str, Any], str]:
+        problem, judged = result.problem, result.verdict
+        V, F = problem.vertices, problem.faces
+        figures: dict[str, Any] = {
+            "status": result.status,
+            "verdict": None if judged is None else judged.word,
+            "height": float(V[:, 2].max()),
+            "area": measures.area(V, F),
+            "error": result.max_error / problem.target_scale,
+            "roughness": None if judged is None else judged.roughness,
+            "steps": result.iterations,
+            "method": result.method,
+        }
+        if len(problem.supports):
+            level = support_height(problem)
+            figures["rise"] = _of_largest(V[:, 2] - level)
+            figures["volume"] = measures.volume(V, F, level)
+        targets = problem.region_targets() if self._unknown else []
+        figures.update({f"K{region}": targets[region] for region in self._unknown})
+        notes = [] if result.converged else [result.message]
+        if judged is not None and not judged.fair:
+            notes += judged.reasons
+        if result.converged:
+            for more in (self._moulds, self._forces):
+                try:
+                    figures.update(more(problem))
+                except CGCError as error:
+                    notes.append(str(error))
+        return {name: _plain(value) for name, value in figures.items()}, "; ".join(notes)
+
+    def _moulds(self, problem: CGCProblem) -> dict[str, Any]:
+        if self.study.panels is None:
+            return {}
+        from ..fabrication import moulds
+        from ..fabrication import panels
+
+        asked = dict(self.study.panels)
+        divided = panels(problem, asked.pop("size", None), count=asked.pop("count", None), along=asked.pop("along", "plan"))
+        return {"panels": len(divided), "moulds": len(moulds(problem, divided, rough=True, **asked).moulds)}
+
+    def _forces(self, problem: CGCProblem) -> dict[str, Any]:
+        if self.study.membrane is None:
+            return {}
+        from ..fabrication import membrane
+
+        state = membrane(problem, rough=True, **self.study.membrane)
+        return {"tension": float(state.forces.max()), "compression": float(state.forces.min())}
+
+
+def _of_largest(heights: FloatArray) -> float:
+    """Return the height of the highest vertex, or the depth of the lowest where that is farther away."""
+    high, low = float(heights.max()), float(heights.min())
+    return high if high >= -low else low
+
+
+def _plain(value: Any) -> Any:
+    """Return a figure that a table can hold: no number that is none."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

@@ -1,0 +1,293 @@
+"""Studies: what is sampled and changed, that the table is the same however it comes about, and what is made of it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import Clearance
+from compas_cgc import solve
+from compas_cgc import write
+from compas_cgc.cli import main
+from compas_cgc.discrete import face_normals
+from compas_cgc.errors import CGCError
+from compas_cgc.study import Results
+from compas_cgc.study import Study
+from compas_cgc.study import pareto_front
+from compas_cgc.study import read_study
+from compas_cgc.study import run_study
+from compas_cgc.study.pareto import non_dominated
+from compas_cgc.study.variants import Plan
+
+N = 6
+
+
+def grid(supports="boundary", K=0.01, creases=()):
+    mesh = CGCMesh.from_meshgrid(dx=6.0, nx=N)
+    mesh.set_supports(supports)
+    mesh.set_creases(creases)
+    mesh.set_target(K)
+    return mesh
+
+
+def line(i):
+    return [i * (N + 1) + j for j in range(N + 1)]
+
+
+def of(parameters, **more):
+    return Study.from_dict({"parameters": parameters, **more})
+
+
+def files(folder):
+    return {name: (folder / name).read_bytes() for name in ("table.csv", "surfaces.npy")}
+
+
+# ------------------------------------------------------------------
+# Samples
+# ------------------------------------------------------------------
+
+
+def test_a_grid_takes_every_combination_and_a_list_one_after_the_other():
+    parameters = {"K": [0.01, 0.02], "s": {"from": 0.0, "to": 1.0, "count": 3}}
+    assert of(parameters).variants == [(0.01, 0.0), (0.01, 0.5), (0.01, 1.0), (0.02, 0.0), (0.02, 0.5), (0.02, 1.0)]
+    assert of({"K": [0.01, 0.02], "s": [0.0, 1.0]}, sample="list").variants == [(0.01, 0.0), (0.02, 1.0)]
+    with pytest.raises(CGCError, match="as many values"):
+        of(parameters, sample="list").variants  # noqa: B018
+
+
+def test_steps_by_factors_have_one_ratio():
+    values = [row[0] for row in of({"K": {"from": 0.001, "to": 0.016, "count": 5, "scale": "log"}}).variants]
+    assert np.allclose(values, [0.001, 0.002, 0.004, 0.008, 0.016], rtol=1e-14)
+
+
+def test_of_a_latin_hypercube_every_part_of_every_range_has_one_value():
+    study = of({"K": {"from": 1.0, "to": 3.0}, "s": {"from": 0.0, "to": 1.0}}, sample="latin hypercube", count=50, seed=7)
+    values = np.array(study.variants)
+    parts = (values - [1.0, 0.0]) / [2.0, 1.0]
+    assert (np.sort((50 * parts).astype(int), axis=0) == np.arange(50)[:, None]).all()
+    again = Study.from_dict(dict(study.data))
+    assert again.variants == study.variants
+    assert Study.from_dict({**study.data, "seed": 8}).variants != study.variants
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({}, "needs parameters"),
+        ({"parameters": {"K": [0.1]}, "sampel": "grid"}, "did you mean 'sample'"),
+        ({"parameters": {"k": [0.1]}}, "no kind that is known"),
+        ({"parameters": {"K": []}}, "a list of one or more"),
+        ({"parameters": {"K": ["a"]}}, "no number"),
+        ({"parameters": {"K": {"from": 1.0}}}, "needs its values"),
+        ({"parameters": {"K": {"values": [1.0], "regoin": 1}}}, "'regoin' says nothing"),
+        ({"parameters": {"K": [0.1]}, "sample": "random"}, "needs count"),
+        ({"parameters": {"gate": {"kind": "clearance", "where": [3, 0, 1, 1], "values": [2.0]}}}, "where of a clearance"),
+        ({"parameters": {"x": {"kind": "move", "vertices": [0], "values": [1.0]}}}, "three numbers"),
+        ({"parameters": {"K": [0.1]}, "goals": [{"kind": "rize"}]}, "did you mean 'rise'"),
+        ({"parameters": {"K": [0.1]}, "settings": {"stepps": 3}}, "there is no setting"),
+    ],
+)
+def test_what_is_not_understood_is_said_with_what_is(data, said):
+    with pytest.raises(CGCError, match=said):
+        Study.from_dict(data)
+
+
+def test_a_study_of_what_the_drawing_has_not_is_refused_before_it_begins(tmp_path):
+    for parameters, said in (
+        ({"K": {"region": 3, "values": [0.1]}}, "no region 3"),
+        ({"s": {"crease": 0, "values": [0.1]}}, "no crease 0"),
+        ({"x": {"kind": "move", "vertices": [999], "direction": [0, 0, 1], "values": [1.0]}}, "no vertex 999"),
+        ({"above": {"kind": "clearance", "where": "gate", "values": [1.0]}}, "no place 'gate'"),
+    ):
+        with pytest.raises(CGCError, match=said):
+            run_study(grid(), of(parameters), tmp_path / "out")
+    with pytest.raises(CGCError, match="no column 'cost'"):
+        run_study(grid(), of({"K": [0.01]}, pareto={"least": "cost"}), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+# ------------------------------------------------------------------
+# Parameters
+# ------------------------------------------------------------------
+
+
+def test_regions_strategies_supports_and_goals_are_what_is_asked_of_the_variant():
+    mesh = grid(creases=[line(3)])
+    plan = Plan(
+        of({"K": {"region": 1, "values": [0.02]}, "s": [0.3], "gate": {"kind": "clearance", "where": [1, 0, 3, 1], "values": [2.5]}}),
+        mesh.to_problem(),
+    )
+    problem = plan.problem(0)
+    other = mesh.to_problem().with_targets(0.02, region=1)
+    assert np.array_equal(problem.targets, other.targets, equal_nan=True)
+    assert np.array_equal(np.flatnonzero(problem.s == 0.3), line(3))
+    assert [type(own) for own in problem.constraints] == [Clearance] and problem.constraints[0].height == 2.5
+    plan = Plan(of({"supports": ["corners", "boundary"], "K": [0.01]}), mesh.to_problem())
+    assert [len(plan.problem(k).supports) for k in (0, 1)] == [4, 4 * N]
+
+
+def test_a_crease_that_is_moved_takes_the_mesh_along_and_leaves_the_edge_of_the_plan():
+    mesh = grid("boundary", creases=[line(3)])
+    problem = mesh.to_problem()
+    plan = Plan(of({"ridge": {"kind": "move", "crease": 0, "direction": [1, 0, 0], "values": [-1.2, 0.0, 1.5, 4.0]}}), problem)
+    across = 0 if np.ptp(problem.vertices[line(3), 0]) == 0 else 1
+    if across == 1:
+        plan = Plan(of({"ridge": {"kind": "move", "crease": 0, "direction": [0, 1, 0], "values": [-1.2, 0.0, 1.5, 4.0]}}), problem)
+    assert np.array_equal(plan.problem(1).vertices, problem.vertices)
+    for variant, distance in ((0, -1.2), (2, 1.5)):
+        moved = plan.problem(variant).vertices
+        assert np.allclose(moved[line(3), across] - problem.vertices[line(3), across], distance, atol=1e-12)
+        assert np.allclose([moved.min(axis=0), moved.max(axis=0)], [problem.vertices.min(axis=0), problem.vertices.max(axis=0)])
+        assert (face_normals(moved, problem.faces)[:, 2] * face_normals(problem.vertices, problem.faces)[:, 2] > 0.99).all()
+        # Between two straight lines that are moved apart evenly the mesh is stretched evenly.
+        assert np.allclose(moved[line(1), across], moved[line(0), across] + (3.0 + distance) / 3.0 * 1.0, atol=0.15)
+    with pytest.raises(CGCError, match="turn over"):
+        plan.problem(3)
+
+
+def test_a_support_that_is_raised_takes_the_edges_along():
+    mesh = grid("corners")
+    corner = N * (N + 1) + N
+    moved = Plan(of({"leg": {"kind": "move", "vertices": [corner], "direction": [0, 0, 1], "values": [2.0]}}), mesh.to_problem()).problem(0)
+    edge = [k * (N + 1) + N for k in range(N + 1)]
+    assert np.allclose(moved.vertices[edge, 2], np.linspace(0, 2, N + 1), atol=1e-12)
+    assert moved.vertices[0, 2] == 0.0 and 0.1 < moved.vertices[line(3)[3], 2] < 1.5
+
+
+# ------------------------------------------------------------------
+# Runs
+# ------------------------------------------------------------------
+
+STUDY = {"supports": "corners", "parameters": {"K": {"from": 0.004, "to": 0.012, "count": 4}, "rise": [1.0, -1.5]}, "target": 0.01}
+
+
+def test_the_table_is_what_single_solves_give(tmp_path):
+    results = run_study(grid(), of({"K": {"from": 0.005, "to": 0.9, "count": 3}}, membrane={"pressure": -1.0}), tmp_path)
+    assert results.columns[:3] == ["variant", "K", "status"] and results.column("variant") == [0, 1, 2]
+    mesh = grid(K=0.005)
+    alone = solve(mesh)
+    row = dict(zip(results.columns, results.rows[0]))
+    assert (row["status"], row["verdict"], row["method"], row["steps"]) == ("converged", "fair", "newton", alone.iterations)
+    assert np.array_equal(results.vertices(0), alone.vertices) and row["rise"] == alone.vertices[:, 2].max()
+    assert results.problem(0).region_targets() == [0.005]
+    assert row["compression"] < 0.0
+    # A square of 36 cannot carry a K of 0.9, and says so.
+    last = dict(zip(results.columns, results.rows[2]))
+    assert last["status"] == "refused" and last["rise"] is None and last["note"]
+    with pytest.raises(CGCError, match="has no surface"):
+        results.vertices(2)
+
+
+def test_two_processes_and_a_run_that_was_stopped_give_the_same_table_bit_for_bit(tmp_path):
+    mesh, study = grid(), of({"K": {"from": 0.004, "to": 0.02, "count": 40}})
+    run_study(mesh, study, tmp_path / "one")
+    run_study(mesh, study, tmp_path / "two", workers=2)
+    seen = []
+    stopped = run_study(mesh, study, tmp_path / "stopped", on_progress=lambda state: seen.append(state) or state.done >= 15)
+    assert len(stopped) == 15 and seen[-1].done == 15
+    # What a kill leaves: half a row.
+    with open(tmp_path / "stopped" / "table.csv", "a", encoding="utf-8") as file:
+        file.write("15,0.0101,conv")
+    assert len(Results(tmp_path / "stopped")) == 15
+    seen.clear()
+    run_study(mesh, study, tmp_path / "stopped", on_progress=seen.append)
+    assert seen[0].before == 15
+    once = files(tmp_path / "one")
+    assert files(tmp_path / "two") == once and files(tmp_path / "stopped") == once
+    with pytest.raises(CGCError, match="holds another study"):
+        run_study(mesh, of({"K": [0.01]}), tmp_path / "one")
+
+
+def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path):
+    mesh, study = grid(), of({"K": {"from": 0.004, "to": 0.02, "count": 60}})
+    run_study(mesh, study, tmp_path / "whole")
+    from compas_cgc.execution.pool import WorkerPool
+
+    killed = []
+    with WorkerPool(1) as pool:
+
+        def kill(state):
+            if state.done >= 16 and not killed:
+                killed.extend(pool.processes())
+                os.kill(killed[0], signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+
+        run_study(mesh, study, tmp_path / "killed", executor=pool, on_progress=kill)
+    assert killed and files(tmp_path / "killed") == files(tmp_path / "whole")
+
+
+@pytest.mark.slow
+def test_a_study_that_is_killed_at_40_percent_goes_on_to_the_same_table(tmp_path):
+    write(tmp_path / "roof.json", grid())
+    (tmp_path / "study.toml").write_text("[parameters]\nK = { from = 0.004, to = 0.02, count = 150 }\n", encoding="utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "compas_cgc",
+        "study",
+        str(tmp_path / "roof.json"),
+        str(tmp_path / "study.toml"),
+        "--no-pictures",
+        "-q",
+    ]
+    assert subprocess.run([*command, "-o", str(tmp_path / "whole"), "--workers", "1"]).returncode == 0
+    process = subprocess.Popen([*command, "-o", str(tmp_path / "killed"), "--workers", "2"])
+    table = tmp_path / "killed" / "table.csv"
+    while process.poll() is None and not (table.exists() and table.read_bytes().count(b"\n") > 60):
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    assert 60 <= len(Results(tmp_path / "killed")) < 150
+    assert subprocess.run([*command, "-o", str(tmp_path / "killed"), "--workers", "2"]).returncode == 0
+    assert files(tmp_path / "killed") == files(tmp_path / "whole")
+
+
+def test_parquet_holds_the_same_table(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    results = run_study(grid(), of({"K": [0.004, 0.9]}), tmp_path)
+    table = parquet.read_table(tmp_path / "table.parquet")
+    assert table.column_names == results.columns
+    assert table.column("rise").to_pylist() == results.column("rise")
+    assert table.column("status").to_pylist() == ["converged", "refused"]
+
+
+# ------------------------------------------------------------------
+# What is made of it
+# ------------------------------------------------------------------
+
+
+def test_the_front_is_what_comparing_all_pairs_gives():
+    costs = np.random.default_rng(3).integers(0, 12, size=(200, 3)).astype(float)
+    beaten = [any((other <= own).all() and (other < own).any() for other in costs) for own in costs]
+    assert np.array_equal(non_dominated(costs), ~np.array(beaten))
+
+
+def test_one_command_gives_table_pictures_and_the_best(tmp_path, capsys):
+    write(tmp_path / "roof.json", grid("corners"))
+    (tmp_path / "study.toml").write_text(
+        'unknown = "all"\n[parameters]\nrise = [0.8, 1.2]\nsupports = ["corners", "boundary"]\n'
+        '[pareto]\nleast = "area"\nmost = "volume"\n[best]\nmost = "volume"\ncount = 1\n',
+        encoding="utf-8",
+    )
+    assert main(["study", str(tmp_path / "roof.json"), str(tmp_path / "study.toml"), "-o", str(tmp_path / "out"), "--workers", "1"]) == 0
+    results = Results(tmp_path / "out")
+    assert results.column("rise asked") == [0.8, 0.8, 1.2, 1.2] and results.column("supports") == ["corners", "boundary"] * 2
+    assert np.allclose(results.numbers("rise"), [0.8, 0.8, 1.2, 1.2]) and np.isfinite(results.numbers("K0")).all()
+    assert all((tmp_path / "out" / name).stat().st_size > 20_000 for name in ("contact_sheet.png", "pareto.png"))
+    best = int(np.argmax(results.numbers("volume")))
+    assert (tmp_path / "out" / "best" / f"variant-{best:04d}.3dm").exists()
+    assert best in pareto_front(results) and "4 variants: 4 fair" in capsys.readouterr().out
+
+
+def test_a_file_that_is_no_study_is_told_by_its_name(tmp_path):
+    (tmp_path / "study.toml").write_text("K = = 3", encoding="utf-8")
+    with pytest.raises(CGCError, match="study.toml is no TOML"):
+        read_study(tmp_path / "study.toml")
+    with pytest.raises(CGCError, match="cannot be read"):
+        read_study(tmp_path / "none.toml")
