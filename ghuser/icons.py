@@ -210,6 +210,17 @@ def info(pen):
     pen.line([(12, 11), (12, 17)], PAPER, 2.6)
 
 
+def bake(pen):
+    """A dome that is laid onto layers."""
+    for y, colour in ((21, CLAY), (17.5, SAND)):
+        layer = [(2, y), (12, y - 4), (22, y), (12, y + 2)]
+        pen.area(layer, colour)
+        pen.line([*layer, layer[0]], width=1.2)
+    outline = arc(6, 18, 12, 8)
+    pen.area(outline, TEAL)
+    pen.line([*outline, outline[0]])
+
+
 def goals(pen):
     """A dome, and how high it shall be."""
     outline = arc(2, 17, 20, 14)
@@ -222,6 +233,7 @@ def goals(pen):
 
 ICONS = {
     "CGC_Analyse": analyse,
+    "CGC_Bake": bake,
     "CGC_Constraints": constraints,
     "CGC_Example": example,
     "CGC_Goals": goals,

@@ -6,7 +6,9 @@ lost, balloons and schedules with the wrong arguments.
 
 from __future__ import annotations
 
+import json
 import sys
+import time
 import types
 import uuid
 from typing import NamedTuple
@@ -96,6 +98,27 @@ class SmoothCurve:
         return types.SimpleNamespace(PointCount=len(self.points), Point=lambda i: self.points[i])
 
 
+class SerializationOptions:
+    pass
+
+
+class Brep:
+    """A surface of any kind, which Rhino and rhino3dm encode alike."""
+
+    Faces = Edges = Vertices = ()
+
+    def __init__(self, inner):
+        self.inner = inner
+
+    def ToJSON(self, options):
+        assert isinstance(options, SerializationOptions)
+        return json.dumps(self.inner.Encode())
+
+
+class SubD(Brep):
+    pass
+
+
 class Colour(NamedTuple):
     R: int
     G: int
@@ -117,6 +140,16 @@ class Document:
 
     def __init__(self):
         self.scheduled = []
+        self.objects = []
+
+    def AddObject(self, made, update):
+        assert update is False and made.Attributes is not None
+        self.objects.append(made)
+
+    def close(self):
+        """Close it: nothing that is scheduled runs any more."""
+        self.scheduled = []
+        Instances.DocumentServer.DocumentRemoved.raised(Instances.DocumentServer, self)
 
     def ScheduleSolution(self, milliseconds, delegate):
         assert type(milliseconds) is int and milliseconds > 0 and isinstance(delegate, ScheduleDelegate)
@@ -130,26 +163,191 @@ class Document:
         return len(due)
 
 
+class Event:
+    """What handlers are added to and removed from; other handlers cannot be seen."""
+
+    def __init__(self):
+        self.handlers = []
+
+    def __iadd__(self, handler):
+        self.handlers.append(handler)
+        return self
+
+    def __isub__(self, handler):
+        assert handler in self.handlers
+        self.handlers.remove(handler)
+        return self
+
+    def raised(self, *arguments):
+        for handler in list(self.handlers):
+            handler(*arguments)
+
+
+class Instances:
+    DocumentServer = types.SimpleNamespace(DocumentRemoved=Event())
+
+
+class Attributes:
+    """Where an object is; its size is known after a layout only."""
+
+    def __init__(self):
+        self.Pivot, self.Bounds = PointF(0.0, 0.0), None
+
+    def PerformLayout(self):
+        self.Bounds = types.SimpleNamespace(X=self.Pivot.X - 40.0, Y=self.Pivot.Y, Width=120.0, Height=22.0)
+
+    def ExpireLayout(self):
+        pass
+
+
+class PointF(NamedTuple):
+    X: float
+    Y: float
+
+
+class NetList(list):
+    """A .NET list."""
+
+    Add, Clear = list.append, list.clear
+
+
+class ValueListItem(NamedTuple):
+    Name: str
+    Expression: str
+
+
+class ValueList:
+    Attributes = None
+
+    def __init__(self):
+        self.ListItems, self.chosen = NetList(ValueListItem(name, name) for name in ("One", "Two")), None
+
+    def SelectItem(self, index):
+        self.chosen = self.ListItems[index].Name
+
+    def CreateAttributes(self):
+        self.Attributes = Attributes()
+
+
+class Parameter:
+    """An input of a component."""
+
+    def __init__(self, name, y):
+        self.Name, self.Sources, self.Attributes = name, [], Attributes()
+        self.Attributes.Pivot = PointF(300.0, y)
+
+    @property
+    def SourceCount(self):
+        return len(self.Sources)
+
+    def AddSource(self, source):
+        self.Sources.append(source)
+
+
+class Path(NamedTuple):
+    number: int
+
+
+class DataTree:
+    """A tree with a branch for every path."""
+
+    def __class_getitem__(cls, kind):
+        return cls
+
+    def __init__(self):
+        self.branches = {}
+
+    def EnsurePath(self, path):
+        self.branches.setdefault(path.number, [])
+
+    def Add(self, value, path):
+        self.branches[path.number].append(value)
+
+
 class ScheduleDelegate:
     def __init__(self, callback):
         self.callback = callback
+
+
+class Layer:
+    Name, Color, ParentLayerId, Id = "", None, None, None
+
+
+class ObjectAttributes:
+    def __init__(self):
+        self.Name, self.LayerIndex, self.text = "", 0, {}
+
+    def SetUserString(self, key, value):
+        assert type(key) is str and type(value) is str and value
+        self.text[key] = value
+
+
+class Layers(list):
+    """The layers of a document."""
+
+    def full_path(self, layer):
+        above = [other for other in self if other.Id == layer.ParentLayerId]
+        return f"{self.full_path(above[0])}::{layer.Name}" if above else layer.Name
+
+    def FindByFullPath(self, path, missing):
+        return next((i for i, layer in enumerate(self) if self.full_path(layer) == path), missing)
+
+    def Add(self, layer):
+        if not layer.Name or "::" in layer.Name:
+            return -1
+        layer.Id = uuid.uuid4()
+        self.append(layer)
+        return len(self) - 1
+
+
+class Objects(dict):
+    """The objects of a document, by their ids."""
+
+    def _add(self, geometry, attributes):
+        id = uuid.uuid4()
+        self[id] = types.SimpleNamespace(Id=id, Geometry=geometry, Attributes=attributes)
+        return id
+
+    AddMesh = AddCurve = AddPoint = _add
+
+    def FindByUserString(self, key, value, case_sensitive):
+        assert case_sensitive is True
+        return [one for one in self.values() if one.Attributes.text.get(key) == value]
+
+    def Delete(self, one, quiet):
+        assert quiet is True
+        return self.pop(one.Id, None) is not None
 
 
 class RhinoDoc:
     ModelAbsoluteTolerance = 0.001
     ModelUnitSystem = "Meters"
 
+    def __init__(self):
+        self.Layers, self.Objects, self.undo, self.open = Layers(), Objects(), [], 0
+        self.Views = types.SimpleNamespace(Redraw=lambda: None)
+
+    def BeginUndoRecord(self, name):
+        self.open += 1
+        self.undo.append(name)
+        return len(self.undo)
+
+    def EndUndoRecord(self, number):
+        assert number == len(self.undo)
+        self.open -= 1
+
 
 class Component:
     """What ``ghenv.Component`` is."""
 
-    def __init__(self, document):
+    def __init__(self, document, inputs=()):
         self.InstanceGuid = uuid.uuid4()
         self.Message = ""
         self.document = document
         self.balloons = []
         self.expired = True
         self.RunCount = 1
+        self.Params = types.SimpleNamespace(Input=[Parameter(name, 20.0 * i) for i, name in enumerate(inputs)])
 
     def AddRuntimeMessage(self, level, text):
         assert level in ("Remark", "Warning", "Error") and type(text) is str and text
@@ -171,19 +369,35 @@ def module(name, **names):
 
 def modules():
     """Return the stand-ins by the names of their modules."""
-    geometry = module("Rhino.Geometry", Mesh=Mesh, Point3d=Point3d, PolylineCurve=PolylineCurve, Curve=PolylineCurve, Plane=Plane)
+    geometry = module(
+        "Rhino.Geometry",
+        Mesh=Mesh,
+        Point3d=Point3d,
+        PolylineCurve=PolylineCurve,
+        Curve=PolylineCurve,
+        Plane=Plane,
+        GeometryBase=object,
+    )
     levels = types.SimpleNamespace(Remark="Remark", Warning="Warning", Error="Error")
     document = types.SimpleNamespace(GH_ScheduleDelegate=ScheduleDelegate)
-    kernel = module("Grasshopper.Kernel", GH_ScriptInstance=object, GH_RuntimeMessageLevel=levels, GH_Document=document)
+    special = module("Grasshopper.Kernel.Special", GH_ValueList=ValueList, GH_ValueListItem=ValueListItem)
+    data = module("Grasshopper.Kernel.Data", GH_Path=Path)
+    kernel = module("Grasshopper.Kernel", GH_ScriptInstance=object, GH_RuntimeMessageLevel=levels, GH_Document=document, Special=special)
     generic = module("System.Collections.Generic", List=List)
     collections = module("System.Collections", Generic=generic)
-    drawing = module("System.Drawing", Color=Colour)
+    drawing = module("System.Drawing", Color=Colour, PointF=PointF)
+    objects = module("Rhino.DocObjects", Layer=Layer, ObjectAttributes=ObjectAttributes)
+    files = module("Rhino.FileIO", SerializationOptions=SerializationOptions)
     found = [
-        module("Rhino", Geometry=geometry, RhinoDoc=types.SimpleNamespace(ActiveDoc=RhinoDoc)),
+        module("Rhino", Geometry=geometry, FileIO=files, RhinoDoc=types.SimpleNamespace(ActiveDoc=RhinoDoc()), DocObjects=objects),
+        objects,
+        files,
         geometry,
-        module("Grasshopper", Kernel=kernel),
+        module("Grasshopper", Kernel=kernel, Instances=Instances, DataTree=DataTree),
+        special,
+        data,
         kernel,
-        module("System", Collections=collections, Drawing=drawing),
+        module("System", Collections=collections, Drawing=drawing, Object=object),
         collections,
         generic,
         drawing,
@@ -203,7 +417,7 @@ class Placed:
 
     def __init__(self, bundle: Bundle, document=None):
         self.bundle = bundle
-        self.component = Component(Document() if document is None else document)
+        self.component = Component(Document() if document is None else document, [own.name for own in bundle.inputs])
         space = {"ghenv": types.SimpleNamespace(Component=self.component)}
         exec(compile(bundle.code, f"{bundle.key}/code.py", "exec"), space)
         (self.script,) = [value for value in space.values() if isinstance(value, type) and value.__module__ == "builtins"]
@@ -213,10 +427,24 @@ class Placed:
         assert set(inputs) <= {parameter.name for parameter in self.bundle.inputs}
         self.component.balloons.clear()
         self.component.expired = False
+        for parameter in self.component.Params.Input:
+            if parameter.Name in inputs and not parameter.Sources:
+                parameter.Sources.append("a wire")
         given = [inputs.get(parameter.name) for parameter in self.bundle.inputs]
         returned = self.script().RunScript(*given)
         names = [parameter.name for parameter in self.bundle.outputs]
         return dict(zip(names, returned if len(names) > 1 else [returned]))
+
+    def settle(self, **inputs):
+        """Return the outputs by name once the canvas comes to rest, which may take as long as something is compiled."""
+        out, end = self.run(**inputs), time.monotonic() + 100.0
+        while self.component.document.scheduled:
+            assert time.monotonic() < end, "the canvas does not come to rest"
+            time.sleep(0.02)
+            self.component.document.tick()
+            if self.component.expired:
+                out = self.run(**inputs)
+        return out
 
     def said(self, level):
         """Return the texts of the balloons of a level."""

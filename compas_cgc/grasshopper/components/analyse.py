@@ -2,59 +2,110 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import dataclass
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
 
-from ...analysis import analyse as report_on
-from ...io.rhino.colours import signed_colours
 from ...io.rhino.rhinocommon import mesh_from_arrays
-from ...scene.figures import coloured
-from ...scene.figures import figures
+from ...scene.figures import FIGURES
+from ..runtime.background import BackgroundTask
+from ..runtime.colour_legend import check_figure
+from ..runtime.colour_legend import figure_colours
 from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.measured import Measured
+from ..runtime.measured import known_measures
+from ..runtime.measured import measure
+from ..runtime.memories import Memories
+from ..runtime.widgets import offer_values
 
 __all__ = ["AnalyseOutputs", "analyse"]
 
-LEGEND_STEPS = 7
+POLL_INTERVAL = 200  # [ms]
+PATIENCE = 2.0  # seconds that a canvas waits for a large mesh
+LOOK = 0.01  # seconds between two looks whether something is compiled, which it does not wait for
 
 
 class AnalyseOutputs(NamedTuple):
     """Outputs of the component."""
 
+    mesh: Any = None
+    K: Optional[list] = None
+    H: Optional[list] = None
+    k_max: Optional[list] = None
+    k_min: Optional[list] = None
+    error: Optional[list] = None
+    colours: Optional[list] = None
+    legend: Optional[list[str]] = None
+    report: Optional[str] = None
+
+
+@dataclass
+class Memory:
+    """What a component on the canvas remembers from one run to the next."""
+
     mesh: Any
-    K: Optional[list]
-    H: Optional[list]
-    k_max: Optional[list]
-    k_min: Optional[list]
-    error: Optional[list]
-    colours: Optional[list]
-    legend: Optional[list[str]]
-    report: Optional[str]
+    task: BackgroundTask[Measured]
+
+    def end(self) -> None:
+        """Nobody waits for it any more."""
+        self.task.cancel()
+
+
+_MEMORIES: Memories[Memory] = Memories(Memory.end)
 
 
 @reports_errors(AnalyseOutputs)
 def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[float]) -> AnalyseOutputs:
     """Measure a mesh; a vertex without the figure (on an edge, on a crease) has a gap in its list."""
+    offer_values(component, "show", FIGURES)
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
-        return AnalyseOutputs(*[None] * len(AnalyseOutputs._fields))
-    import System
-
-    show = show.strip() if show else "K"
-    found = coloured(cgc_mesh, show)
-    steps = np.linspace(-found.limit, found.limit, LEGEND_STEPS)
-    colours = [System.Drawing.Color.FromArgb(*colour) for colour in signed_colours(steps, found.limit).tolist()]
+        return AnalyseOutputs()
+    show = show.strip() if show else FIGURES[0]
+    check_figure(show)
+    found = known_measures(cgc_mesh) or _measured(component, cgc_mesh)
+    if found is None:
+        return AnalyseOutputs()
+    seen = figure_colours(found.figures, show)
     vertices, faces = cgc_mesh.arrays()
-    set_message(component, f"{show}: largest {found.limit:.3g}")
-    columns = {name: [None if np.isnan(x) else x for x in column.tolist()] for name, column in figures(cgc_mesh).items()}
+    set_message(component, f"{show}: largest {seen.limit:.3g}")
+    columns = {name: [None if np.isnan(x) else x for x in column.tolist()] for name, column in found.figures.items()}
     return AnalyseOutputs(
-        mesh=mesh_from_arrays(vertices + [aside or 0.0, 0.0, 0.0], faces, found.colours),
+        mesh=mesh_from_arrays(vertices + [aside or 0.0, 0.0, 0.0], faces, seen.vertices),
         **columns,
-        colours=colours,
-        legend=[f"{step:.3g}" for step in steps],
-        report=str(report_on(cgc_mesh)),
+        colours=seen.colours,
+        legend=seen.legend,
+        report=str(found.report),
     )
+
+
+def _measured(component: Any, mesh: Any) -> Optional[Measured]:
+    """Return what is measured, or None as long as it is compiled or takes long; the component runs again then."""
+    memory = _MEMORIES.of(component)
+    if memory is None or memory.mesh is not mesh:
+        _MEMORIES.drop(component)
+        memory = _MEMORIES.keep(component, Memory(mesh, BackgroundTask(measure(mesh))))
+        end = time.monotonic() + PATIENCE
+        while memory.task.running and memory.task.progress.compiling is None and time.monotonic() < end:
+            memory.task.wait(LOOK)
+    task = memory.task
+    if not task.running:
+        _MEMORIES.drop(component)
+        if task.error is not None:
+            raise task.error
+        return task.result
+    set_message(component, task.progress.measuring())
+
+    def is_over() -> bool:
+        set_message(component, task.progress.measuring())
+        return not task.running
+
+    poll(component, POLL_INTERVAL, is_over, lambda: _MEMORIES.drop_all(component))
+    return None

@@ -7,7 +7,10 @@ from typing import NamedTuple
 from typing import Optional
 
 from ...datastructures import CGCMesh
+from ...errors import CGCError
+from ...io.reading import ReadProblem
 from ...io.rhino.rhinocommon import problem_from_rhino
+from ...io.rhino.rhinocommon import problem_from_surfaces
 from ...model.checks import check
 from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
@@ -15,8 +18,13 @@ from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
+from ..runtime.widgets import offer_values
 
 __all__ = ["CGCMeshOutputs", "cgc_mesh"]
+
+# The first says the same as nothing: the boundary where no points are given.
+AS_DRAWN, POINTS = "as drawn", "points"
+FIX = (AS_DRAWN, "boundary", "corners", POINTS)
 
 
 class CGCMeshOutputs(NamedTuple):
@@ -27,19 +35,29 @@ class CGCMeshOutputs(NamedTuple):
 
 
 @reports_errors(CGCMeshOutputs)
-def cgc_mesh(component: Any, mesh: Any, supports: Any, fix: Optional[str], creases: Any, flip: Optional[bool]) -> CGCMeshOutputs:
+def cgc_mesh(
+    component: Any,
+    mesh: Any,
+    supports: Any,
+    fix: Optional[str],
+    creases: Any,
+    flip: Optional[bool],
+    surfaces: Any = None,
+    edge_length: Optional[float] = None,
+) -> CGCMeshOutputs:
     """Make a mesh with supports and creases; without points the whole boundary is fixed."""
-    if mesh is None:
-        add_warning(component, "connect a mesh")
+    offer_values(component, "fix", FIX)
+    if mesh is None and not as_list(surfaces):
+        add_warning(component, "connect a mesh; or surfaces or closed curves, and an edge length")
         return CGCMeshOutputs(None, None)
     points = as_list(supports)
-    tolerance, units = document_units()
-    read = problem_from_rhino(mesh, points, as_list(creases), tolerance=tolerance, units=units)
+    read = _read(mesh, as_list(surfaces), edge_length, points, as_list(creases))
     problem = read.checked()
     if flip:
         problem = problem.flipped()
-    if fix or not points:
-        problem = problem.with_supports(fix.strip() if fix else "boundary", add=True)
+    fixed = fix.strip() if fix else AS_DRAWN
+    if fixed not in (AS_DRAWN, POINTS) or (fixed == AS_DRAWN and not points):
+        problem = problem.with_supports("boundary" if fixed == AS_DRAWN else fixed, add=True)
     for note in read.notes:
         if "support" not in note:
             add_remark(component, note)
@@ -49,3 +67,15 @@ def cgc_mesh(component: Any, mesh: Any, supports: Any, fix: Optional[str], creas
         add_warning(component, sentence)
     set_message(component, f"{len(problem.vertices)} vertices, {len(problem.region_targets())} regions")
     return CGCMeshOutputs(CGCMesh.from_problem(problem), sentences)
+
+
+def _read(mesh: Any, surfaces: list[Any], edge_length: Optional[float], points: list[Any], creases: list[Any]) -> ReadProblem:
+    tolerance, units = document_units()
+    if mesh is None:
+        length = None if edge_length is None else float(edge_length)
+        if length is not None and not length > 0.0:
+            raise CGCError(f"edge_length must be above zero, not {length:g}")
+        return problem_from_surfaces(surfaces, length, points, creases, tolerance=tolerance, units=units)
+    if surfaces:
+        raise CGCError("connect either a mesh, or surfaces that are to be meshed, not both")
+    return problem_from_rhino(mesh, points, creases, tolerance=tolerance, units=units)

@@ -1,20 +1,25 @@
-"""Regions: the parts of a mesh as Rhino geometry."""
+"""Regions: the parts of a mesh as Rhino geometry, and a branch for each of them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
 
 import numpy as np
 
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import points_to_rhino
 from ...io.rhino.rhinocommon import polyline_to_rhino
+from ...meshing import boundary_loops
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.trees import tree_of
 
-__all__ = ["RegionsOutputs", "regions"]
+__all__ = ["RegionsOutputs", "part_of", "regions"]
 
 
 class RegionsOutputs(NamedTuple):
@@ -25,6 +30,9 @@ class RegionsOutputs(NamedTuple):
     edges: Any
     supports: Any
     targets: Any
+    by_region: Any = None
+    borders: Any = None
+    points: Any = None
 
 
 @reports_errors(RegionsOutputs)
@@ -33,21 +41,28 @@ def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return RegionsOutputs(*[None] * len(RegionsOutputs._fields))
-    parts = []
-    for faces in cgc_mesh.regions():
-        corners = [cgc_mesh.face_vertices(face) for face in faces]
-        keys = sorted({v for face in corners for v in face})
-        place = {key: i for i, key in enumerate(keys)}
-        parts.append(mesh_from_arrays(_points(cgc_mesh, keys), np.array([[place[v] for v in face] for face in corners])))
+    problem = cgc_mesh.to_problem().without_dummies()
+    label = problem.regions()
+    parts = [part_of(problem.vertices, problem.faces[label == number]) for number in range(label.max(initial=-1) + 1)]
+    meshes = [mesh_from_arrays(*part) for part in parts]
     set_message(component, f"{len(parts)} regions")
     return RegionsOutputs(
-        parts,
+        meshes,
         [polyline_to_rhino(_points(cgc_mesh, path)) for path in cgc_mesh.creases()],
         [polyline_to_rhino(_points(cgc_mesh, [*loop, loop[0]])) for loop in cgc_mesh.boundary_loops()],
         points_to_rhino(_points(cgc_mesh, cgc_mesh.supports())),
         [cgc_mesh.region_target(number) for number in range(len(parts))],
+        tree_of([[mesh] for mesh in meshes]),
+        tree_of([[polyline_to_rhino(vertices[[*loop, loop[0]]]) for loop in boundary_loops(faces)] for vertices, faces in parts]),
+        tree_of([points_to_rhino(vertices) for vertices, _ in parts]),
     )
 
 
-def _points(mesh: Any, keys: list) -> np.ndarray:
+def part_of(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return the vertices (k, 3) of some faces of a mesh, and the faces by them."""
+    used, local = np.unique(faces, return_inverse=True)
+    return vertices[used], local.reshape(-1, 3)
+
+
+def _points(mesh: Any, keys: Sequence[int]) -> FloatArray:
     return np.array([mesh.vertex_coordinates(key) for key in keys], dtype=np.float64).reshape(-1, 3)

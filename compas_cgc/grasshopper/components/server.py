@@ -14,6 +14,7 @@ from ..runtime.background import BackgroundTask
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import run_again
 from ..runtime.component_feedback import set_message
+from ..runtime.memories import Memories
 from ..runtime.server_process import RunningServer
 from ..runtime.server_process import find_or_start
 
@@ -45,20 +46,17 @@ class Memory:
             stop_server(self.task.result.process)
 
 
-_MEMORIES: dict[str, Memory] = {}
+_MEMORIES: Memories[Memory] = Memories(Memory.end)
 
 
 @reports_errors(ServerOutputs)
 def server(component: Any, run: Optional[bool], url: Optional[str], key: Optional[str], python: Optional[str]) -> ServerOutputs:
     """Find a server, or start one that ends with the toggle, the component or Rhino."""
-    name = str(component.InstanceGuid)
-    address = Address(url.strip() if url else URL, key.strip() if key else None)
-    memory = _MEMORIES.get(name)
+    address = Address.from_text(url if url and url.strip() else URL, key)
+    memory = _MEMORIES.of(component)
 
     def forget() -> None:
-        known = _MEMORIES.pop(name, None)
-        if known is not None:
-            known.end()
+        _MEMORIES.drop_all(component)
 
     if memory is not None and (not run or memory.inputs != (address, python)):
         forget()
@@ -67,7 +65,7 @@ def server(component: Any, run: Optional[bool], url: Optional[str], key: Optiona
         set_message(component, "set run to true")
         return ServerOutputs(status="not running")
     if memory is None:
-        memory = _MEMORIES[name] = Memory((address, python), BackgroundTask(find_or_start(address, python)))
+        memory = _MEMORIES.keep(component, Memory((address, python), BackgroundTask(find_or_start(address, python))))
     return _state(component, address, memory.task, forget)
 
 

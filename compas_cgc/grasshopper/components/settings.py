@@ -8,9 +8,11 @@ from typing import Optional
 
 from ...solvers import Settings
 from ...solvers import settings_for
+from ...solvers.registry import method_names
 from ...solvers.registry import method_of
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.widgets import offer_values
 
 __all__ = ["SettingsOutputs", "settings"]
 
@@ -36,6 +38,7 @@ def settings(
     measure: Optional[str] = None,
 ) -> SettingsOutputs:
     """Gather settings; what is not connected keeps its default."""
+    offer_values(component, "method", ("auto", *(name for name in method_names() if name != "auto")))
     made = settings_for(
         method.strip() if method else "auto",
         steps=steps,

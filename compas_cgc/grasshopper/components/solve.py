@@ -10,6 +10,7 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ..._compiled import watch_compilation
 from ...analysis import analyse
 from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
@@ -19,9 +20,12 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...model.constraint_data import as_constraints
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
+from ...scene.figures import FIGURES
 from ...solvers import Settings
 from ..runtime.address import Address
 from ..runtime.background import BackgroundTask
+from ..runtime.colour_legend import check_figure
+from ..runtime.colour_legend import figure_colours
 from ..runtime.component_feedback import add_error
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import as_list
@@ -29,14 +33,17 @@ from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.local_solve import local_solve
+from ..runtime.measured import Measured
+from ..runtime.measured import measure
+from ..runtime.memories import Memories
 from ..runtime.progress import Progress
 from ..runtime.progress import Report
 from ..runtime.remote_solve import remote_solve
+from ..runtime.widgets import offer_values
 
 __all__ = ["SolveOutputs", "solve"]
 
 POLL_INTERVAL = 200  # [ms]
-BAR = 10  # characters
 
 
 class SolveOutputs(NamedTuple):
@@ -48,6 +55,15 @@ class SolveOutputs(NamedTuple):
     progress: Optional[float] = None
     report: Optional[str] = None
     result: Optional[SolveResult] = None
+    colours: Optional[list] = None
+    legend: Optional[list[str]] = None
+
+
+class Told(NamedTuple):
+    """What is measured on a surface once it is shown."""
+
+    report: str
+    measured: Measured
 
 
 def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint) -> str:
@@ -63,10 +79,13 @@ class Memory:
 
     inputs: tuple = ()  # the latest ones: mesh, settings, server, constraints
     fingerprint: str = ""  # theirs
-    task: Optional[BackgroundTask[SolveOutputs]] = None
+    task: Optional[BackgroundTask[SolveResult]] = None
     answered: str = ""  # fingerprint of the inputs that `error` or `shown` answers
     error: Optional[Exception] = None
     shown: SolveOutputs = field(default_factory=SolveOutputs)
+    telling: Optional[BackgroundTask[Told]] = None  # measures the surface that is shown
+    told: Optional[Told] = None
+    coloured: str = ""  # what the colours of the surface show
 
     def take(self, inputs: tuple) -> None:
         """Take note of inputs; a solve of other ones is cancelled."""
@@ -84,49 +103,73 @@ class Memory:
             self.task.cancel()
         self.task = None
 
-    def collect(self, task: BackgroundTask[SolveOutputs]) -> None:
-        """Take over the result of a solve that has ended."""
+    def collect(self, task: BackgroundTask[SolveResult], mesh: CGCMesh) -> None:
+        """Take over the result of a solve that has ended; its surface is shown before it is measured."""
         self.task = None
         self.answered, self.error = self.fingerprint, task.error
-        if task.result is not None and task.result.cgc_mesh is not None:
+        result = task.result
+        if result is not None:
             # Only here, as Rhino's meshes are made in its own thread.
-            self.shown = task.result._replace(mesh=mesh_from_arrays(*task.result.cgc_mesh.arrays()))
+            surface = mesh_from_arrays(*result.mesh.arrays())
+            self.shown = SolveOutputs(surface, result.mesh, result.status, 1.0, None, result)
+            self.told, self.coloured = None, ""
+            self.telling = BackgroundTask(_telling(result, mesh))
+
+    def hear(self, show: str) -> None:
+        """Take over what was measured, and colour the surface by a figure."""
+        if self.telling is not None and not self.telling.running:
+            ended, self.telling = self.telling, None
+            if ended.error is not None:
+                raise ended.error
+            self.told = ended.result
+        if self.told is not None and self.shown.cgc_mesh is not None and self.coloured != show:
+            found = figure_colours(self.told.measured.figures, show)
+            vertices, faces = self.shown.cgc_mesh.arrays()
+            surface = mesh_from_arrays(vertices, faces, found.vertices)
+            self.shown = self.shown._replace(mesh=surface, report=self.told.report, colours=found.colours, legend=found.legend)
+            self.coloured = show
 
 
-_MEMORIES: dict[str, Memory] = {}
+_MEMORIES: Memories[Memory] = Memories(Memory.cancel)
 
 
 @reports_errors(SolveOutputs)
 def solve(
-    component: Any, cgc_mesh: Any, settings: Any, constraints: Any, run: Optional[bool], reset: Optional[bool], server: Any
+    component: Any,
+    cgc_mesh: Any,
+    settings: Any,
+    constraints: Any,
+    run: Optional[bool],
+    reset: Optional[bool],
+    server: Any,
+    show: Optional[str] = None,
 ) -> SolveOutputs:
     """Solve in the background when `run` is set and the inputs are new; the last result stays until the next one is there."""
-    # Several meshes on one wire make several runs in one solution, each with a memory of its own.
-    name = f"{component.InstanceGuid}/{getattr(component, 'RunCount', 1)}"
-    memory = _MEMORIES.setdefault(name, Memory())
-
-    def forget() -> None:
-        memory.cancel()
-        _MEMORIES.pop(name, None)
-
+    offer_values(component, "show", FIGURES)
     if reset:
-        forget()
+        _MEMORIES.drop(component)
         set_message(component, "reset")
         return SolveOutputs()
+    memory = _MEMORIES.of(component) or _MEMORIES.keep(component, Memory())
     if cgc_mesh is None:
         memory.cancel()
         add_warning(component, "connect a CGC mesh")
         return memory.shown
+    figure = show.strip() if show else FIGURES[0]
+    check_figure(figure)
     inputs = (cgc_mesh, settings, _address(server), *as_constraints(as_list(constraints)))
     memory.take(inputs)
     if memory.task is not None and not memory.task.running:
-        memory.collect(memory.task)
+        memory.collect(memory.task, cgc_mesh)
+    memory.hear(figure)
     if not run:
         memory.cancel()
     if run and memory.task is None and memory.answered != memory.fingerprint:
-        memory.task = BackgroundTask(_solving(*inputs))
+        memory.task = BackgroundTask(_solving(*inputs), lambda: component.OnPingDocument() is not None)
     if memory.task is not None:
-        return _wait(component, memory, memory.task, forget)
+        return _wait(component, memory, memory.task)
+    if memory.telling is not None:
+        return _wait(component, memory, memory.telling)
     return _show(component, memory)
 
 
@@ -137,47 +180,42 @@ def _same(one: object, other: object) -> bool:
 def _address(server: Any) -> Optional[Address]:
     """Return the server of a wire: an address of Server, or a text."""
     if isinstance(server, str):
-        url = server.strip()
-        return Address(url if "://" in url else f"http://{url}") if url else None
+        return Address.from_text(server) if server.strip() else None
     return server
 
 
 def _solving(
     mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint
-) -> Callable[[Report], SolveOutputs]:
-    """Return a function that solves and measures the surface, for a background task."""
-    run = local_solve(mesh, settings, constraints) if server is None else remote_solve(mesh, settings, constraints, server)
-
-    def solved(report: Report) -> SolveOutputs:
-        result = run(report)
-        told, figures = str(analyse(result, mesh)).split("\n", 1)
-        return SolveOutputs(None, result.mesh, result.status, 1.0, f"{told}\n{result.message}\n{figures}", result)
-
-    return solved
+) -> Callable[[Report], SolveResult]:
+    """Return a function that solves, for a background task."""
+    return local_solve(mesh, settings, constraints) if server is None else remote_solve(mesh, settings, constraints, server)
 
 
-def _wait(component: Any, memory: Memory, task: BackgroundTask[SolveOutputs], forget: Callable[[], None]) -> SolveOutputs:
-    progress = task.progress
-    set_message(component, _reached(progress))
+def _telling(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Told]:
+    """Return a function that measures a surface, for a background task."""
+
+    def told(report: Report) -> Told:
+        with watch_compilation(lambda state: report(Progress(compiling=state.part))):
+            head, figures = str(analyse(result, mesh)).split("\n", 1)
+        return Told(f"{head}\n{result.message}\n{figures}", measure(result.mesh)(report))
+
+    return told
+
+
+def _wait(component: Any, memory: Memory, task: BackgroundTask) -> SolveOutputs:
+    solving, progress = task is memory.task, task.progress
+    reached = Progress.text if solving else Progress.measuring
+    set_message(component, reached(progress))
     if progress.note:
         add_warning(component, progress.note)
 
     def is_over() -> bool:
-        set_message(component, _reached(task.progress))
+        set_message(component, reached(task.progress))
         # A balloon comes and goes with a run of the component.
         return not task.running or task.progress.note != progress.note
 
-    poll(component, POLL_INTERVAL, is_over, forget)
-    return memory.shown._replace(status="running", progress=progress.part)
-
-
-def _reached(progress: Progress) -> str:
-    if progress.note:
-        return "waiting"
-    if progress.compiling is not None:
-        filled = round(BAR * progress.compiling)
-        return f"compiling, once [{'#' * filled}{'.' * (BAR - filled)}]"
-    return f"step {progress.step}" + ("" if progress.max_error is None else f", error {progress.max_error:.1e}")
+    poll(component, POLL_INTERVAL, is_over, lambda: _MEMORIES.drop_all(component))
+    return memory.shown._replace(status="running", progress=progress.part if solving else 1.0)
 
 
 def _show(component: Any, memory: Memory) -> SolveOutputs:

@@ -15,5 +15,11 @@ class Address:
     url: str
     key: Optional[str] = None
 
+    @classmethod
+    def from_text(cls, text: str, key: Optional[str] = None) -> Address:
+        """Return the address that somebody has written, which gets the ``http://`` that it lacks."""
+        url = text.strip()
+        return cls(url if "://" in url else f"http://{url}", key.strip() if key else None)
+
     def __str__(self) -> str:
         return self.url

@@ -24,6 +24,8 @@ class BackgroundTask(Generic[Result]):
     ----------
     function
         Called with a function that takes a :class:`Progress` and returns whether to stop; its value is the result.
+    wanted
+        Asked from within the thread whether somebody still waits for it. Default: until it is cancelled.
 
     Attributes
     ----------
@@ -35,11 +37,12 @@ class BackgroundTask(Generic[Result]):
         What it raised, or None.
     """
 
-    def __init__(self, function: Callable[[Report], Result]):
+    def __init__(self, function: Callable[[Report], Result], wanted: Callable[[], bool] = lambda: True):
         self.progress = Progress()
         self.result: Optional[Result] = None
         self.error: Optional[Exception] = None
         self._stop = threading.Event()
+        self._wanted = wanted
         self._thread = threading.Thread(target=self._run, args=(function,), daemon=True)
         self._thread.start()
 
@@ -59,7 +62,7 @@ class BackgroundTask(Generic[Result]):
 
     def _report(self, progress: Progress) -> bool:
         self.progress = progress
-        return self._stop.is_set()
+        return self._stop.is_set() or not self._wanted()
 
     def _run(self, function: Callable[[Report], Any]) -> None:
         try:

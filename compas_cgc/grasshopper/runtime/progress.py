@@ -11,6 +11,7 @@ __all__ = ["Progress", "ProgressMeter", "Report", "part_done"]
 
 # Error against the largest target at which a surface is done to a designer's eye.
 DONE = 1e-6
+BAR = 10  # characters
 
 
 class Progress(NamedTuple):
@@ -21,6 +22,19 @@ class Progress(NamedTuple):
     part: float = 0.0  # done, from 0 to 1
     note: str = ""  # what it waits for
     compiling: Optional[float] = None  # part of the kernels that are compiled, while that is what it waits for
+
+    def text(self) -> str:
+        """Return how far it is, short enough for the line under a component."""
+        if self.note:
+            return "waiting"
+        if self.compiling is not None:
+            filled = round(BAR * self.compiling)
+            return f"compiling, once [{'#' * filled}{'.' * (BAR - filled)}]"
+        return f"step {self.step}" + ("" if self.max_error is None else f", error {self.max_error:.1e}")
+
+    def measuring(self) -> str:
+        """Return the same where no steps are taken."""
+        return "measuring" if self.compiling is None else self.text()
 
 
 Report = Callable[[Progress], bool]

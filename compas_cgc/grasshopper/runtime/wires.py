@@ -44,7 +44,8 @@ def _is_geometry(value: Any) -> bool:
 
 
 def _is_mesh(value: Any) -> bool:
-    return _is_geometry(value) and hasattr(value, "Vertices") and hasattr(value, "Faces")
+    # Breps and SubDs have vertices and faces too, and edges.
+    return _is_geometry(value) and hasattr(value, "Vertices") and hasattr(value, "Faces") and not hasattr(value, "Edges")
 
 
 def _is_point(value: Any) -> bool:
@@ -53,7 +54,12 @@ def _is_point(value: Any) -> bool:
 
 
 def _is_curve(value: Any) -> bool:
-    return _is_geometry(value) and not hasattr(value, "Faces")
+    return _is_geometry(value) and not hasattr(value, "Faces") and not hasattr(value, "NormalAt")
+
+
+def _is_surface(value: Any) -> bool:
+    """Surfaces, Breps, extrusions, SubDs and curves; a mesh has an input of its own."""
+    return _is_geometry(value) and not _is_mesh(value) and any(hasattr(value, name) for name in ("Faces", "NormalAt", "TryGetPolyline"))
 
 
 def _is_plane(value: Any) -> bool:
@@ -76,21 +82,23 @@ WIRES = {
     "others": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of another Constraints"),
     "server": Wire(lambda value: isinstance(value, (Address, str)), "the output of Server, or its address as a text"),
     "result": Wire(lambda value: isinstance(value, SolveResult), "the output result of Solve"),
-    "mesh": Wire(_is_mesh, "a mesh"),
+    "mesh": Wire(_is_mesh, "a mesh; surfaces and outlines go to the input surfaces"),
     "K": Wire(_is_number, "numbers, in 1 / (model unit)²"),
     "region": Wire(_is_whole, "numbers of regions, counted from 0"),
     "point": Wire(_is_point, "points"),
     "points": Wire(_is_point, "points"),
     "supports": Wire(_is_point, "points"),
     "creases": Wire(_is_curve, "curves"),
+    "surfaces": Wire(_is_surface, "surfaces, Breps or SubDs, or closed curves; a mesh goes to the input mesh"),
     "curve": Wire(_is_curve, "a curve"),
     "plane": Wire(_is_plane, "a plane"),
     "mirror": Wire(_is_plane, "a plane"),
     "height": _NUMBER,
     "aside": _NUMBER,
+    "edge_length": _NUMBER,
     "number": Wire(_is_whole, "a whole number"),
-    **dict.fromkeys(("flip", "run", "reset"), _SWITCH),
-    **dict.fromkeys(("fix", "show", "path", "url", "key", "python", "variant", "method"), _TEXT),
+    **dict.fromkeys(("flip", "run", "reset", "bake"), _SWITCH),
+    **dict.fromkeys(("fix", "show", "layer", "path", "url", "key", "python", "variant", "method"), _TEXT),
 }
 
 

@@ -13,7 +13,6 @@ from ...errors import MeshError
 from ...meshing.outline import Outlined
 from ...meshing.outline import mesh_from_outline
 from ...meshing.polyline import nearest_on_polyline
-from .archive import Item
 from .curves import curve_points
 from .curves import to_drawn
 from .layers import Selection
@@ -22,7 +21,7 @@ from .sketch import Part
 from .surfaces import MeshedSurface
 from .user_text import user_target
 
-__all__ = ["outline_part"]
+__all__ = ["outline_part", "outlined"]
 
 
 def outline_part(found: Selection, edge_length: Optional[float], tolerance: float) -> MeshedSurface:
@@ -50,34 +49,59 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
             mend += "; or give an edge length (--edge-length) to mesh the outline"
         raise FileError(f"there is no mesh in the file; {mend}")
     fine = 0.25 * tolerance if tolerance > 0 else 1e-4 * edge_length
-    curves = [curve_points(item.geometry, fine) for item in found.outlines]
-    open_ = [item.label for item, points in zip(found.outlines, curves) if len(points) < 4 or (points[0] != points[-1]).any()]
-    if open_:
-        raise FileError(f"outline {open_[0]} is not closed; close it (Rhino: CloseCrv)")
-    boundary, *holes = sorted(curves, key=lambda points: -_area(points))
-    creases = [(item, points) for item, points in ((item, curve_points(item.geometry, fine)) for item in found.creases) if len(points) > 1]
+    outlines = [(f"outline {item.label}", curve_points(item.geometry, fine)) for item in found.outlines]
+    creases = [Drawn(item.label, "curve", curve_points(item.geometry, fine), user_target(item.text), item.text) for item in found.creases]
     columns = [to_drawn(item, fine).points for item in found.supports if item.kind in ("point", "point cloud")]
     try:
-        made = mesh_from_outline(
-            boundary, holes, [points for _, points in creases], edge_length, tolerance, np.concatenate([np.empty((0, 3)), *columns])
-        )
+        made = outlined(outlines, creases, np.concatenate([np.empty((0, 3)), *columns]), edge_length, tolerance)
     except MeshError as error:
         raise FileError(str(error)) from None
     label = f"the mesh in {found.outlines[0].label}"
+    return made._replace(part=made.part._replace(label=label), notes=[f"there is no mesh in the file; {made.notes[0]}"])
+
+
+def outlined(
+    outlines: Sequence[tuple[str, FloatArray]], creases: Sequence[Drawn], columns: FloatArray, edge_length: float, tolerance: float
+) -> MeshedSurface:
+    """Return a mesh between outlines and creases.
+
+    Parameters
+    ----------
+    outlines
+        Names, and points (k, 3) around closed curves [L]; the one that encloses most is the boundary, the others are holes.
+    creases
+        Curves that become edges.
+    columns
+        ``(k, 3)`` points that become vertices [L].
+    edge_length
+        Length of edges aimed at [L].
+    tolerance
+        Length below which two points are one [L].
+
+    Raises
+    ------
+    MeshError
+        If an outline is open or no mesh comes of it.
+    """
+    open_ = [name for name, points in outlines if len(points) < 4 or (points[0] != points[-1]).any()]
+    if open_:
+        raise MeshError(f"{open_[0]} is not closed; close it (Rhino: CloseCrv)")
+    boundary, *holes = sorted((points for _, points in outlines), key=lambda points: -_area(points))
+    lines = [crease for crease in creases if len(crease.points) > 1]
+    made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
-    note = f"there is no mesh in the file; one with edges of about {edge_length:g} was made in {len(curves)} outlines"
-    return MeshedSurface(Part(label, made.vertices, faces, 0.0, None, {}), _pieces(made, creases), [note])
+    note = f"one with edges of about {edge_length:g} was made in {len(outlines)} outlines"
+    return MeshedSurface(Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {}), _pieces(made, lines), [note])
 
 
-def _pieces(made: Outlined, creases: Sequence[tuple[Item, FloatArray]]) -> list[Drawn]:
+def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:
     """Return what lies of the creases within the outline, along edges."""
-    flat = [points * [1.0, 1.0, 0.0] for _, points in creases]
+    flat = [crease.points * [1.0, 1.0, 0.0] for crease in creases]
     drawn = []
     for path in made.creases:
         line = made.vertices[path]
         gaps = [nearest_on_polyline(line * [1.0, 1.0, 0.0], curve)[0].max() for curve in flat]
-        item = creases[int(np.argmin(gaps))][0]
-        drawn.append(Drawn(item.label, "curve", line, user_target(item.text), item.text))
+        drawn.append(creases[int(np.argmin(gaps))]._replace(points=line))
     return drawn
 
 

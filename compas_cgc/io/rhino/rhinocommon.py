@@ -7,9 +7,12 @@ when a function needs it, so the module can be imported and tested anywhere.
 
 from __future__ import annotations
 
+import json
 from collections import deque
 from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 
 import numpy as np
@@ -18,11 +21,21 @@ from numpy.typing import ArrayLike
 from ..._lazy import attach
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...errors import FileError
+from ...errors import MeshError
 from ..reading import ReadProblem
+from .archive import Item
+from .archive import rhino3dm_module
 from .assemble import assemble
+from .outlines import outlined
 from .precision import rounding_of
 from .sketch import Drawn
 from .sketch import Part
+from .surfaces import MeshedSurface
+from .surfaces import default_edge_length
+from .surfaces import rounded_length
+from .surfaces import surface_part
+from .units import unit_suffix
 
 if TYPE_CHECKING:
     import Rhino
@@ -35,6 +48,7 @@ __all__ = [
     "points_to_rhino",
     "polyline_to_rhino",
     "problem_from_rhino",
+    "problem_from_surfaces",
 ]
 
 __getattr__, __dir__ = attach(__name__, {}, renamed={"model_from_rhino": f"{__name__}.problem_from_rhino"})
@@ -142,17 +156,107 @@ def problem_from_rhino(
     """
     vertices, faces = mesh_to_arrays(mesh)
     rounding = rounding_of(vertices, mesh.Vertices.UseDoublePrecisionVertices)
-    points = [Drawn(f"point {i}", "point", points_to_array([p]), None, {}) for i, p in enumerate(supports)]
     dots = [Drawn(f"target {i}", "point", points_to_array([p]), float(K), {}) for i, (p, K) in enumerate(targets)]
-    curves = list(creases)
+    part = MeshedSurface(Part("the mesh", vertices, faces, rounding, None, {}), [], [])
+    return _assembled([part], supports, list(creases), tolerance, units, crease, dots)
+
+
+def problem_from_surfaces(
+    surfaces: Sequence[Rhino.Geometry.GeometryBase],
+    edge_length: Optional[float] = None,
+    supports: Sequence[Rhino.Geometry.Point3d] = (),
+    creases: Sequence[Rhino.Geometry.Curve] = (),
+    tolerance: float = 1e-3,
+    units: str = "Meters",
+    crease: str = "trace",
+) -> ReadProblem:
+    """Mesh surfaces of Rhino, or what lies within closed curves, and fit supports and creases to it.
+
+    Surfaces go over to rhino3dm by Rhino's own encoding of them, which loses nothing, and are meshed as those of a file are;
+    it takes the extras ``rhino`` and ``mesher``.
+
+    Parameters
+    ----------
+    surfaces
+        Breps, surfaces, extrusions and SubDs; or closed curves, of which the widest is the outline and the others are holes.
+    edge_length
+        Length of edges aimed at [L]. Default: a thirtieth of the surfaces' size.
+    supports, creases, tolerance, units, crease
+        As for :func:`problem_from_rhino`. Between curves supports become vertices, and creases edges.
+
+    Raises
+    ------
+    FileError
+        If they cannot be meshed; the sentence says what to do in Rhino.
+    """
+    items = list(surfaces)
+    outlines = [one for one in items if hasattr(one, "TryGetPolyline")]
+    if outlines and len(outlines) < len(items):
+        raise FileError("there are curves among the surfaces; connect either surfaces, or closed curves")
+    if not outlines:
+        return _assembled(_meshed(items, edge_length, tolerance, units), supports, creases, tolerance, units, crease)
+    fine = 0.25 * tolerance
+    rings = [(f"curve {i}", _closed(curve_to_points(curve, fine), tolerance)) for i, curve in enumerate(outlines)]
+    every = np.concatenate([points for _, points in rings])
+    length = rounded_length(every) if edge_length is None else edge_length
+    lines = [Drawn(f"curve {i}", "curve", curve_to_points(curve, fine), None, {}) for i, curve in enumerate(creases)]
+    try:
+        made = outlined(rings, lines, points_to_array(supports), length, tolerance)
+    except MeshError as error:
+        raise FileError(str(error)) from None
+    # The creases are edges of the mesh now, cut at the outline.
+    return _assembled([made._replace(notes=[f"a mesh: {made.notes[0]}"])], supports, [], tolerance, units, crease)
+
+
+def _closed(points: FloatArray, tolerance: float) -> FloatArray:
+    """Return points (k, 3) whose last one is the first, where they all but meet."""
+    if len(points) > 3 and np.linalg.norm(points[0] - points[-1]) <= tolerance:
+        return np.concatenate([points[:-1], points[:1]])
+    return points
+
+
+def _meshed(
+    surfaces: Sequence[Rhino.Geometry.GeometryBase], edge_length: Optional[float], tolerance: float, units: str
+) -> list[MeshedSurface]:
+    """Return the meshes of surfaces."""
+    items = [
+        Item(_in_rhino3dm(one), type(one).__name__, str(number), "the canvas", "", {}, {}, False) for number, one in enumerate(surfaces)
+    ]
+    length = default_edge_length(items) if edge_length is None else edge_length
+    return [surface_part(item, length, tolerance, unit_suffix(units)) for item in items]
+
+
+def _in_rhino3dm(geometry: Rhino.Geometry.GeometryBase) -> Any:
+    """Return an object of Rhino as one of rhino3dm."""
+    rhino3dm = rhino3dm_module()
+    import Rhino
+
+    made = rhino3dm.CommonObject.Decode(json.loads(geometry.ToJSON(Rhino.FileIO.SerializationOptions())))
+    if made is None:
+        raise FileError(f"the {type(geometry).__name__} cannot be read by rhino3dm; run Rhino's command Mesh on it, and connect the mesh")
+    return made
+
+
+def _assembled(
+    parts: Sequence[MeshedSurface],
+    supports: Iterable[Rhino.Geometry.Point3d],
+    creases: Sequence[Rhino.Geometry.Curve],
+    tolerance: float,
+    units: str,
+    crease: str,
+    targets: Sequence[Drawn] = (),
+) -> ReadProblem:
+    points = [Drawn(f"point {i}", "point", points_to_array([p]), None, {}) for i, p in enumerate(supports)]
+    joints = [joint for part in parts for joint in part.creases]
     return assemble(
         name="Rhino",
-        parts=[Part("the mesh", vertices, faces, rounding, None, {})],
+        parts=[part.part for part in parts],
         supports=lambda fine: points,
-        creases=lambda fine: [Drawn(f"curve {i}", "curve", curve_to_points(c, fine), None, {}) for i, c in enumerate(curves)],
-        targets=lambda fine: dots,
+        creases=lambda fine: [Drawn(f"curve {i}", "curve", curve_to_points(c, fine), None, {}) for i, c in enumerate(creases)] + joints,
+        targets=lambda fine: list(targets),
         constraints=lambda fine: [],
         units=units,
         tolerance=tolerance,
         crease=crease,
+        notes=[note for part in parts for note in part.notes],
     )

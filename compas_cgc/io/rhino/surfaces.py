@@ -25,7 +25,7 @@ from .sketch import Drawn
 from .sketch import Part
 from .user_text import user_target
 
-__all__ = ["MeshedSurface", "default_edge_length", "surface_part"]
+__all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_part"]
 
 EDGES = 30  # along the diagonal of a surface, where no edge length is asked for
 JOINT = np.radians(10.0)  # angle between the normals of two faces from which their joint is a crease
@@ -54,7 +54,12 @@ def default_edge_length(items: Sequence[Item]) -> float:
     boxes = [item.geometry.GetBoundingBox() for item in items]
     low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
     high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
-    return float(f"{np.linalg.norm(high - low) / EDGES:.1g}")
+    return rounded_length(np.array([low, high]))
+
+
+def rounded_length(points: FloatArray) -> float:
+    """Return a round edge length for what is as large as points (k, 3) [L]."""
+    return float(f"{np.linalg.norm(np.ptp(points, axis=0)) / EDGES:.1g}")
 
 
 def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "") -> MeshedSurface:

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Make a mesh with what holds it and where it may fold.
+"""Make a mesh with what holds it and where it may fold; surfaces, SubDs and outlines are meshed.
 
 COMPAS CGC {{version}}
 """
@@ -19,7 +19,9 @@ class Mesh(Grasshopper.Kernel.GH_ScriptInstance):
         supports: System.Collections.Generic.List[Rhino.Geometry.Point3d],
         fix: str,
         creases: System.Collections.Generic.List[Rhino.Geometry.Curve],
+        surfaces: System.Collections.Generic.List[Rhino.Geometry.GeometryBase],
+        edge_length: float,
         flip: bool,
     ):
-        out = cgc_mesh(ghenv.Component, mesh, supports, fix, creases, flip)  # noqa: F821
+        out = cgc_mesh(ghenv.Component, mesh, supports, fix, creases, flip, surfaces, edge_length)  # noqa: F821
         return out.cgc_mesh, out.problems

@@ -15,4 +15,4 @@ from compas_cgc.grasshopper.components.regions import regions
 class Regions(Grasshopper.Kernel.GH_ScriptInstance):
     def RunScript(self, cgc_mesh):
         out = regions(ghenv.Component, cgc_mesh)  # noqa: F821
-        return out.regions, out.creases, out.edges, out.supports, out.targets
+        return out.regions, out.creases, out.edges, out.supports, out.targets, out.by_region, out.borders, out.points

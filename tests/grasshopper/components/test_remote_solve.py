@@ -191,7 +191,7 @@ def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):
     assert first["server"] is None and placed.component.Message == "starting"
     out = settled(placed, run=True, url=url, python=sys.executable)
     assert out["status"].endswith("started here") and placed.component.Message == "running"
-    process = server_component._MEMORIES[str(placed.component.InstanceGuid)].task.result.process
+    process = server_component._MEMORIES.of(placed.component).task.result.process
     assert until_done(place("Solve"), cgc_mesh=dome(), run=True, server=out["server"])[-1]["status"] == "converged"
     assert settled(placed, run=False, url=url)["status"] == "not running"
     assert process.wait(PATIENCE) is not None

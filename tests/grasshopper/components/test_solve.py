@@ -41,7 +41,7 @@ def endless():
 
 def memory_of(placed):
     """Return what a component remembers."""
-    return component_module._MEMORIES.get(f"{placed.component.InstanceGuid}/{placed.component.RunCount}")
+    return component_module._MEMORIES.of(placed.component)
 
 
 def until_done(placed, **inputs):

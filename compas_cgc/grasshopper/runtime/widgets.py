@@ -1,0 +1,79 @@
+"""Widgets: value lists that appear at the inputs of a component that is new on the canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+from typing import Optional
+
+__all__ = ["offer_values"]
+
+GAP = 30.0  # between a list and the input [pixel]
+DELAY = 5  # [ms]; the canvas must not change while a solution runs
+
+_OFFERED: set[tuple[str, str]] = set()
+
+
+def offer_values(component: Any, name: str, values: Sequence[str]) -> None:
+    """Put a value list at an input, once, if nothing is connected to the component yet.
+
+    A list that the user deletes does not come back, and a definition that is opened stays as it was saved.
+
+    Parameters
+    ----------
+    component
+        The component.
+    name
+        Name of the input.
+    values
+        Texts to choose from; the first one is chosen, and has to mean the same as nothing.
+    """
+    parameter, document = _input(component, name), component.OnPingDocument()
+    key = (str(component.InstanceGuid), name)
+    if parameter is None or document is None or key in _OFFERED:
+        return
+    _OFFERED.add(key)
+    if any(own.SourceCount for own in component.Params.Input):
+        return
+    from Grasshopper.Kernel import GH_Document
+
+    def create(document: Any) -> None:
+        if parameter.SourceCount:
+            return
+        made = _value_list(name, values)
+        made.CreateAttributes()
+        made.Attributes.Pivot = parameter.Attributes.Pivot
+        document.AddObject(made, False)
+        parameter.AddSource(made)
+        _place_before(made, parameter)
+        component.ExpireSolution(False)
+
+    document.ScheduleSolution(DELAY, GH_Document.GH_ScheduleDelegate(create))
+
+
+def _input(component: Any, name: str) -> Optional[Any]:
+    parameters = getattr(component, "Params", None)
+    return None if parameters is None else next((own for own in parameters.Input if own.Name == name), None)
+
+
+def _value_list(name: str, values: Sequence[str]) -> Any:
+    from Grasshopper.Kernel import Special
+
+    made = Special.GH_ValueList()
+    made.NickName = name
+    made.ListItems.Clear()
+    for value in values:
+        made.ListItems.Add(Special.GH_ValueListItem(value, f'"{value}"'))
+    made.SelectItem(0)
+    return made
+
+
+def _place_before(made: Any, parameter: Any) -> None:
+    """Put an object to the left of an input; its size is known once it is on the canvas."""
+    from System.Drawing import PointF
+
+    made.Attributes.PerformLayout()
+    bounds, pivot, place = made.Attributes.Bounds, made.Attributes.Pivot, parameter.Attributes.Pivot
+    right, middle = bounds.X + bounds.Width, bounds.Y + 0.5 * bounds.Height
+    made.Attributes.Pivot = PointF(pivot.X + place.X - GAP - right, pivot.Y + place.Y - middle)
+    made.Attributes.ExpireLayout()

@@ -1,0 +1,18 @@
+#! python 3
+# r: compas_cgc>={{version}}
+"""Bake a surface, its regions, creases and supports on layers, with names and user text.
+
+COMPAS CGC {{version}}
+"""
+
+import Grasshopper
+import Rhino  # noqa: F401
+import System  # noqa: F401
+
+from compas_cgc.grasshopper.components.bake import bake as bake_mesh
+
+
+class Bake(Grasshopper.Kernel.GH_ScriptInstance):
+    def RunScript(self, cgc_mesh, layer: str, bake: bool):
+        out = bake_mesh(ghenv.Component, cgc_mesh, layer, bake)  # noqa: F821
+        return out.baked
