@@ -13,6 +13,8 @@ from ._renamed import install as _install_old_names
 from ._version import __version__
 
 if TYPE_CHECKING:
+    from ._samples import get
+    from ._samples import samples
     from .analysis import analyse
     from .datastructures import CGCMesh
     from .datastructures import SolveResult
@@ -91,7 +93,9 @@ __all__ = [
     "__version__",
     "analyse",
     "check",
+    "get",
     "read",
+    "samples",
     "sensitivity",
     "settings_for",
     "solve",
@@ -143,7 +147,9 @@ __getattr__, __dir__ = attach(
         "SolveResult": ".datastructures",
         "analyse": ".analysis",
         "check": ".model.checks",
+        "get": "._samples",
         "read": ".io",
+        "samples": "._samples",
         "sensitivity": ".solvers.sensitivity",
         "settings_for": ".solvers.registry",
         "solve": ".solvers.run",

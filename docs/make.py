@@ -17,11 +17,9 @@ from compas_cgc import fabrication
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
 from compas_cgc.model.problem import CGCProblem
-from compas_cgc.paper.examples import example4
 from compas_cgc.plot import View
 from compas_cgc.plot import draw_shape
 from compas_cgc.plot import draw_zebra
-from compas_cgc.plot import hero
 from compas_cgc.plot import moulds_figure
 from compas_cgc.plot import save
 from compas_cgc.solvers.run import solve
@@ -48,13 +46,6 @@ def reproduction() -> None:
             shutil.copyfile(Path(folder) / f"{name}.png", DOCS / "images" / f"{name}.png")
             page += f"\n![{caption}](images/{name}.png)\n\n{caption}\n"
     write_text(DOCS / "reproduction.md", page)
-
-
-def roof() -> None:
-    """Draw the picture of the README."""
-    mesh, settings = example4(centre=4.0, around=1.0)
-    problem = solve(mesh, settings=settings).problem
-    save(hero(problem.vertices, problem.faces, problem.roles, problem.creases), DOCS / "images" / "nine_regions.png")
 
 
 def moulds() -> None:
@@ -240,4 +231,3 @@ if __name__ == "__main__":
     moulds()
     goals()
     reproduction()
-    roof()

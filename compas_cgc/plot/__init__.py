@@ -22,6 +22,8 @@ from .moulds import moulds_figure
 from .output import save
 from .render import hero
 from .shape import draw_shape
+from .studio_light import studio
+from .studio_light import studio_image
 from .view import VIEWS
 from .view import View
 from .zebra import draw_zebra
@@ -45,4 +47,6 @@ __all__ = [
     "moulds_figure",
     "save",
     "shape_figure",
+    "studio",
+    "studio_image",
 ]

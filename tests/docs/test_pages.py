@@ -1,0 +1,181 @@
+"""The manual: its code runs page by page, its commands and options are known, its links lead somewhere, all public names are in it."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import pkgutil
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import pytest
+
+import compas_cgc
+from compas_cgc.cli import main
+from compas_cgc.cli.exits import DONE
+from compas_cgc.cli.main import COMMANDS
+from compas_cgc.cli.main import build_parser
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(path for path in DOCS.rglob("*.md") if "api" not in path.parts)
+READ = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
+
+# Run by tests that also look at what they give.
+ELSEWHERE = {"goals.md", "gallery.md", "fairness.md"}
+# Commands that other tests run, or that do not come to an end.
+NOT_RUN = {"serve", "bench", "reproduce", "grasshopper", "warm", "example"}
+# Doors, whose pages say what they take.
+NOT_IN_REFERENCE = {"compas_cgc.cli", "compas_cgc.datastructures", "compas_cgc.server.page", "compas_cgc.grasshopper.components"}
+SLOW = {"fabrication.md"}
+
+
+def blocks(path: Path, *languages: str) -> list[tuple[str, str]]:
+    """Return language and text of the blocks of a page, also of those that are indented."""
+    found = []
+    for indent, language, text in re.findall(
+        r"^( *)```(\w+)[^\n]*\n(.*?)^\1```", path.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    ):
+        if language in languages:
+            found.append((language, "\n".join(line[len(indent) :] for line in text.splitlines())))
+    return found
+
+
+def commands(text: str) -> list[list[str]]:
+    """Return the calls of compas-cgc in a block, as words."""
+    lines = text.replace("\\\n", " ").splitlines()
+    return [words[1:] for words in (shlex.split(line, comments=True) for line in lines) if words and words[0] == "compas-cgc"]
+
+
+def tutorials() -> list:
+    with_code = [path for path in PAGES if path.name not in ELSEWHERE and blocks(path, "python", "sh")]
+    marks = {path: [pytest.mark.slow] if path.name in SLOW else [] for path in with_code}
+    return [pytest.param(path, id=str(path.relative_to(DOCS)), marks=marks[path]) for path in with_code]
+
+
+@pytest.mark.parametrize("path", tutorials())
+def test_the_code_of_a_page_runs(path, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in compas_cgc.samples():
+        shutil.copy(compas_cgc.get(name), tmp_path / name)
+    # What a page calls the reader's own file.
+    shutil.copy(compas_cgc.get("nine_regions.3dm"), tmp_path / "roof.3dm")
+    names: dict = {"__name__": "page"}
+    for language, text in blocks(path, "python", "py", "sh"):
+        if language == "sh":
+            for words in commands(text):
+                build_parser(words[0]).parse_args(words)
+                if words[0] not in NOT_RUN:
+                    assert main([*words, *(["--no-page"] if words[0] == "mould" else [])]) == DONE, capsys.readouterr().err
+        elif language == "python" or path.name == "fabrication.md":
+            exec(compile(text, path.name, "exec"), names)
+
+
+@pytest.mark.slow
+def test_the_surfaces_of_the_gallery_are_fair():
+    names: dict = {"__name__": "gallery"}
+    for _, text in blocks(DOCS / "gallery.md", "python"):
+        exec(compile(text, "gallery.md", "exec"), names)
+    solved = re.findall(r"^    def (\w+)\(\):", (DOCS / "gallery.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert len(solved) >= 7
+    for name in solved:
+        result = names[name]()
+        assert result.converged and result.verdict.fair, name
+        assert (DOCS / "images" / "gallery" / f"{name}.png").exists()
+
+
+@pytest.mark.parametrize("path", READ, ids=lambda path: path.name)
+def test_python_on_a_page_can_be_parsed(path):
+    for _, text in blocks(path, "python", "py"):
+        ast.parse(text)
+
+
+def options_of(command: str) -> set[str]:
+    parser = build_parser(command)
+    (commands,) = (own for own in parser._actions if hasattr(own, "choices") and isinstance(own.choices, dict))
+    found: set[str] = set()
+    todo = [commands.choices[command]]
+    while todo:
+        for action in todo.pop()._actions:
+            found.update(action.option_strings)
+            if isinstance(getattr(action, "choices", None), dict):
+                todo += action.choices.values()
+    return found
+
+
+def test_commands_and_options_that_pages_name_are_known():
+    known = {name: options_of(name) for name in COMMANDS}
+    wrong = []
+    for path in [path for path in READ if path.name != "cli.md"]:
+        text = path.read_text(encoding="utf-8")
+        for call in re.findall(r"compas-cgc ([a-z]+)([^`\n]*)", text):
+            command, rest = call
+            if command not in known:
+                wrong.append(f"{path.name}: compas-cgc {command}")
+                continue
+            wrong += [
+                f"{path.name}: compas-cgc {command} {own}"
+                for own in re.findall(r"(?<![\w-])--[a-z][\w-]*", rest)
+                if own not in known[command]
+            ]
+        everything = set.union(*known.values()) | {"--version", "--help"}
+        inline = re.findall(r"`(--[a-z][\w-]*)", text)
+        if path.name != "CONTRIBUTING.md":
+            wrong += [f"{path.name}: {own}" for own in inline if own not in everything]
+    assert not wrong, wrong
+
+
+def anchors(path: Path) -> set[str]:
+    """Return the anchors of a page as the site makes them."""
+    heads = re.findall(r"^#+ +(.*?)\s*$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    plain = [re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", head) for head in heads]
+    return {re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", head).strip().lower()) for head in plain}
+
+
+@pytest.mark.parametrize("path", READ, ids=lambda path: path.name)
+def test_links_lead_somewhere(path):
+    text = re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for target in re.findall(r"\]\((?!https?:|mailto:)([^)\s]+)\)", text):
+        page, _, anchor = target.partition("#")
+        aim = (path.parent / page).resolve() if page else path
+        assert aim.exists(), f"{path.name} names {target}"
+        if anchor and aim.suffix == ".md" and "api" not in aim.parts:
+            assert anchor in anchors(aim), f"{path.name} names {target}"
+
+
+def test_every_public_name_is_in_the_reference():
+    index = (DOCS / "api" / "index.md").read_text(encoding="utf-8")
+    packages = [own.name for own in pkgutil.walk_packages(compas_cgc.__path__, "compas_cgc.") if own.ispkg]
+    for package in ["compas_cgc", *packages]:
+        if not any(part.startswith("_") for part in package.split(".")[1:]) and package not in NOT_IN_REFERENCE:
+            for name in getattr(importlib.import_module(package), "__all__", ()):
+                where = rf"#{package}\.{name}(\.{name})?\)"
+                assert name.startswith("__") or re.search(where, index), f"{package}.{name}: run python docs/pages.py"
+
+
+def test_every_page_is_in_the_site():
+    nav = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    for path in DOCS.rglob("*.md"):
+        assert path.relative_to(DOCS).as_posix() in nav, f"{path.name} is not in the nav of mkdocs.yml"
+
+
+def test_samples_are_the_examples_of_the_clone():
+    for path in (ROOT / "examples").glob("*.3dm"):
+        assert path.read_bytes() == Path(compas_cgc.get(path.name)).read_bytes()
+    with pytest.raises(compas_cgc.FileError, match="there are canopy.3dm, .*vault.3dm"):
+        compas_cgc.get("nothing.3dm")
+
+
+@pytest.mark.slow
+def test_the_site_builds_without_a_warning(tmp_path, monkeypatch):
+    mkdocs = pytest.importorskip("mkdocs.commands.build", reason="the extra docs is not installed")
+    pytest.importorskip("mkdocstrings", reason="the extra docs is not installed")
+    from mkdocs.config import load_config
+
+    monkeypatch.setenv("NO_MKDOCS_2_WARNING", "1")
+    config = load_config(str(ROOT / "mkdocs.yml"), strict=True, site_dir=str(tmp_path / "site"))
+    mkdocs.build(config)
+    assert "nine_regions.png" in (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+    assert 'id="compas_cgc.solve"' in (tmp_path / "site" / "api" / "compas_cgc.html").read_text(encoding="utf-8")
