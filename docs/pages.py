@@ -1,14 +1,23 @@
-"""Pages of the manual that follow from the code: the reference and the command line. Run it before the site is built."""
+"""Pages of the manual that follow from the code: the reference and the command line.
+
+A hook of mkdocs; Zensical, which has none, reads the files that running it writes.
+"""
 
 from __future__ import annotations
 
 import argparse
 import io
 import os
+from collections.abc import Callable
 from contextlib import redirect_stdout
+from functools import partial
 from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
+from typing import Any
+from typing import Optional
 
+import compas_cgc
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli.main import COMMANDS
 from compas_cgc.cli.main import build_parser
@@ -30,6 +39,7 @@ PAGES = {
     "meshing": ("Arrays in, arrays out: topology, checks, meshes from curves.", ["compas_cgc.meshing"]),
     "discrete": ("Arrays in, arrays out: discrete differential geometry.", ["compas_cgc.discrete"]),
     "linalg": ("Sparse linear systems.", ["compas_cgc.linalg"]),
+    "study": ("Many variants of a drawing.", ["compas_cgc.study"]),
     "client": ("The client of the server: standard library only.", ["compas_cgc.client"]),
     "server": ("The server as a WSGI application.", ["compas_cgc.server"]),
     "grasshopper": (
@@ -41,6 +51,22 @@ PAGES = {
         ["compas_cgc.paper.examples", "compas_cgc.paper.reproduction", "compas_cgc.paper.benchmarks"],
     ),
 }
+
+
+# Doors, which say themselves what they take, and what is public elsewhere too.
+LEFT_OUT = {"compas_cgc.cli", "compas_cgc.datastructures", "compas_cgc.server.page", "compas_cgc.grasshopper.components"}
+
+
+def pages() -> dict[str, tuple[str, list[str]]]:
+    """Return the pages; a package that is on none of them is put on that of the package it lies in."""
+    found = {name: (text, list(modules)) for name, (text, modules) in PAGES.items()}
+    listed = {module for _, modules in PAGES.values() for module in modules} | LEFT_OUT
+    for own in walk_packages(compas_cgc.__path__, "compas_cgc."):
+        parts = own.name.split(".")[1:]
+        if own.ispkg and own.name not in listed and not any(part.startswith("_") for part in parts):
+            if getattr(import_module(own.name), "__all__", ()):
+                found[parts[0] if parts[0] in found else "compas_cgc"][1].append(own.name)
+    return found
 
 
 def public_names(module: str) -> list[str]:
@@ -77,7 +103,7 @@ def reference_page(title: str, text: str, modules: list[str]) -> str:
 def index() -> str:
     """Return the list of all public names with the first lines of their docstrings."""
     page = "# Reference\n\nEvery public name. [How to type them on the command line](../cli.md) is a page of its own.\n"
-    for name, (text, modules) in PAGES.items():
+    for name, (text, modules) in pages().items():
         page += f"\n## [{modules[0]}]({name}.md)\n\n{text}\n\n| name | what it is |\n| --- | --- |\n"
         for module in modules:
             for own in public_names(module):
@@ -90,7 +116,7 @@ def index() -> str:
 def command_line() -> str:
     """Return what every command says of itself."""
     page = "# The command line\n\nWhat `compas-cgc COMMAND --help` says. Made by `python docs/pages.py`.\n"
-    os.environ["COLUMNS"] = "110"
+    os.environ["COLUMNS"] = "110"  # argparse asks it, and nothing else
     for name in COMMANDS:
         parser = build_parser(name)
         (commands,) = (own for own in parser._actions if isinstance(own, argparse._SubParsersAction))
@@ -101,15 +127,21 @@ def command_line() -> str:
     return page
 
 
-def write_pages() -> None:
-    """Write all of them."""
-    (DOCS / "api").mkdir(exist_ok=True)
-    for name, (text, modules) in PAGES.items():
-        title = "compas_cgc" if name == "compas_cgc" else modules[0]
-        write_text(DOCS / "api" / f"{name}.md", reference_page(title, text, modules))
-    write_text(DOCS / "api" / "index.md", index())
-    write_text(DOCS / "cli.md", command_line())
+def made() -> dict[str, Callable[[], str]]:
+    """Return what makes each of the pages, by their paths."""
+    found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line}
+    for name, (text, modules) in pages().items():
+        found[f"api/{name}.md"] = partial(reference_page, modules[0], text, modules)
+    return found
+
+
+def on_page_read_source(page: Any, config: Any) -> Optional[str]:
+    """Give mkdocs these pages as the code is now, whatever lies in the folder."""
+    make = made().get(page.file.src_uri)
+    return make() if make else None
 
 
 if __name__ == "__main__":
-    write_pages()
+    for path, make in made().items():
+        (DOCS / path).parent.mkdir(exist_ok=True)
+        write_text(DOCS / path, make())
