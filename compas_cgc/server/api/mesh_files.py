@@ -19,8 +19,10 @@ __all__ = ["KINDS", "file_bytes", "read_upload", "warm_up_io"]
 KINDS = {"3dm": "model/vnd.3dm", "obj": "model/obj"}
 
 
-def read_upload(kind: str, body: bytes, result: bool = False) -> ReadProblem:
+def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optional[float] = None) -> ReadProblem:
     """Return the problem in the bytes of a file, of a .3dm with a result that result where it is wanted.
+
+    Curves and surfaces of a .3dm are meshed with edges of the length that is given [L].
 
     Raises
     ------
@@ -33,7 +35,7 @@ def read_upload(kind: str, body: bytes, result: bool = False) -> ReadProblem:
         path = Path(folder) / f"upload.{kind}"
         path.write_bytes(body)
         try:
-            return read_problem(path, result=result)
+            return read_problem(path, result=result, edge_length=edge_length)
         except FileError as error:
             raise Unprocessable(str(error).replace(str(path), "the file")) from None
 

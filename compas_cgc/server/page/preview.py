@@ -26,7 +26,7 @@ from ..limits import Limits
 __all__ = ["contents", "read_example", "read_model"]
 
 
-def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
+def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: Optional[float] = None) -> bytes:
     """Tell what is in the bytes of a file, as JSON.
 
     Parameters
@@ -39,6 +39,8 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
         What to call the mesh.
     limits
         Those of the server.
+    edge_length
+        Of a mesh that is made of surfaces or curves [L].
 
     Raises
     ------
@@ -46,7 +48,7 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits) -> bytes:
         With a sentence on the file.
     """
     try:
-        read = read_upload(kind, body)
+        read = read_upload(kind, body, edge_length=edge_length)
         problem = read.checked()
         check_size(len(problem.vertices), len(problem.faces), limits)
         return _json(contents(problem, read.notes, name))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
+from typing import Optional
 
 from flask import Blueprint
 from flask import Response
@@ -10,12 +12,18 @@ from flask import current_app
 from flask import request
 
 from ..api.blocking_calls import run_in_io_pool
+from ..api.blocking_calls import run_in_worker
+from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
+from ..api.requests import accept
 from ..api.responses import respond
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
+from .drawing import mesh_of_sketch
+from .drawing import read_sketch
 from .gallery import GALLERY
+from .limit import limit_of
 from .preview import read_example
 from .preview import read_model
 
@@ -74,7 +82,38 @@ def model() -> Response:
     body = request.get_data(cache=False)
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
-    found = run_in_io_pool(read_model, kind, body, name, current_app.config["LIMITS"])
+    found = run_in_io_pool(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
+    return Response(found, mimetype="application/json")
+
+
+def _edge_length() -> Optional[float]:
+    """Return the edge length that curves and surfaces shall be meshed with, None where none is given [L]."""
+    text = request.args.get("edge_length")
+    if text is None:
+        return None
+    try:
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not (math.isfinite(length) and length > 0):
+        raise Unprocessable(f"the edge length must be a number above zero, not {text!r:.40}")
+    return length
+
+
+@page.post("/api/v1/drawings")
+def drawing() -> Response:
+    """Mesh a drawing."""
+    limits = current_app.config["LIMITS"]
+    sketch = read_sketch(read_json(request.get_data(cache=False), limits), limits)
+    return Response(run_in_io_pool(mesh_of_sketch, sketch, limits), mimetype="application/json")
+
+
+@page.post("/api/v1/limits")
+def limit() -> Response:
+    """Tell how large the targets of a problem can be."""
+    limits = current_app.config["LIMITS"]
+    content = accept(read_json(request.get_data(cache=False), limits), limits)
+    found = run_in_worker(limit_of, content, limits, hint="use a coarser mesh")
     return Response(found, mimetype="application/json")
 
 

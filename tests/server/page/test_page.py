@@ -208,6 +208,74 @@ def test_an_example_comes_back_as_the_problem_it_is(client):
 
 
 # ----------------------------------------------------------------------
+# Drawings
+# ----------------------------------------------------------------------
+
+PLAN = {
+    "name": "Hall",
+    "unit": "m",
+    "edge_length": 1.0,
+    "outline": [[0, 0], [12, 0], [12, 8], [0, 8]],
+    "holes": [[[2, 2], [3, 2], [3, 3], [2, 3]]],
+    "creases": [[[0, 5], [12, 5]]],
+    "points": [[6.2, 3.1]],
+    "held": [[[0, 0], [0, 8]]],
+}
+
+
+def test_a_drawing_becomes_a_posed_problem(client):
+    pytest.importorskip("compas_cgal", reason="the extra mesher is not installed")
+    found = client.post("/api/v1/drawings", json=PLAN).json
+    at = np.array(found["vertices"])
+    [column] = found["columns"]
+    assert at[column] == pytest.approx([6.2, 3.1, 0]) and column in found["supports"]["file"] and found["unit"] == "m"
+    held = at[[vertex for vertex in found["supports"]["file"] if vertex != column]]
+    assert (held[:, 0] == 0).all() and len(held) >= 8, "the held side is held, and nothing else"
+    assert set(found["regions"]) == {0, 1} and all(at[vertex][1] == pytest.approx(5) for path in found["creases"] for vertex in path)
+    triangles = at[np.array(found["faces"])]
+    area = 0.5 * np.abs(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])[:, 2]).sum()
+    assert area == pytest.approx(12 * 8 - 1) and found["problems"] == []
+    # A single column cannot hold a roof.
+    alone = client.post("/api/v1/drawings", json={**PLAN, "held": []}).json
+    assert set(alone["supports"]["boundary"]) < set(alone["supports"]["file"]) and any("hold a roof" in note for note in alone["notes"])
+
+
+def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(make_client):
+    client = make_client(limits=Limits(vertices=500))
+    cases = (
+        ({"edge_length": 0}, 422, "above zero"),
+        ({"edge_length": 0.01}, 413, "make them longer"),
+        ({"outline": [[0, 0], [1, 1]]}, 422, "outline"),
+        ({"outline": [[0, 0], [4, 4], [4, 0], [0, 4]]}, 422, "area"),
+        ({"outline": [[0, 0], [4, "x"], [4, 0]]}, 422, "number"),
+        ({"holes": [[[0, 0], [1e300, 0], [1, 1]]]}, 422, "holes"),
+        ({"held": 3}, 422, "held"),
+        ({"unit": "cubit"}, 422, "unit"),
+        ({"oops": 1}, 422, "oops"),
+    )
+    for change, status, word in cases:
+        answer = client.post("/api/v1/drawings", json={**PLAN, **change})
+        assert answer.status_code == status and word in answer.json["message"], (change, answer.json)
+    assert client.post("/api/v1/drawings", json=[1]).status_code == 422
+    for text in ("0", "-1", "nan", "x"):
+        assert client.post(f"/api/v1/models?kind=obj&edge_length={text}", data=b"v 0 0 0").status_code == 422
+
+
+def test_curves_of_a_file_are_meshed_with_the_edge_length_that_is_given(client, tmp_path):
+    pytest.importorskip("compas_cgal", reason="the extra mesher is not installed")
+    model = rhino3dm.File3dm()
+    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    square = [rhino3dm.Point3d(*point, 0) for point in ((0, 0), (6, 0), (6, 6), (0, 6), (0, 0))]
+    model.Objects.AddPolyline(rhino3dm.Polyline(square))
+    path = tmp_path / "curves.3dm"
+    model.Write(str(path), 7)
+    refused = client.post("/api/v1/models?kind=3dm", data=path.read_bytes())
+    assert refused.status_code == 422 and "no mesh" in refused.json["message"]
+    found = client.post("/api/v1/models?kind=3dm&edge_length=1", data=path.read_bytes()).json
+    assert 36 < len(found["vertices"]) < 80 and found["problems"] == []
+
+
+# ----------------------------------------------------------------------
 # In a browser
 # ----------------------------------------------------------------------
 
@@ -231,7 +299,9 @@ class Page:
         )
 
     def load(self):
-        self.window.get(self.server.url)
+        # Not what this tab has shown before.
+        self.window.get("about:blank")
+        self.window.get(f"{self.server.url}/#new")
         wait_for(lambda: self.all(".example") or self.all("dialog[open]"), what="the page does not start")
         if self.all("dialog[open]"):
             self.give(KEY)

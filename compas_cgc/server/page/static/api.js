@@ -42,10 +42,29 @@ export class Api {
   /**
    * @param {File} file
    * @param {string} kind of file
+   * @param {?number} [edge] length of the edges of a mesh of curves or surfaces
    */
-  model(file, kind) {
+  model(file, kind, edge) {
     const name = file.name.replace(/\.[^.]*$/, '');
-    return this.json(`/api/v1/models?kind=${kind}&name=${encodeURIComponent(name)}`, { method: 'POST', body: file });
+    const length = edge ? `&edge_length=${edge}` : '';
+    return this.json(`/api/v1/models?kind=${kind}&name=${encodeURIComponent(name)}${length}`, { method: 'POST', body: file });
+  }
+
+  /**
+   * Have a drawing meshed.
+   * @param {object} sketch
+   */
+  drawing(sketch) {
+    return this.json('/api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
+  }
+
+  /**
+   * Ask how large the targets of a problem can be.
+   * @param {object} problem
+   * @param {AbortSignal} signal
+   */
+  limit(problem, signal) {
+    return this.json('/api/v1/limits', { method: 'POST', body: JSON.stringify(problem), signal });
   }
 
   /**
@@ -152,7 +171,7 @@ export class Api {
         answer = await fetch(path, { ...options, headers });
       } catch (error) {
         if (error.name === 'AbortError') throw error;
-        throw new Refusal(0, 'The server does not answer. Start it again with “compas-cgc serve”, then try once more.');
+        throw new Refusal(0, 'The server does not answer. See that it still runs, then try once more.');
       }
       if (answer.ok) return answer;
       if (answer.status !== 401) throw new Refusal(answer.status, await sentence(answer));

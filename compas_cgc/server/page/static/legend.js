@@ -16,12 +16,14 @@ export class Legend {
    * @param {string} what
    * @param {number} limit value of the darkest colours
    * @param {boolean} gaps whether some of the surface has no value
+   * @param {number} [middle] value of white
    */
-  show(what, limit, gaps) {
+  show(what, limit, gaps, middle = 0) {
     const ends = this.room.querySelectorAll('.ends span');
     this.room.querySelector('.what').textContent = what;
-    ends[0].textContent = readable(-limit);
-    ends[2].textContent = readable(limit);
+    ends[0].textContent = readable(middle - limit);
+    ends[1].textContent = readable(middle);
+    ends[2].textContent = readable(middle + limit);
     this.room.querySelector('.none').hidden = !gaps;
     this.room.hidden = false;
   }

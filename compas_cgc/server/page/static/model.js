@@ -1,5 +1,8 @@
 /** A model as the page works with it. */
 
+import { regionColour } from './colours.js';
+import { Graph } from './mesh/graph.js';
+
 /** A mesh with what is asked of it. */
 export class Model {
   /** @param {object} data answer of /api/v1/models or /api/v1/examples/NAME */
@@ -17,6 +20,12 @@ export class Model {
       targets: data.targets,
       vertexTargets: data.vertex_targets,
       settings: data.settings ?? {},
+      method: data.method ?? null,
+      names: data.names ?? [],
+      colours: data.colours ?? [],
+      heights: data.heights ?? {},
+      ground: data.ground ?? null,
+      drawn: 'columns' in data,
       vertices: data.vertices,
       triangles: data.faces,
     });
@@ -32,6 +41,36 @@ export class Model {
     for (const path of this.creases) for (const vertex of path) this.onCrease[vertex] = 1;
     this.areas = regionAreas(this.xyz, this.faces, this.regions, this.targets.length);
     Object.assign(this, frameOf(this.xyz));
+  }
+
+  /** @returns {Graph} its edges */
+  get graph() {
+    this.edges ??= new Graph(this.faces, this.count);
+    return this.edges;
+  }
+
+  /**
+   * Return what a region is called.
+   * @param {number} region
+   * @returns {string}
+   */
+  nameOf(region) {
+    return this.names[region] ?? (this.targets.length === 1 ? 'Surface' : `Region ${region}`);
+  }
+
+  /**
+   * Return the colour of a region.
+   * @param {number} region
+   * @returns {string}
+   */
+  colourOf(region) {
+    return this.colours[region] ?? regionColour(region);
+  }
+
+  /** @returns {{low: number[], high: number[]}} its corners */
+  get bounds() {
+    const half = [0, 1, 2].map((axis) => this.span[axis] / 2);
+    return { low: this.centre.map((value, axis) => value - half[axis]), high: this.centre.map((value, axis) => value + half[axis]) };
   }
 
   /**
@@ -93,8 +132,8 @@ function frameOf(xyz) {
     low[i % 3] = Math.min(low[i % 3], value);
     high[i % 3] = Math.max(high[i % 3], value);
   });
-  const size = 0.5 * Math.hypot(...high.map((value, axis) => value - low[axis]));
-  return { centre: low.map((value, axis) => 0.5 * (value + high[axis])), size: size || 1 };
+  const span = high.map((value, axis) => value - low[axis]);
+  return { centre: low.map((value, axis) => 0.5 * (value + high[axis])), span, size: 0.5 * Math.hypot(...span) || 1 };
 }
 
 function regionAreas(xyz, faces, regions, count) {

@@ -7,10 +7,9 @@ export class Readout {
   /**
    * @param {HTMLElement} room
    * @param {import('./scene.js').Scene} scene
-   * @param {(vertex: number) => {K: number, target: ?number, held: boolean}} look
-   * @param {(region: number) => void} choose called when a region is clicked
+   * @param {(vertex: number) => {K: number, target: ?number, held: boolean, height: number, unit: string}} look
    */
-  constructor(room, scene, look, choose) {
+  constructor(room, scene, look) {
     this.room = room;
     this.scene = scene;
     this.look = look;
@@ -21,12 +20,7 @@ export class Readout {
       down = [event.clientX, event.clientY];
       this.hide();
     });
-    canvas.addEventListener('pointerup', (event) => {
-      const still = down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4;
-      down = null;
-      const found = still && scene.pick(event.clientX, event.clientY);
-      if (found) choose(found.region);
-    });
+    for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, () => (down = null));
     canvas.addEventListener('pointermove', (event) => {
       if (!down) this.follow(event.clientX, event.clientY);
     });
@@ -49,9 +43,9 @@ export class Readout {
       this.hide();
       return;
     }
-    const { K, target, held } = this.look(found.vertex);
+    const { K, target, held, height, unit } = this.look(found.vertex);
     const head = document.createElement('b');
-    head.textContent = `Region ${found.region} · vertex ${found.vertex}`;
+    head.textContent = `${this.scene.surface.model.nameOf(found.region)} · vertex ${found.vertex}`;
     const rows = Number.isFinite(K)
       ? [
           [readable(K), 'K'],
@@ -59,13 +53,14 @@ export class Readout {
           [target === null ? '–' : readable(K - target, 2), 'error'],
         ]
       : [['', held ? 'a support' : 'K is not asked here']];
+    rows.push([`${readable(height)}${unit ? ` ${unit}` : ''}`, 'height']);
     this.room.replaceChildren(head, ...rows.flatMap((row) => row.map(cell)));
     this.room.hidden = false;
     const frame = this.room.parentElement.getBoundingClientRect();
-    const { offsetWidth: width, offsetHeight: height } = this.room;
+    const { offsetWidth: width, offsetHeight: tall } = this.room;
     const right = x - frame.left + 18 + width > frame.width;
     this.room.style.left = `${x - frame.left + (right ? -width - 14 : 18)}px`;
-    this.room.style.top = `${Math.min(frame.height - height - 8, Math.max(8, y - frame.top + 14))}px`;
+    this.room.style.top = `${Math.min(frame.height - tall - 8, Math.max(8, y - frame.top + 14))}px`;
   }
 
   hide() {

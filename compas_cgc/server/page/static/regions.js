@@ -1,22 +1,23 @@
-/** One slider and one number per region. */
+/** One slider and one number per region; many regions are grouped by what is asked of them. */
 
-import { regionColour } from './colours.js';
 import { readable, roundAbove } from './numbers.js';
 
 const STEPS = 200; // of a slider to each side of zero
 const SNAP = 5; // steps around zero that are zero under a pointer
+const MANY = 12; // regions above which they are grouped
 
 /** The rows of the regions, and one for all of them together. */
 export class Regions {
   /**
    * @param {HTMLElement} room
-   * @param {{change: () => void, over: (region: number) => void}} listener
+   * @param {{change: (key: string) => void, over: (regions: number[]) => void, name: (region: number, name: string) => void, colour: (region: number, colour: string) => void}} listener
    */
   constructor(room, listener) {
     this.room = room;
     this.listener = listener;
     this.rows = [];
     this.targets = [];
+    this.limit = null;
   }
 
   /**
@@ -24,25 +25,75 @@ export class Regions {
    * @param {import('./model.js').Model} model
    */
   show(model) {
+    const open = new Set([...this.room.querySelectorAll('details[open]')].map((each) => each.dataset.group));
     this.model = model;
     this.targets = model.targets.slice();
+    this.rows = [];
     const regions = this.targets.map((_, region) => region);
-    const alone = regions.length === 1;
-    this.rows = regions.map((region) =>
-      this.row(alone ? 'Surface' : `Region ${region}`, model.reach(region), regionColour(region), [region]),
-    );
-    if (!alone) {
-      const reach = Math.max(...regions.map((region) => model.reach(region)));
-      this.rows.unshift(this.row('All regions', reach, null, regions));
+    const parts = [];
+    const add = (row) => {
+      this.rows.push(row);
+      return row.element;
+    };
+    const single = (region) => this.row(model.nameOf(region), model.reach(region), model.colourOf(region), [region]);
+    if (regions.length > 1) parts.push(add(this.row('All regions', Math.max(...regions.map((region) => model.reach(region))), null, regions)));
+    if (regions.length <= MANY) parts.push(...regions.map((region) => add(single(region))));
+    else {
+      for (const group of this.groups()) {
+        if (group.length === 1) {
+          parts.push(add(single(group[0])));
+          continue;
+        }
+        const box = document.createElement('details');
+        box.dataset.group = String(group[0]);
+        box.open = open.has(box.dataset.group);
+        const more = document.createElement('summary');
+        more.textContent = 'One by one';
+        const head = add(this.row(`${group.length} regions`, Math.max(...group.map((region) => model.reach(region))), model.colourOf(group[0]), group));
+        box.append(more, ...group.map((region) => add(single(region))));
+        parts.push(head, box);
+      }
     }
-    this.room.replaceChildren(...this.rows.map((row) => row.element));
+    this.room.replaceChildren(...parts);
     this.refresh();
   }
 
-  /** Go back to the targets of the model. */
-  reset() {
-    this.targets = this.model.targets.slice();
+  /** Return regions of the same K and nearly the same size together. */
+  groups() {
+    const found = new Map();
+    this.targets.forEach((K, region) => {
+      const key = `${K} ${this.model.areas[region].toPrecision(2)}`;
+      found.set(key, [...(found.get(key) ?? []), region]);
+    });
+    // Where all differ, by K alone, and then all at once.
+    return found.size <= MANY ? [...found.values()] : [...Map.groupBy?.(this.targets.keys(), (region) => this.targets[region])?.values() ?? [this.targets.map((_, region) => region)]];
+  }
+
+  /**
+   * Take targets without telling anybody.
+   * @param {(?number)[]} targets
+   */
+  set(targets) {
+    this.targets = targets.slice();
     this.refresh();
+  }
+
+  /**
+   * Mark what the supports carry.
+   * @param {?(?number)[]} targets per region, null to take the marks away
+   */
+  mark(targets) {
+    this.limit = targets;
+    this.refresh();
+  }
+
+  /**
+   * Let K be given, or follow from the goals.
+   * @param {boolean} follows
+   */
+  follow(follows) {
+    this.room.classList.toggle('follows', follows);
+    for (const { slider, number } of this.rows) slider.disabled = number.disabled = follows;
   }
 
   /**
@@ -51,6 +102,7 @@ export class Regions {
    */
   focus(region) {
     const row = this.rows.find(({ regions }) => regions.length === 1 && regions[0] === region);
+    row?.element.closest('details')?.setAttribute('open', '');
     row?.element.scrollIntoView({ block: 'nearest' });
     row?.slider.focus({ preventScroll: true });
   }
@@ -58,40 +110,60 @@ export class Regions {
   row(name, size, colour, regions) {
     const reach = roundAbove(size);
     const element = document.createElement('div');
-    const [dot, title, radius, slider, number] = ['i', 'span', 'span', 'input', 'input'].map((tag) => document.createElement(tag));
+    const [radius, slider, number, mark] = ['span', 'input', 'input', 'b'].map((tag) => document.createElement(tag));
+    const one = regions.length === 1 ? regions[0] : -1;
     element.className = 'region';
-    if (colour) dot.style.background = colour;
-    else dot.className = 'all';
-    title.textContent = name;
     radius.className = 'radius';
+    mark.className = 'carry';
     Object.assign(number, { type: 'number', step: 'any', ariaLabel: `K of ${name}` });
     Object.assign(slider, { type: 'range', min: -STEPS, max: STEPS, step: 1, ariaLabel: `K of ${name}` });
-    element.append(dot, title, radius, slider, number);
+    const track = document.createElement('span');
+    track.className = 'track';
+    track.append(slider, mark);
+    element.append(one >= 0 ? this.swatch(one, name, colour) : plainDot(colour), one >= 0 ? this.title(one, name) : plainTitle(name), radius, track, number);
     let pointed = false;
     slider.addEventListener('pointerdown', () => (pointed = true));
     slider.addEventListener('keydown', () => (pointed = false));
     slider.addEventListener('input', () => {
       const place = pointed && Math.abs(slider.value) < SNAP ? 0 : Number(slider.value);
-      this.set(regions, Number(((place * reach) / STEPS).toPrecision(4)));
+      this.give(regions, Number(((place * reach) / STEPS).toPrecision(4)));
     });
     number.addEventListener('change', () => {
-      if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.set(regions, number.valueAsNumber);
+      if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.give(regions, number.valueAsNumber);
       else this.refresh();
     });
-    const lit = regions.length === 1 ? regions[0] : -1;
-    for (const name of ['pointerenter', 'focusin']) element.addEventListener(name, () => this.listener.over(lit));
-    for (const name of ['pointerleave', 'focusout']) element.addEventListener(name, () => this.listener.over(-1));
-    return { element, number, slider, radius, regions, reach };
+    const lit = regions.length < this.targets.length ? regions : [];
+    for (const event of ['pointerenter', 'focusin']) element.addEventListener(event, () => this.listener.over(lit));
+    for (const event of ['pointerleave', 'focusout']) element.addEventListener(event, () => this.listener.over([]));
+    return { element, number, slider, radius, mark, regions, reach };
   }
 
-  set(regions, K) {
+  swatch(region, name, colour) {
+    const label = document.createElement('label');
+    const field = document.createElement('input');
+    label.className = 'swatch';
+    label.style.background = colour;
+    Object.assign(field, { type: 'color', value: colour, ariaLabel: `Colour of ${name}` });
+    field.addEventListener('change', () => this.listener.colour(region, field.value));
+    label.append(field);
+    return label;
+  }
+
+  title(region, name) {
+    const field = document.createElement('input');
+    Object.assign(field, { type: 'text', className: 'name', value: name, ariaLabel: `Name of ${name}`, maxLength: 40, size: Math.max(6, name.length) });
+    field.addEventListener('change', () => this.listener.name(region, field.value));
+    return field;
+  }
+
+  give(regions, K) {
     for (const region of regions) this.targets[region] = K;
     this.refresh();
-    this.listener.change();
+    this.listener.change(`K ${regions.join(' ')}`);
   }
 
   refresh() {
-    for (const { number, slider, radius, regions, reach } of this.rows) {
+    for (const { number, slider, radius, mark, regions, reach } of this.rows) {
       const values = new Set(regions.map((region) => this.targets[region]));
       const [K] = values;
       const same = values.size === 1 && K !== null;
@@ -100,8 +172,26 @@ export class Regions {
       if (same) slider.value = Math.round((K / reach) * STEPS);
       radius.textContent = same ? shape(K, this.model.unit) : 'various';
       slider.ariaValueText = same ? `${readable(K)}, ${radius.textContent}` : 'various';
+      const most = regions.length === 1 || same ? this.limit?.[regions[0]] : null;
+      const place = 0.5 + (0.5 * (most ?? 2 * reach)) / reach;
+      mark.hidden = !(place > 0 && place < 1);
+      mark.style.left = `calc(9px + ${place} * (100% - 18px))`;
+      mark.title = most ? `The supports carry up to ${readable(most)}` : '';
     }
   }
+}
+
+function plainDot(colour) {
+  const dot = document.createElement('i');
+  if (colour) dot.style.background = colour;
+  else dot.className = 'all';
+  return dot;
+}
+
+function plainTitle(name) {
+  const title = document.createElement('span');
+  title.textContent = name;
+  return title;
 }
 
 function shape(K, unit) {

@@ -32,9 +32,11 @@ export class Scene {
     this.surface = null;
     this.goal = null;
     this.frame = 0;
+    this.plain = false;
+    this.after = () => {};
     this.light();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
-    canvas.addEventListener('dblclick', () => this.fit());
+    canvas.addEventListener('dblclick', () => this.plain || this.fit());
     canvas.addEventListener('keydown', (event) => this.key(event));
   }
 
@@ -60,8 +62,9 @@ export class Scene {
   /**
    * Show a model in the place of the one before.
    * @param {import('./model.js').Model} model
+   * @param {boolean} [keep] the view
    */
-  show(model) {
+  show(model, keep = false) {
     if (this.surface) {
       this.world.remove(this.surface.group);
       this.surface.dispose();
@@ -71,7 +74,7 @@ export class Scene {
     this.world.add(this.surface.group);
     this.start = this.surface.xyz;
     this.dress();
-    this.fit(false);
+    if (!keep) this.fit(false);
   }
 
   /**
@@ -137,6 +140,68 @@ export class Scene {
     return { vertex: this.surface.wedges.vertexOf[corners[0]], region: this.surface.wedges.regionOf[corners[0]] };
   }
 
+  /**
+   * Return the place on the ground under a place on the screen, in the model's frame; null where there is none.
+   * @param {number} x
+   * @param {number} y
+   * @returns {?number[]}
+   */
+  groundAt(x, y) {
+    if (!this.surface) return null;
+    const { model } = this.surface;
+    const frame = this.canvas.getBoundingClientRect();
+    const place = new THREE.Vector2((2 * (x - frame.left)) / frame.width - 1, 1 - (2 * (y - frame.top)) / frame.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(place, this.camera);
+    const level = (model.bounds.low[2] - model.centre[2]) / model.size;
+    const hit = ray.ray.intersectPlane(new THREE.Plane(new THREE.Vector3(0, 0, 1), -level), new THREE.Vector3());
+    return hit && [hit.x, hit.y, hit.z].map((value, axis) => value * model.size + model.centre[axis]);
+  }
+
+  /**
+   * Return where a vertex is on the canvas, and how many pixels a length of the scene is there.
+   * @param {ArrayLike<number>} xyz in the scene's frame
+   * @param {number} vertex
+   * @returns {number[]} x, y, pixels
+   */
+  onScreen(xyz, vertex) {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const at = new THREE.Vector3(xyz[3 * vertex], xyz[3 * vertex + 1], xyz[3 * vertex + 2]);
+    const far = at.distanceTo(this.camera.position);
+    const pixels = height / (2 * far * Math.tan(0.5 * THREE.MathUtils.degToRad(this.camera.fov)));
+    const { x, y } = at.project(this.camera);
+    return [((x + 1) / 2) * width, ((1 - y) / 2) * height, pixels];
+  }
+
+  /** @returns {number} the vertex nearest to the middle of the view */
+  central() {
+    const { xyz } = this.surface;
+    const [x, y] = [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2];
+    let [best, least] = [0, Infinity];
+    for (let vertex = 0; vertex < xyz.length / 3; vertex++) {
+      const at = this.onScreen(xyz, vertex);
+      const far = Math.hypot(at[0] - x, at[1] - y);
+      if (far < least) [best, least] = [vertex, far];
+    }
+    return best;
+  }
+
+  /**
+   * Return the view as a picture.
+   * @returns {Promise<Blob>}
+   */
+  picture() {
+    this.renderer.setPixelRatio(2);
+    this.resize();
+    return new Promise((resolve) => {
+      this.canvas.toBlob((blob) => {
+        this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+        this.resize();
+        resolve(blob);
+      });
+    });
+  }
+
   key(event) {
     const turn = { ArrowLeft: [0.12, 0], ArrowRight: [-0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12] }[event.key];
     if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -180,6 +245,7 @@ export class Scene {
       this.ground.position.z = low - 0.02;
     }
     this.renderer.render(this.world, this.camera);
+    this.after();
   }
 
   glide(now) {

@@ -7,7 +7,7 @@ export class Settings {
   /**
    * @param {HTMLFormElement} panel
    * @param {import('./api.js').Api} api tells which methods there are
-   * @param {{change: () => void, hold: () => void}} listener `hold` is called when the supports are others
+   * @param {{change: (key: string) => void, hold: (choice: string) => void}} listener `hold` is called when the supports are others
    */
   constructor(panel, api, listener) {
     this.panel = panel;
@@ -16,14 +16,13 @@ export class Settings {
     this.options = panel.querySelector('#options');
     this.methods = [];
     this.fields.method.addEventListener('change', () => {
+      this.own = {};
       this.describe();
-      listener.change();
+      listener.change('method');
     });
-    this.options.addEventListener('change', () => listener.change());
-    panel.querySelector('#supports').addEventListener('change', () => {
-      listener.hold();
-      listener.change();
-    });
+    this.options.addEventListener('change', ({ target }) => listener.change(`setting ${target.name}`));
+    panel.querySelector('#supports').addEventListener('change', ({ target }) => listener.hold(target.value));
+    this.own = {};
     this.load(api);
   }
 
@@ -35,6 +34,7 @@ export class Settings {
       return;
     }
     this.fields.method.replaceChildren(...this.methods.map(({ name }) => new Option(capitalised(name), name)));
+    if (this.model?.method) this.fields.method.value = this.model.method;
     this.describe();
   }
 
@@ -44,9 +44,12 @@ export class Settings {
    */
   show(model) {
     this.model = model;
-    for (const input of this.fields.supports) input.disabled = !model.supports[input.value].length;
+    this.own = model.settings;
+    for (const input of this.fields.supports) input.disabled = !model.supports[input.value]?.length && input.value !== model.choice;
     this.fields.supports.value = model.choice;
+    this.panel.querySelector('[value="file"] + span').textContent = model.drawn ? 'As drawn' : 'As given';
     this.fields.method.selectedIndex = 0;
+    if (model.method) this.fields.method.value = model.method;
     this.describe();
   }
 
@@ -57,7 +60,7 @@ export class Settings {
 
   /** @returns {number[]} the vertices that are held */
   get supports() {
-    return this.model.supports[this.fields.supports.value];
+    return this.model.supports[this.model.choice];
   }
 
   /** @returns {{supports: number[], method: string, settings: object}} the same as fields of a request */
@@ -71,7 +74,7 @@ export class Settings {
   describe() {
     const method = this.methods[this.fields.method.selectedIndex];
     if (!method) return;
-    const own = this.model?.settings ?? {};
+    const { own } = this;
     this.text.textContent = method.text;
     this.options.open = method.options.some(({ name }) => name in own);
     this.options.querySelector('.fields').replaceChildren(...method.options.map((option) => labelled(option, own[option.name])));

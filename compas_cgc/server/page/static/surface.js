@@ -4,8 +4,10 @@ import * as THREE from './vendor/three/three.module.min.js';
 import { LineMaterial } from './vendor/three/lines/LineMaterial.js';
 import { LineSegments2 } from './vendor/three/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from './vendor/three/lines/LineSegmentsGeometry.js';
-import { ROUGH, SUPPORT, linear, regionChannels, signedColour } from './colours.js';
+import { ROUGH, SUPPORT, linear, parse, signedColour } from './colours.js';
 import { Dots } from './dots.js';
+import { Extras } from './see/extras.js';
+import { withZebra } from './see/zebra.js';
 import { Wedges } from './wedges.js';
 
 /** Everything of one model in the scene. */
@@ -15,8 +17,9 @@ export class Surface {
     this.model = model;
     this.wedges = new Wedges(model);
     this.xyz = model.toScene(model.xyz);
-    this.lit = -1;
-    this.colour = (wedge) => regionChannels(this.wedges.regionOf[wedge]);
+    this.lit = null;
+    this.tints = model.targets.map((_, region) => parse(model.colourOf(region)));
+    this.colour = (wedge) => this.tints[this.wedges.regionOf[wedge]];
 
     this.geometry = new THREE.BufferGeometry();
     for (const name of ['position', 'normal', 'color']) {
@@ -33,6 +36,7 @@ export class Surface {
       polygonOffsetFactor: 2,
       polygonOffsetUnits: 2,
     });
+    this.zebra = withZebra(material);
     this.mesh = new THREE.Mesh(this.geometry, material);
     this.mesh.castShadow = true;
 
@@ -50,9 +54,10 @@ export class Surface {
 
     this.supports = new Dots(SUPPORT);
     this.rough = new Dots(ROUGH);
+    this.extras = new Extras(model);
 
     this.group = new THREE.Group();
-    this.group.add(this.mesh, this.edges, this.creases, this.supports.points, this.rough.points);
+    this.group.add(this.mesh, this.edges, this.creases, this.supports.points, this.rough.points, this.extras.group);
     for (const part of this.group.children) part.frustumCulled = false;
     this.setSupports(model.supports[model.choice]);
     this.place(this.xyz);
@@ -93,8 +98,21 @@ export class Surface {
 
   /** Colour the regions. */
   colourRegions() {
-    this.colour = (wedge) => regionChannels(this.wedges.regionOf[wedge]);
+    this.colour = (wedge) => this.tints[this.wedges.regionOf[wedge]];
     this.paint();
+  }
+
+  /**
+   * Take the colours of the regions anew.
+   * @param {import('./model.js').Model} model
+   */
+  tint(model) {
+    this.tints = model.targets.map((_, region) => parse(model.colourOf(region)));
+  }
+
+  /** @param {boolean} on whether stripes are mirrored in the surface */
+  stripes(on) {
+    this.zebra.value = on ? 1 : 0;
   }
 
   /**
@@ -111,12 +129,12 @@ export class Surface {
   }
 
   /**
-   * Show a region in a stronger light, -1 for none.
-   * @param {number} region
+   * Show regions in a stronger light.
+   * @param {number[]} regions none for all alike
    */
-  highlight(region) {
-    if (this.lit === region) return;
-    this.lit = region;
+  highlight(regions) {
+    if (!regions.length && !this.lit) return;
+    this.lit = regions.length ? new Set(regions) : null;
     this.paint();
   }
 
@@ -132,7 +150,7 @@ export class Surface {
   paint() {
     const colour = this.geometry.getAttribute('color');
     for (let wedge = 0; wedge < this.wedges.count; wedge++) {
-      const faded = this.lit >= 0 && this.wedges.regionOf[wedge] !== this.lit ? 0.5 : 0;
+      const faded = this.lit && !this.lit.has(this.wedges.regionOf[wedge]) ? 0.5 : 0;
       this.colour(wedge).forEach((channel, k) => {
         colour.array[3 * wedge + k] = linear(channel + faded * (0.86 - channel));
       });
@@ -142,7 +160,9 @@ export class Surface {
 
   /** Give back what the graphics card holds. */
   dispose() {
+    this.extras.dispose();
     for (const part of this.group.children) {
+      if (part === this.extras.group) continue;
       part.geometry.dispose();
       part.material.map?.dispose();
       part.material.dispose();

@@ -1,20 +1,26 @@
-/** How a model comes in: dropped, chosen, or one of the examples. */
+/** How a model comes in: drawn, dropped, chosen, kept from before, or one of the examples. */
+
+import { fromText } from './design/packing.js';
+import { planOfDxf } from './draw/dxf.js';
 
 const KINDS = ['3dm', 'obj'];
+const TEXTS = ['dxf', 'json'];
+const LARGEST = 64 * 2 ** 20; // bytes
 
 /** The first page, and files dropped anywhere. */
 export class Welcome {
   /**
    * @param {HTMLElement} room
    * @param {import('./api.js').Api} api
-   * @param {(data: object) => void} open
+   * @param {{open: (data: object) => void, draw: (plan: ?object, name: string) => void, state: (state: object) => void, edge: (text: string) => Promise<?number>}} listener
    */
-  constructor(room, api, open) {
+  constructor(room, api, listener) {
     this.room = room;
     this.api = api;
-    this.open = open;
+    this.listener = listener;
     this.latest = 0;
     this.trouble = room.querySelector('.trouble');
+    this.opening = room.querySelector('#opening');
     const input = room.querySelector('input[type="file"]');
     input.addEventListener('change', () => {
       const [file] = input.files;
@@ -22,6 +28,7 @@ export class Welcome {
       // The same file again is a change too.
       input.value = '';
     });
+    room.querySelector('#begin').addEventListener('click', () => listener.draw(null, ''));
     this.takeDrops();
     this.list();
   }
@@ -62,29 +69,94 @@ export class Welcome {
     head.textContent = title;
     words.textContent = text;
     card.append(picture, head, words);
-    card.addEventListener('click', () => this.load(() => this.api.example(name)));
+    card.addEventListener('click', () => this.load(`Preparing “${title}”`, async () => this.listener.open(await this.api.example(name))));
     return card;
   }
 
-  file(file) {
-    const kind = file.name.split('.').pop().toLowerCase();
-    // A .3dm is kept: the result goes back into it.
-    const kept = kind === '3dm' ? file : null;
-    if (KINDS.includes(kind)) this.load(async () => ({ ...(await this.api.model(file, kind)), file: kept }));
-    else this.say(`“${file.name}” is neither a .3dm nor an .obj file. Save the mesh as one of these and drop it again.`);
+  /**
+   * Offer what was kept.
+   * @param {object[]} designs
+   * @param {{take: (design: object) => void, drop: (design: object) => void}} act
+   */
+  offer(designs, act) {
+    const rows = designs.map((design) => {
+      const row = document.createElement('li');
+      const [open, head, when, drop] = ['button', 'strong', 'span', 'button'].map((tag) => document.createElement(tag));
+      Object.assign(open, { type: 'button', className: 'kept' });
+      head.textContent = design.name || 'Roof';
+      when.textContent = new Date(design.time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
+      open.append(head, when);
+      open.addEventListener('click', () => act.take(design));
+      Object.assign(drop, { type: 'button', className: 'small', textContent: '×', title: 'Forget', ariaLabel: `Forget ${head.textContent}` });
+      drop.addEventListener('click', () => {
+        act.drop(design);
+        row.remove();
+        this.room.querySelector('#recent').hidden = !this.room.querySelector('#recent li');
+      });
+      row.append(open, drop);
+      return row;
+    });
+    this.room.querySelector('#recent ul').replaceChildren(...rows);
+    this.room.querySelector('#recent').hidden = !rows.length;
   }
 
-  async load(read) {
+  /** @param {File} file */
+  file(file) {
+    const kind = file.name.split('.').pop().toLowerCase();
+    const size = file.size > 1e6 ? `, ${(file.size / 1e6).toFixed(1)} MB` : '';
+    if (file.size > LARGEST) this.say(`“${file.name}” is larger than 64 MB, the most that the server takes. Save the mesh, its supports and folds as a file of their own.`);
+    else if (KINDS.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
+    else if (TEXTS.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.text(file, kind));
+    else this.say(`“${file.name}” is neither a .3dm nor an .obj file, no .dxf and no saved design. Save the mesh as one of these and drop it again.`);
+  }
+
+  async text(file, kind) {
+    const text = await file.text();
+    if (kind === 'dxf') this.listener.draw(planOfDxf(text), file.name.replace(/\.[^.]*$/, ''));
+    else this.listener.state(fromText(text));
+  }
+
+  /** Open a file; where it holds curves or surfaces but no mesh, with an edge length that is asked for. */
+  async model(file, kind, edge = null) {
+    // A .3dm is kept: the result goes back into it.
+    const kept = kind === '3dm' ? file : null;
+    try {
+      const data = await this.api.model(file, kind, edge);
+      const again = !edge && data.notes.some((note) => note.includes('edge length')) ? () => this.again(file, kind) : null;
+      this.listener.open({ ...data, file: edge ? null : kept }, again);
+    } catch (error) {
+      if (edge || kind !== '3dm' || !/no mesh/.test(error.message)) throw error;
+      await this.again(file, kind, 'There is no mesh in the file. One can be made within its closed curve, or on its surfaces.');
+    }
+  }
+
+  async again(file, kind, text = 'The mesh can be made anew on the surfaces of the file, with even triangles.') {
+    const edge = await this.listener.edge(text);
+    if (edge) await this.load(`Making the mesh of “${file.name}”`, () => this.model(file, kind, edge));
+  }
+
+  async load(words, read) {
     const turn = ++this.latest;
+    const begin = performance.now();
+    const tell = () => {
+      const seconds = Math.round((performance.now() - begin) / 1000);
+      this.opening.textContent = `${words} …${seconds > 1 ? ` ${seconds} s` : ''}`;
+    };
     document.body.classList.add('reading');
     this.say('');
+    tell();
+    this.opening.hidden = false;
+    const clock = setInterval(tell, 1000);
     try {
-      const data = await read();
-      if (turn === this.latest) this.open(data);
+      await read();
     } catch (error) {
       if (turn === this.latest) this.say(error.message);
     } finally {
-      if (turn === this.latest) document.body.classList.remove('reading');
+      clearInterval(clock);
+      if (turn === this.latest) {
+        this.opening.hidden = true;
+        document.body.classList.remove('reading');
+      }
     }
   }
 

@@ -1,0 +1,155 @@
+"""Mesh of a drawing made on the page: closed lines, folds, columns and held sides in, a posed problem out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...datastructures import CGCMesh
+from ...discrete.arrays import FloatArray
+from ...errors import CGCError
+from ...meshing.polyline import nearest_on_polyline
+from ...model.problem import CGCProblem
+from ...model.problem import Drawing
+from ..api.decoding import LARGEST
+from ..api.decoding import check_size
+from ..api.decoding import number
+from ..api.wording import in_request_words
+from ..errors import TooLarge
+from ..errors import Unprocessable
+from ..limits import Limits
+from .preview import contents
+
+__all__ = ["Sketch", "mesh_of_sketch", "read_sketch"]
+
+FIELDS = ("name", "unit", "edge_length", "outline", "holes", "creases", "points", "held")
+UNITS = {"": "", "m": "Meters", "mm": "Millimeters", "cm": "Centimeters", "ft": "Feet", "in": "Inches"}
+CURVES = 500  # most of one drawing
+ENOUGH = 3  # supports; on fewer a roof tips over
+POINTS = 20_000  # most of all its curves
+
+
+class Sketch(NamedTuple):
+    """What is drawn in plan [L]."""
+
+    name: str
+    unit: str  # name of a unit of length, empty for none
+    edge_length: float
+    outline: FloatArray  # (k, 2), the first point again at the end
+    holes: list[FloatArray]
+    creases: list[FloatArray]
+    points: FloatArray  # (k, 2) columns
+    held: list[FloatArray]  # lines whose vertices are held
+
+
+def read_sketch(value: object, limits: Limits) -> Sketch:
+    """Return the drawing in plain data.
+
+    Raises
+    ------
+    Unprocessable, TooLarge
+        With a sentence that names the field.
+    """
+    if not isinstance(value, Mapping):
+        raise Unprocessable("the drawing must be a JSON object with an 'outline' and an 'edge_length'")
+    unknown = sorted(set(value) - set(FIELDS))
+    if unknown:
+        raise Unprocessable(f"a drawing has no {unknown[0]!r:.60}; it has {', '.join(FIELDS)}")
+    name, unit = value.get("name", ""), value.get("unit", "")
+    if not isinstance(name, str) or unit not in UNITS:
+        raise Unprocessable(f"'name' must be a text, and 'unit' one of {', '.join(filter(None, UNITS))}")
+    edge_length = number(value.get("edge_length"), "'edge_length'")
+    outline = _line(value.get("outline"), "'outline'", 3)
+    groups = {key: _lines(value.get(key, []), key) for key in ("holes", "creases", "held")}
+    points = _line(value.get("points", []), "'points'", 0)
+    if sum(map(len, (outline, points, *groups["holes"], *groups["creases"], *groups["held"]))) > POINTS:
+        raise TooLarge(f"the drawing has more than {POINTS} points; draw it with fewer")
+    holes = [_closed(hole) for hole in groups["holes"]]
+    sketch = Sketch(name[:100], UNITS[unit], edge_length, _closed(outline), holes, groups["creases"], points, groups["held"])
+    if not edge_length > 0:
+        raise Unprocessable("the edge length must be above zero")
+    # An equilateral triangle has half a vertex.
+    count = _area(sketch.outline) / (0.866 * edge_length**2)
+    if not count < limits.vertices:
+        raise TooLarge(
+            f"with edges this short the mesh would have some {count:.2g} vertices, the server takes {limits.vertices}; make them longer"
+        )
+    return sketch
+
+
+def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
+    """Mesh a drawing; tell what it holds as JSON, with the vertices of its columns.
+
+    Raises
+    ------
+    Unprocessable
+        With the sentence of the mesher.
+    """
+    try:
+        holes, creases = [_raised(line) for line in sketch.holes], [_raised(line) for line in sketch.creases]
+        problem = CGCMesh.from_outline(_raised(sketch.outline), sketch.edge_length, holes, creases, _raised(sketch.points)).to_problem()
+        check_size(len(problem.vertices), len(problem.faces), limits)
+        columns, held = _columns(problem, sketch), _held(problem, sketch)
+        notes = []
+        supports = {vertex for vertex in (*columns, *held) if vertex >= 0}
+        if 0 < len(supports) < ENOUGH:
+            supports.update(problem.with_supports("boundary").supports.tolist())
+            notes.append("the supports drawn cannot hold a roof alone: the whole edge is held too, to begin with")
+        if supports:
+            problem = problem.with_supports(sorted(supports))
+        problem = replace(problem, drawing=Drawing(sketch.name or "Roof", units=sketch.unit or None))
+        found = contents(problem, notes, sketch.name or "Roof")
+    except CGCError as error:
+        raise Unprocessable(in_request_words(error)) from None
+    return json.dumps({**found, "columns": columns}, ensure_ascii=False, allow_nan=False).encode("utf-8")
+
+
+def _columns(problem: CGCProblem, sketch: Sketch) -> list[int]:
+    """Return the vertex at each column, of those that stand within the drawing."""
+    if not len(sketch.points):
+        return []
+    gap, at = cKDTree(problem.vertices[:, :2]).query(sketch.points)
+    return [int(vertex) if near <= 0.2 * sketch.edge_length else -1 for near, vertex in zip(gap, at)]
+
+
+def _held(problem: CGCProblem, sketch: Sketch) -> list[int]:
+    """Return the vertices on the sides that are held."""
+    flat = problem.vertices * [1.0, 1.0, 0.0]
+    near = [nearest_on_polyline(flat, _raised(line))[0] <= 1e-6 * sketch.edge_length for line in sketch.held]
+    return np.flatnonzero(np.any(near, axis=0)).tolist() if near else []
+
+
+def _raised(line: FloatArray) -> FloatArray:
+    return np.column_stack([line, np.zeros(len(line))])
+
+
+def _closed(ring: FloatArray) -> FloatArray:
+    return ring if (ring[0] == ring[-1]).all() else np.concatenate([ring, ring[:1]])
+
+
+def _area(ring: FloatArray) -> float:
+    x, y = ring.T
+    return 0.5 * abs(float(x[:-1] @ y[1:] - x[1:] @ y[:-1]))
+
+
+def _lines(value: object, key: str) -> list[FloatArray]:
+    if not isinstance(value, list) or len(value) > CURVES:
+        raise Unprocessable(f"'{key}' must be a list of at most {CURVES} lines, each a list of [x, y]")
+    return [_line(line, f"line {i} of '{key}'", 3 if key == "holes" else 2) for i, line in enumerate(value)]
+
+
+def _line(value: object, what: str, least: int) -> FloatArray:
+    if not isinstance(value, list) or len(value) < least or len(value) > POINTS:
+        raise Unprocessable(f"{what} must be a list of at least {least} points [x, y]")
+    for point in value:
+        if not isinstance(point, list) or len(point) != 2:
+            raise Unprocessable(f"every point of {what} must be [x, y]")
+        for x in point:
+            if abs(number(x, f"a coordinate of {what}")) > LARGEST:
+                raise Unprocessable(f"a coordinate of {what} is larger than {LARGEST:g}; correct it")
+    return np.array(value, dtype=np.float64).reshape(-1, 2)

@@ -1,0 +1,33 @@
+/** The heights of supports that stand alone. */
+
+import { readable } from './numbers.js';
+
+const MOST = 12; // rows
+
+/**
+ * List the supports that stand alone, each with its height.
+ * @param {HTMLElement} room
+ * @param {import('./model.js').Model} model
+ * @param {number[]} held
+ * @param {(vertices: number[], height: number) => void} change
+ */
+export function showColumns(room, model, held, change) {
+  const set = new Set(held);
+  const alone = held.filter((vertex) => !model.graph.near[vertex].some((next) => set.has(next)));
+  const rows = alone.length > MOST ? [] : alone;
+  room.hidden = !rows.length;
+  room.replaceChildren(
+    ...rows.map((vertex, number) => {
+      const row = document.createElement('li');
+      const [label, words, field] = ['label', 'span', 'input'].map((tag) => document.createElement(tag));
+      const [x, y] = (model.ground ?? model.vertices)[vertex];
+      words.textContent = `Support at ${readable(x)}, ${readable(y)}`;
+      const height = model.heights[vertex] ?? 0;
+      Object.assign(field, { type: 'number', step: 'any', value: height || '', placeholder: '0', ariaLabel: `Height of support ${number + 1}`, title: 'Height over where it was drawn' });
+      field.addEventListener('change', () => change([vertex], Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : 0));
+      label.append(words, field);
+      row.append(label);
+      return row;
+    }),
+  );
+}

@@ -1,0 +1,148 @@
+/** Changes of a design: each returns a new one and leaves the old as it was. */
+
+import { lifted } from '../mesh/lift.js';
+import { regionsOf } from '../mesh/graph.js';
+
+/**
+ * Return what is held.
+ * @param {object} data
+ * @returns {number[]} vertices
+ */
+export function heldIn(data) {
+  return data.supports[data.support_choice];
+}
+
+/**
+ * Hold some vertices, or let them go.
+ * @param {object} data
+ * @param {number[]} vertices
+ * @param {boolean} hold
+ * @returns {object}
+ */
+export function withHeld(data, vertices, hold) {
+  const held = new Set(heldIn(data));
+  for (const vertex of vertices) {
+    if (hold) held.add(vertex);
+    else held.delete(vertex);
+  }
+  const hand = [...held].sort((a, b) => a - b);
+  const heights = Object.fromEntries(Object.entries(data.heights ?? {}).filter(([vertex]) => held.has(Number(vertex))));
+  return raised({ ...data, supports: { ...data.supports, hand }, support_choice: 'hand', heights });
+}
+
+/**
+ * Take one of the choices of supports.
+ * @param {object} data
+ * @param {string} choice
+ * @returns {object}
+ */
+export function withChoice(data, choice) {
+  const held = new Set(data.supports[choice]);
+  const heights = Object.fromEntries(Object.entries(data.heights ?? {}).filter(([vertex]) => held.has(Number(vertex))));
+  return raised({ ...data, support_choice: choice, heights });
+}
+
+/**
+ * Put supports at a height over where they were drawn.
+ * @param {object} data
+ * @param {number[]} vertices
+ * @param {number} height
+ * @returns {object}
+ */
+export function withHeight(data, vertices, height) {
+  const heights = { ...data.heights };
+  for (const vertex of vertices) {
+    if (height) heights[vertex] = height;
+    else delete heights[vertex];
+  }
+  return raised({ ...data, heights });
+}
+
+function raised(data) {
+  const before = data.ground ?? data.vertices;
+  if (!Object.keys(data.heights).length) return data.ground ? { ...data, vertices: before, ground: undefined } : data;
+  return { ...data, ground: before, vertices: lifted(before, heldIn(data), data.heights) };
+}
+
+/**
+ * Add a crease.
+ * @param {object} data
+ * @param {number[]} path vertices along edges
+ * @returns {object}
+ */
+export function withCrease(data, path) {
+  return divided(data, [...data.creases, path]);
+}
+
+/**
+ * Take a crease away.
+ * @param {object} data
+ * @param {number} vertex on it
+ * @returns {object}
+ */
+export function withoutCrease(data, vertex) {
+  return divided(
+    data,
+    data.creases.filter((path) => !path.includes(vertex)),
+  );
+}
+
+/** Number the regions anew; each keeps K, name and colour of where most of it was. */
+function divided(data, creases) {
+  const regions = regionsOf(Uint32Array.from(data.faces.flat()), creases, data.vertices.length);
+  const count = Math.max(...regions) + 1;
+  const shares = Array.from({ length: count }, () => new Map());
+  regions.forEach((region, face) => {
+    const old = data.regions[face];
+    shares[region].set(old, (shares[region].get(old) ?? 0) + 1);
+  });
+  const from = shares.map((share) => [...share].sort((a, b) => b[1] - a[1])[0][0]);
+  // Of a region that is divided the largest part keeps the name.
+  const heir = from.map((old, region) => regions.length && from.every((other, k) => other !== old || size(shares, k, old) <= size(shares, region, old)));
+  const kept = (list) => from.map((old, region) => (heir[region] ? (list?.[old] ?? null) : null));
+  return {
+    ...data,
+    creases,
+    regions,
+    targets: from.map((old) => data.targets[old]),
+    names: kept(data.names),
+    colours: kept(data.colours),
+    problems: [],
+  };
+}
+
+function size(shares, region, old) {
+  return shares[region].get(old) ?? 0;
+}
+
+/**
+ * Name a region.
+ * @param {object} data
+ * @param {number} region
+ * @param {string} name
+ * @returns {object}
+ */
+export function withName(data, region, name) {
+  return { ...data, names: data.targets.map((_, each) => (each === region ? name.trim() || null : (data.names?.[each] ?? null))) };
+}
+
+/**
+ * Colour a region.
+ * @param {object} data
+ * @param {number} region
+ * @param {string} colour hex
+ * @returns {object}
+ */
+export function withColour(data, region, colour) {
+  return { ...data, colours: data.targets.map((_, each) => (each === region ? colour : (data.colours?.[each] ?? null))) };
+}
+
+/**
+ * Change what is asked besides K.
+ * @param {object} data
+ * @param {object} goals some of rise, found, edge, above, below, boxes
+ * @returns {object}
+ */
+export function withGoals(data, goals) {
+  return { ...data, goals: { ...data.goals, ...goals } };
+}

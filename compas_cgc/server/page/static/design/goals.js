@@ -1,0 +1,18 @@
+/** Goals of a design as the server takes them. */
+
+/**
+ * Return the fields of a request that ask for goals.
+ * @param {object} [goals] rise, above, below [L]; found: K follows; edge: free edges keep their plan; boxes to keep clear
+ * @returns {{goals?: object[], unknown?: string}}
+ */
+export function asked({ rise = null, above = null, below = null, found = false, edge = false, boxes = [] } = {}) {
+  const list = [];
+  if (rise !== null) list.push({ kind: 'rise', rise });
+  if (above !== null) list.push({ kind: 'above', height: above });
+  if (below !== null) list.push({ kind: 'below', height: below });
+  if (edge) list.push({ kind: 'edge in plan' });
+  for (const { x0, y0, x1, y1, height } of boxes) {
+    list.push({ kind: 'clearance', where: [Math.min(x0, x1), Math.min(y0, y1), Math.max(x0, x1), Math.max(y0, y1)], height });
+  }
+  return { ...(list.length ? { goals: list } : {}), ...(found && rise !== null ? { unknown: 'all' } : {}) };
+}

@@ -1,0 +1,76 @@
+/** Undo and redo: the states that a design has had. */
+
+const TOGETHER = 900; // milliseconds within which changes of the same thing are one
+const MOST = 200; // states
+
+/** The states of a design; each is plain data that nobody changes. */
+export class History {
+  /** @param {() => void} changed called whenever undo or redo become possible or impossible */
+  constructor(changed) {
+    this.changed = changed;
+    this.states = [];
+    this.at = 0;
+    this.last = { key: '', time: 0 };
+  }
+
+  /** @returns {?object} the present state */
+  get now() {
+    return this.states[this.at] ?? null;
+  }
+
+  /** @returns {boolean} */
+  get canUndo() {
+    return this.at > 0;
+  }
+
+  /** @returns {boolean} */
+  get canRedo() {
+    return this.at < this.states.length - 1;
+  }
+
+  /**
+   * Begin anew.
+   * @param {object} state
+   */
+  begin(state) {
+    this.states = [state];
+    this.at = 0;
+    this.last = { key: '', time: 0 };
+    this.changed();
+  }
+
+  /**
+   * Add a state.
+   * @param {object} state
+   * @param {string} [key] what has changed; changes of the same thing in a row are one
+   */
+  push(state, key = '') {
+    const time = performance.now();
+    const same = key && key === this.last.key && time - this.last.time < TOGETHER && this.at > 0;
+    this.states.length = this.at + 1;
+    if (same) this.states[this.at] = state;
+    else this.states.push(state);
+    if (this.states.length > MOST) this.states.shift();
+    this.at = this.states.length - 1;
+    this.last = { key, time };
+    this.changed();
+  }
+
+  /** @returns {?object} the state before */
+  undo() {
+    return this.step(-1);
+  }
+
+  /** @returns {?object} the state after */
+  redo() {
+    return this.step(1);
+  }
+
+  step(by) {
+    if (!this.states[this.at + by]) return null;
+    this.at += by;
+    this.last.key = '';
+    this.changed();
+    return this.now;
+  }
+}

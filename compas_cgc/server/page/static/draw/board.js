@@ -1,0 +1,358 @@
+/** The drawing board: lines, circles and columns drawn by pointer and by typed lengths. */
+
+import { Ink } from './ink.js';
+import { boundsOf, circle, segmentsOf, tidy, withLength } from './plan.js';
+import { snapped } from './snap.js';
+import { typedPoint } from './typed.js';
+
+const STILL = 5; // pixels that a click may move
+const HINTS = {
+  line: ['Click where the roof begins, or type a place such as 0, 0.', 'Click the next point, or type a length. The first point closes the line; Enter ends a fold.'],
+  rectangle: ['Click a corner.', 'Click the opposite corner, or type both sides: 12, 8.'],
+  circle: ['Click the centre.', 'Click the rim, or type the radius.'],
+  column: ['Click where a column stands, or type its place.', ''],
+  hold: ['Click the sides that are held. Without any the whole edge is.', ''],
+  move: ['Drag points and columns; click a dimension to change it.', ''],
+};
+
+/** The board. */
+export class Board {
+  /**
+   * @param {SVGSVGElement} svg
+   * @param {{field: HTMLInputElement, label: HTMLElement, hint: HTMLElement}} typing
+   * @param {{change: (plan: import('./plan.js').Plan, key?: string) => void, tool: (name: string) => void}} listener
+   */
+  constructor(svg, typing, listener) {
+    this.svg = svg;
+    this.ink = new Ink(svg);
+    this.typing = typing;
+    this.listener = listener;
+    this.plan = null;
+    this.fingers = new Map();
+    this.asking = null;
+    this.reset('line');
+    new ResizeObserver(() => this.resize()).observe(svg);
+    svg.addEventListener('pointerdown', (event) => this.down(event));
+    svg.addEventListener('pointermove', (event) => this.move(event));
+    svg.addEventListener('pointerup', (event) => this.up(event));
+    svg.addEventListener('pointercancel', (event) => this.lift(event));
+    svg.addEventListener('pointerleave', () => this.hover(null));
+    svg.addEventListener('dblclick', () => this.finish());
+    svg.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
+    svg.addEventListener('keydown', (event) => this.key(event));
+    typing.field.addEventListener('keydown', (event) => this.typingKey(event));
+  }
+
+  reset(tool) {
+    this.tool = tool;
+    this.draft = [];
+    this.pointer = null;
+    this.hot = null;
+    this.press = null;
+    this.asking = null;
+    this.typing.field.value = '';
+  }
+
+  /** @param {import('./plan.js').Plan} plan */
+  show(plan) {
+    this.plan = plan;
+    this.draw();
+  }
+
+  /** @param {string} tool */
+  choose(tool) {
+    this.reset(tool);
+    this.draw();
+  }
+
+  /** Show all that is drawn. */
+  fit() {
+    this.ink.fit(boundsOf(this.plan));
+    this.draw();
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.svg;
+    if (!width || !height) return;
+    const first = this.ink.frame.width === 1;
+    this.ink.frame = { width, height };
+    if (!this.plan) return;
+    if (first) this.fit();
+    else this.draw();
+  }
+
+  draw() {
+    if (!this.plan) return;
+    const { draft, pointer, tool, hot } = this;
+    this.ink.draw(this.plan, { draft, pointer, tool, hot, shape: this.shape(pointer?.at) });
+    const [first, next] = HINTS[tool];
+    this.typing.hint.textContent = this.asking ? 'Type the new length.' : draft.length ? next : first;
+    const places = !draft.length && !this.asking;
+    this.typing.label.textContent = this.asking ? 'Length' : places ? 'Place' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
+    this.typing.field.parentElement.hidden = (tool === 'move' || tool === 'hold') && !this.asking;
+  }
+
+  /** Return the corners of the rectangle or circle that is being drawn. */
+  shape(at) {
+    const [from] = this.draft;
+    if (!from || !at) return null;
+    if (this.tool === 'rectangle') return [from, [at[0], from[1]], at, [from[0], at[1]]];
+    if (this.tool === 'circle') return circle(from[0], from[1], Math.hypot(at[0] - from[0], at[1] - from[1])).points;
+    return null;
+  }
+
+  // ---------------------------------------------------------- pointer
+
+  place(event) {
+    const { left, top } = this.svg.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top];
+  }
+
+  snap(event, skip) {
+    const reach = (event.pointerType === 'touch' ? 20 : 11) / this.ink.view.scale;
+    return snapped(this.ink.toPlan(...this.place(event)), this.plan, this.draft, { reach, step: this.ink.step, skip });
+  }
+
+  down(event) {
+    this.fingers.set(event.pointerId, this.place(event));
+    this.svg.setPointerCapture(event.pointerId);
+    this.press = { at: this.place(event), view: { ...this.ink.view }, moved: false, several: this.fingers.size > 1, pan: event.button === 1 || event.button === 2 };
+    if (this.tool !== 'move' || this.press.pan) return;
+    this.hot = this.under(event);
+    this.press.drag = this.hot?.point !== undefined || this.hot?.column !== undefined ? this.hot : null;
+    this.press.plan = this.plan;
+  }
+
+  move(event) {
+    const { press } = this;
+    const before = this.fingers.get(event.pointerId);
+    if (before) this.fingers.set(event.pointerId, this.place(event));
+    if (press?.several) {
+      this.pinch(event.pointerId, before);
+      return;
+    }
+    const at = this.place(event);
+    if (press && Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > STILL) press.moved = true;
+    if (press?.moved && press.drag) this.drag(event);
+    else if (press?.moved && (press.pan || this.tool === 'move' || this.tool === 'hold')) {
+      const { x, y, scale } = press.view;
+      this.ink.view = { x: x - (at[0] - press.at[0]) / scale, y: y + (at[1] - press.at[1]) / scale, scale };
+      this.draw();
+    } else this.hover(event);
+  }
+
+  hover(event) {
+    this.pointer = event && this.tool !== 'move' && this.tool !== 'hold' ? this.snap(event) : null;
+    if (event) this.hot = this.tool === 'move' || this.tool === 'hold' ? this.under(event) : null;
+    this.draw();
+  }
+
+  up(event) {
+    const { press } = this;
+    this.lift(event);
+    if (!press || press.several || press.pan) return;
+    if (press.moved && (press.drag || this.tool === 'move' || this.tool === 'hold')) return;
+    if (this.tool === 'hold') this.hold(this.under(event));
+    else if (this.tool === 'move') this.ask(event);
+    else this.put(this.snap(event).at);
+    // So that a length can be typed at once.
+    if (event.pointerType !== 'touch' && !this.typing.field.parentElement.hidden) this.typing.field.focus({ preventScroll: true });
+  }
+
+  lift(event) {
+    this.fingers.delete(event.pointerId);
+    if (!this.fingers.size) this.press = null;
+  }
+
+  pinch(id, before) {
+    const [other] = [...this.fingers].filter(([each]) => each !== id).map(([, at]) => at);
+    const now = this.fingers.get(id);
+    if (!other || !before) return;
+    const [old, fresh] = [before, now].map((at) => Math.hypot(at[0] - other[0], at[1] - other[1]) || 1);
+    const middle = [(before[0] + other[0]) / 2, (before[1] + other[1]) / 2];
+    const held = this.ink.toPlan(...middle);
+    this.zoomTo(held, [(now[0] + other[0]) / 2, (now[1] + other[1]) / 2], fresh / old);
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    const at = this.place(event);
+    this.zoomTo(this.ink.toPlan(...at), at, Math.exp(-0.0012 * event.deltaY));
+  }
+
+  /** Zoom so that a place of the plan comes to lie under a place on the screen. */
+  zoomTo(held, at, factor) {
+    this.ink.view.scale = Math.max(1e-6, Math.min(1e6, this.ink.view.scale * factor));
+    const there = this.ink.toPlan(...at);
+    this.ink.view.x += held[0] - there[0];
+    this.ink.view.y += held[1] - there[1];
+    this.draw();
+  }
+
+  /** Return what lies under the pointer: a point, a column, a segment or a dimension. */
+  under(event) {
+    const at = this.place(event);
+    const reach = event.pointerType === 'touch' ? 22 : 11;
+    const near = (point) => {
+      const [x, y] = this.ink.toScreen(point);
+      return Math.hypot(x - at[0], y - at[1]);
+    };
+    const label = document.elementsFromPoint(event.clientX, event.clientY).find((each) => each.dataset?.size);
+    for (const [number, { x, y }] of this.plan.columns.entries()) if (near([x, y]) <= reach) return { column: number };
+    for (const [number, line] of this.plan.lines.entries()) {
+      const points = line.circle ? [[line.circle.x, line.circle.y]] : line.points;
+      const point = points.findIndex((each) => near(each) <= reach);
+      if (point >= 0 && this.tool === 'move') return { line: number, point };
+    }
+    if (label && this.tool === 'move') {
+      const [line, segment] = label.dataset.size.split(' ').map(Number);
+      return { line, segment, label: true };
+    }
+    for (const [number, line] of this.plan.lines.entries()) {
+      for (const [segment, [a, b]] of segmentsOf(line).entries()) {
+        if (distanceTo(at, this.ink.toScreen(a), this.ink.toScreen(b)) <= reach) return { line: number, segment };
+      }
+    }
+    return null;
+  }
+
+  // ---------------------------------------------------------- drawing
+
+  /** Put the next point. */
+  put(at) {
+    const point = at.map(tidy);
+    const { draft, tool } = this;
+    if (tool === 'column') {
+      this.change({ ...this.plan, columns: [...this.plan.columns, { x: point[0], y: point[1], height: 0 }] });
+      return;
+    }
+    const [first] = draft;
+    const again = first && Math.hypot(point[0] - first[0], point[1] - first[1]) < 1e-9;
+    const shape = this.shape(point);
+    if (shape && !again) {
+      const line = tool === 'circle' ? circle(first[0], first[1], Math.hypot(point[0] - first[0], point[1] - first[1])) : { points: shape, closed: true, held: [] };
+      if (tool === 'circle' || (point[0] !== first[0] && point[1] !== first[1])) this.add(line);
+    } else if (again && draft.length > 2) this.add({ points: draft, closed: true, held: [] });
+    else if (!draft.some(([x, y]) => Math.hypot(x - point[0], y - point[1]) < 1e-9)) this.draft = [...draft, point];
+    this.draw();
+  }
+
+  /** End an open line. */
+  finish() {
+    if (this.tool === 'line' && this.draft.length > 1) this.add({ points: this.draft, closed: false, held: [] });
+  }
+
+  add(line) {
+    this.draft = [];
+    this.change({ ...this.plan, lines: [...this.plan.lines, line] });
+  }
+
+  change(plan, key) {
+    this.plan = plan;
+    this.draw();
+    this.listener.change(plan, key);
+  }
+
+  drag(event) {
+    const { press } = this;
+    const { line: number, point, column } = press.drag;
+    const [x, y] = this.snap(event, column === undefined ? this.plan.lines[number].points[point] : undefined).at.map(tidy);
+    if (column !== undefined) {
+      const grid = this.ink.toPlan(...this.place(event)).map((value) => tidy(Math.round(value / this.ink.step) * this.ink.step));
+      this.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === column ? { ...own, x: grid[0], y: grid[1] } : own)) }, `column ${column}`);
+      return;
+    }
+    const { lines } = this.plan;
+    const line = lines[number];
+    const moved = line.circle
+      ? { ...circle(x, y, line.circle.r), held: line.held }
+      : { ...line, points: line.points.map((own, k) => (k === point ? [x, y] : own)) };
+    this.change({ ...this.plan, lines: lines.map((own, k) => (k === number ? moved : own)) }, `point ${number} ${point}`);
+  }
+
+  hold(found) {
+    if (found?.line === undefined || found.segment === undefined) return;
+    const line = this.plan.lines[found.line];
+    if (!line.closed) return;
+    const all = line.circle ? line.points.map((_, k) => k) : [found.segment];
+    const held = line.held.includes(found.segment) ? line.held.filter((k) => !all.includes(k)) : [...line.held, ...all];
+    this.change({ ...this.plan, lines: this.plan.lines.map((own, k) => (k === found.line ? { ...own, held } : own)) });
+  }
+
+  /** Ask for the length of a dimension. */
+  ask(event) {
+    const found = this.under(event);
+    this.asking = found?.label ? found : null;
+    this.draw();
+    if (!this.asking) return;
+    const [a, b] = segmentsOf(this.plan.lines[found.line])[found.segment];
+    this.typing.field.value = String(tidy(Math.hypot(b[0] - a[0], b[1] - a[1])));
+    this.typing.field.select();
+  }
+
+  /** Take what is typed. */
+  take() {
+    const { value } = this.typing.field;
+    if (this.asking) {
+      const { line, segment } = this.asking;
+      const length = Number(value);
+      this.asking = null;
+      this.typing.field.value = '';
+      if (length > 0) {
+        this.change({ ...this.plan, lines: this.plan.lines.map((own, k) => (k === line ? { ...withLength(own, segment, length), circle: undefined } : own)) });
+      } else this.draw();
+      return;
+    }
+    if (!value.trim()) {
+      this.finish();
+      return;
+    }
+    const point = typedPoint(value, this.draft.at(-1) ?? null, this.pointer?.at ?? null);
+    this.typing.field.value = '';
+    if (point) this.put(point);
+  }
+
+  /** Take back the last point; tell whether there was one. */
+  back() {
+    if (!this.draft.length) return false;
+    this.draft = this.draft.slice(0, -1);
+    this.draw();
+    return true;
+  }
+
+  typingKey(event) {
+    if (event.key === 'Enter') {
+      event.preventDefault();
+      this.take();
+    } else if (event.key === 'Escape') this.choose(this.tool);
+    else if (event.key === 'Backspace' && !this.typing.field.value) this.back();
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (/^[\d.,-]$/.test(event.key) && !this.typing.field.parentElement.hidden) {
+      this.typing.field.focus();
+      return;
+    }
+    const shift = { ArrowLeft: [-40, 0], ArrowRight: [40, 0], ArrowUp: [0, 40], ArrowDown: [0, -40] }[event.key];
+    if (shift) {
+      this.ink.view.x += shift[0] / this.ink.view.scale;
+      this.ink.view.y += shift[1] / this.ink.view.scale;
+    } else if (event.key === '+' || event.key === '-') {
+      const middle = [this.ink.view.x, this.ink.view.y];
+      this.zoomTo(middle, this.ink.toScreen(middle), event.key === '+' ? 1.2 : 1 / 1.2);
+    } else if (event.key === 'f') this.ink.fit(boundsOf(this.plan));
+    else if (event.key === 'Enter') this.finish();
+    else if (event.key === 'Escape') this.reset(this.tool);
+    else if (event.key === 'Backspace') this.back();
+    else return;
+    event.preventDefault();
+    this.draw();
+  }
+}
+
+function distanceTo(at, a, b) {
+  const along = [b[0] - a[0], b[1] - a[1]];
+  const share = Math.max(0, Math.min(1, ((at[0] - a[0]) * along[0] + (at[1] - a[1]) * along[1]) / (along[0] ** 2 + along[1] ** 2 || 1)));
+  return Math.hypot(at[0] - a[0] - share * along[0], at[1] - a[1] - share * along[1]);
+}

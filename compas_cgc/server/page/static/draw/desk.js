@@ -1,0 +1,99 @@
+/** The panel beside the drawing board: name, unit, edge length, lines and columns. */
+
+import { areaOf, boundsOf, rolesOf, segmentsOf, suggestedEdge } from './plan.js';
+import { readable } from '../numbers.js';
+
+const WORDS = { outline: 'Outline', hole: 'Hole', fold: 'Fold' };
+
+/** The panel. */
+export class Desk {
+  /**
+   * @param {HTMLFormElement} panel
+   * @param {import('./board.js').Board} board
+   * @param {{change: (plan: import('./plan.js').Plan, key?: string) => void, name: (name: string) => void, mesh: () => void}} listener
+   */
+  constructor(panel, board, listener) {
+    this.panel = panel;
+    this.board = board;
+    this.listener = listener;
+    this.fields = panel.elements;
+    document.querySelector('#draw-tools').addEventListener('change', ({ target }) => {
+      board.choose(target.value);
+      board.svg.focus({ preventScroll: true });
+    });
+    this.fields['plan-name'].addEventListener('change', ({ target }) => listener.name(target.value.trim()));
+    this.fields['plan-unit'].addEventListener('change', ({ target }) => listener.change({ ...this.plan, unit: target.value }));
+    this.fields['plan-edge'].addEventListener('change', ({ target }) => {
+      listener.change({ ...this.plan, edge: target.valueAsNumber > 0 ? target.valueAsNumber : null });
+    });
+    panel.addEventListener('submit', (event) => {
+      event.preventDefault();
+      listener.mesh();
+    });
+  }
+
+  /**
+   * Show what is drawn.
+   * @param {import('./plan.js').Plan} plan
+   * @param {string} name
+   */
+  show(plan, name) {
+    this.plan = plan;
+    this.board.show(plan);
+    const edge = suggestedEdge(plan);
+    const outline = plan.lines[rolesOf(plan).indexOf('outline')];
+    this.fields['plan-name'].value = name;
+    this.fields['plan-unit'].value = plan.unit;
+    this.fields['plan-edge'].value = plan.edge ?? '';
+    this.fields['plan-edge'].placeholder = edge ?? '';
+    this.fields.mesh.disabled = !outline;
+    const used = plan.edge ?? edge;
+    this.panel.querySelector('#plan-count').textContent = outline
+      ? `About ${readable(Math.round(areaOf(outline.points) / (0.866 * used ** 2)), 2)} vertices. Shorter edges are finer and slower.`
+      : 'Close a line to begin: it is the outline of the roof.';
+    const rows = this.rows(plan);
+    const list = this.panel.querySelector('#plan-list');
+    // A field that is being typed into stays.
+    if (list.contains(document.activeElement) && list.children.length === rows.length) return;
+    list.replaceChildren(...rows);
+    list.parentElement.hidden = !rows.length;
+  }
+
+  rows(plan) {
+    const roles = rolesOf(plan);
+    const unit = plan.unit ? ` ${plan.unit}` : '';
+    const lines = plan.lines.map((line, number) => {
+      const role = roles[number];
+      const { x0, y0, x1, y1 } = boundsOf({ lines: [line], columns: [] });
+      const length = segmentsOf(line).reduce((sum, [a, b]) => sum + Math.hypot(a[0] - b[0], a[1] - b[1]), 0);
+      const size = role === 'fold' ? `${readable(length)}${unit}` : `${readable(x1 - x0)} × ${readable(y1 - y0)}${unit}`;
+      const words = `${WORDS[role]} ${size}${line.held.length ? ', held' : ''}`;
+      return row(role, words, [], () => this.listener.change({ ...plan, lines: plan.lines.filter((_, k) => k !== number) }));
+    });
+    const columns = plan.columns.map((column, number) => {
+      const field = document.createElement('input');
+      Object.assign(field, { type: 'number', step: 'any', value: column.height || '', placeholder: '0', ariaLabel: `Height of column ${number + 1}` });
+      field.addEventListener('change', () => {
+        const height = field.valueAsNumber || 0;
+        this.listener.change({ ...this.plan, columns: this.plan.columns.map((own, k) => (k === number ? { ...own, height } : own)) });
+      });
+      const label = document.createElement('label');
+      label.append('height ', field);
+      return row('column', `Column ${number + 1}`, [label], () =>
+        this.listener.change({ ...this.plan, columns: this.plan.columns.filter((_, k) => k !== number) }),
+      );
+    });
+    return [...lines, ...columns];
+  }
+}
+
+function row(kind, words, more, remove) {
+  const made = document.createElement('li');
+  const [mark, text, button] = ['i', 'span', 'button'].map((tag) => document.createElement(tag));
+  mark.className = kind;
+  text.textContent = words;
+  Object.assign(button, { type: 'button', className: 'small', textContent: '×', ariaLabel: `Remove ${words}`, title: 'Remove' });
+  button.addEventListener('click', remove);
+  made.append(mark, text, ...more, button);
+  return made;
+}

@@ -1,0 +1,141 @@
+/** A drawing in plan: closed lines, folds and columns, as plain data. */
+
+const ROUND = 72; // sides of a circle
+const NARROW = 18; // edges across a plan, to begin with
+
+/**
+ * @typedef {object} Line
+ * @property {number[][]} points [x, y]
+ * @property {boolean} closed
+ * @property {number[]} held segments, each by its first point
+ * @property {{x: number, y: number, r: number}} [circle]
+ */
+/**
+ * @typedef {object} Plan
+ * @property {string} unit
+ * @property {?number} edge length of the edges of its mesh, null for a suggestion
+ * @property {Line[]} lines
+ * @property {{x: number, y: number, height: number}[]} columns
+ */
+
+/** @returns {Plan} */
+export function emptyPlan() {
+  return { unit: 'm', edge: null, lines: [], columns: [] };
+}
+
+/**
+ * Make a circle.
+ * @param {number} x
+ * @param {number} y
+ * @param {number} r
+ * @returns {Line}
+ */
+export function circle(x, y, r) {
+  const turn = (k) => (2 * Math.PI * k) / ROUND;
+  const points = Array.from({ length: ROUND }, (_, k) => [x + r * Math.cos(turn(k)), y + r * Math.sin(turn(k))]);
+  return { points, closed: true, held: [], circle: { x, y, r } };
+}
+
+/**
+ * Return the area within a line.
+ * @param {number[][]} points
+ * @returns {number}
+ */
+export function areaOf(points) {
+  return Math.abs(points.reduce((sum, [x, y], k) => sum + x * points[(k + 1) % points.length][1] - points[(k + 1) % points.length][0] * y, 0)) / 2;
+}
+
+/**
+ * Tell what each line is: the largest closed one is the outline, other closed ones are holes, open ones fold.
+ * @param {Plan} plan
+ * @returns {string[]} outline, hole or fold
+ */
+export function rolesOf({ lines }) {
+  const areas = lines.map(({ points, closed }) => (closed ? areaOf(points) : -1));
+  const largest = areas.indexOf(Math.max(...areas));
+  return lines.map(({ closed }, k) => (!closed ? 'fold' : k === largest ? 'outline' : 'hole'));
+}
+
+/**
+ * Return the ends of every segment of a line.
+ * @param {Line} line
+ * @returns {number[][][]}
+ */
+export function segmentsOf({ points, closed }) {
+  return points.slice(0, closed ? points.length : -1).map((point, k) => [point, points[(k + 1) % points.length]]);
+}
+
+/**
+ * Return the corners of all that is drawn.
+ * @param {Plan} plan
+ * @returns {?{x0: number, y0: number, x1: number, y1: number}} null where nothing is
+ */
+export function boundsOf({ lines, columns }) {
+  const points = [...lines.flatMap((line) => line.points), ...columns.map(({ x, y }) => [x, y])];
+  if (!points.length) return null;
+  const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
+  return { x0: Math.min(...xs), y0: Math.min(...ys), x1: Math.max(...xs), y1: Math.max(...ys) };
+}
+
+/**
+ * Return a round edge length that suits a plan.
+ * @param {Plan} plan
+ * @returns {?number}
+ */
+export function suggestedEdge(plan) {
+  const outline = plan.lines[rolesOf(plan).indexOf('outline')];
+  if (!outline) return null;
+  const length = Math.sqrt(areaOf(outline.points)) / NARROW;
+  const decade = 10 ** Math.floor(Math.log10(length));
+  const step = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find((each) => each * decade >= length * 0.93);
+  return Number((step * decade).toPrecision(2));
+}
+
+/**
+ * Return the request that has a plan meshed.
+ * @param {Plan} plan
+ * @param {string} name
+ * @returns {object}
+ */
+export function requestOf(plan, name) {
+  const roles = rolesOf(plan);
+  const of = (role) => plan.lines.filter((_, k) => roles[k] === role).map(({ points }) => points);
+  const held = plan.lines.flatMap((line) => line.held.map((k) => segmentsOf(line)[k]).filter(Boolean));
+  return {
+    name,
+    unit: plan.unit,
+    edge_length: plan.edge ?? suggestedEdge(plan),
+    outline: of('outline')[0] ?? [],
+    holes: of('hole'),
+    creases: of('fold'),
+    points: plan.columns.map(({ x, y }) => [x, y]),
+    held,
+  };
+}
+
+/**
+ * Give a segment another length: what lies beyond moves along with its end.
+ * @param {Line} line
+ * @param {number} k
+ * @param {number} length
+ * @returns {Line}
+ */
+export function withLength(line, k, length) {
+  const count = line.points.length;
+  const [a, b] = segmentsOf(line)[k];
+  const now = Math.hypot(b[0] - a[0], b[1] - a[1]);
+  if (!(now > 0 && length > 0)) return line;
+  const by = [0, 1].map((axis) => (b[axis] - a[axis]) * (length / now - 1));
+  const beyond = line.closed ? (count > 3 ? [k + 1, k + 2] : [k + 1]) : Array.from({ length: count - k - 1 }, (_, i) => k + 1 + i);
+  const moving = new Set(beyond.map((each) => each % count));
+  return { ...line, points: line.points.map(([x, y], i) => (moving.has(i) ? [tidy(x + by[0]), tidy(y + by[1])] : [x, y])) };
+}
+
+/**
+ * Return a coordinate without the dust of arithmetic.
+ * @param {number} value
+ * @returns {number}
+ */
+export function tidy(value) {
+  return Number(value.toFixed(9));
+}

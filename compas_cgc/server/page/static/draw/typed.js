@@ -1,0 +1,23 @@
+/** What is typed while something is drawn: lengths, angles and places. */
+
+/**
+ * Return the point that a text names.
+ * @param {string} text a length; a length and an angle, 5 < 30; or a place, 3, 4, which is measured from the last point
+ * @param {?number[]} last point
+ * @param {?number[]} towards where the pointer is
+ * @returns {?number[]} null where it says nothing
+ */
+export function typedPoint(text, last, towards) {
+  const clean = text.trim().replace('°', '');
+  const place = clean.match(/^(-?[\d.]+)\s*[,; ]\s*(-?[\d.]+)$/);
+  if (place) {
+    const [x, y] = place.slice(1).map(Number);
+    return [x, y].every(Number.isFinite) ? [x + (last?.[0] ?? 0), y + (last?.[1] ?? 0)] : null;
+  }
+  const polar = clean.match(/^([\d.]+)(?:\s*<\s*(-?[\d.]+))?$/);
+  if (!polar || !last) return null;
+  const length = Number(polar[1]);
+  const angle = polar[2] === undefined ? Math.atan2((towards?.[1] ?? last[1]) - last[1], (towards?.[0] ?? last[0] + 1) - last[0]) : (Number(polar[2]) * Math.PI) / 180;
+  if (!(length > 0) || !Number.isFinite(angle)) return null;
+  return [last[0] + length * Math.cos(angle), last[1] + length * Math.sin(angle)];
+}

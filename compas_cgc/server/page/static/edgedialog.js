@@ -1,0 +1,20 @@
+/** Asks for the edge length of a mesh that is made of curves or surfaces. */
+
+/**
+ * Make a function that asks.
+ * @param {HTMLDialogElement} dialog
+ * @returns {(text: string) => Promise<?number>} null where there shall be none
+ */
+export function edgeDialog(dialog) {
+  const field = dialog.querySelector('input');
+  dialog.querySelector('#edge-cancel').addEventListener('click', () => dialog.close(''));
+  return (text) => {
+    dialog.querySelector('#edge-text').textContent = text;
+    field.value = '';
+    dialog.returnValue = '';
+    dialog.showModal();
+    return new Promise((resolve) => {
+      dialog.addEventListener('close', () => resolve(dialog.returnValue === 'go' && field.valueAsNumber > 0 ? field.valueAsNumber : null), { once: true });
+    });
+  };
+}
