@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from ._memo import remembered
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import Indices
@@ -26,6 +27,7 @@ SOFT = 1e-14  # pivot, against the trace, below which a system determines too li
 CHUNK = 4000  # vertices that are fitted at once
 
 
+@remembered
 def neighbourhoods(F: Faces, n: int, rows: Indices, through: Mask, rings: int) -> sparse.csr_matrix:
     """Return the vertices of the rings around some (k, n), themselves left out; farther rings are reached through `through` only."""
     u, v = np.concatenate([F.ravel(), np.roll(F, -1, axis=1).ravel()]), np.concatenate([np.roll(F, -1, axis=1).ravel(), F.ravel()])
@@ -118,6 +120,7 @@ class Fans(NamedTuple):
     corners: IntArray  # (3 m,) numbers 3 f + c
 
 
+@remembered
 def _fans(F: Faces, n: int) -> Fans:
     start = np.concatenate([[0], np.cumsum(np.bincount(F.ravel(), minlength=n))])
     return Fans(F, start, np.argsort(F.ravel(), kind="stable"))

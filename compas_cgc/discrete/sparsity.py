@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+from ._memo import remembered
 from .arrays import CSRIndices
 from .arrays import Faces
 from .arrays import FloatArray
@@ -35,13 +36,11 @@ class RingPattern:
         self.faces: Faces = np.ascontiguousarray(faces, dtype=np.int64)
         self.rows: Indices = np.ascontiguousarray(rows, dtype=np.int64)
         self.columns: Indices = np.ascontiguousarray(columns, dtype=np.int64)
-        row_of, column_of = (_places(chosen, n) for chosen in (self.rows, self.columns))
-        row, column = np.broadcast_arrays(row_of[self.faces][:, :, None], column_of[self.faces][:, None, :])
-        used = (row >= 0) & (column >= 0)
-        self.indptr, self.indices = _pattern(row[used], column[used], (len(self.rows), len(self.columns)))
+        self.indptr: CSRIndices
+        self.indices: CSRIndices
         # Where the derivative of corner a's equation by corner b's move is kept (m, 3, 3), -1 for nowhere.
-        self.slots: CSRIndices = np.full(row.shape, -1, np.int32)
-        self.slots[used] = _slots(row[used], column[used], self.indptr, self.indices, len(self.columns))
+        self.slots: CSRIndices
+        self.indptr, self.indices, self.slots = _entries(self.faces, n, self.rows, self.columns)
 
     @property
     def size(self) -> int:
@@ -56,6 +55,18 @@ class RingPattern:
         """Return the matrix (k, 3c) with the entries `data` (size, 3), three columns per vertex."""
         indices = (3 * self.indices[:, None] + np.arange(3, dtype=self.indices.dtype)).ravel()
         return _csr(data.ravel(), indices, 3 * self.indptr, (len(self.rows), 3 * len(self.columns)))
+
+
+@remembered
+def _entries(faces: Faces, n: int, rows: Indices, columns: Indices) -> tuple[CSRIndices, CSRIndices, CSRIndices]:
+    """Return the CSR pattern, and the place in it of what each corner adds (m, 3, 3)."""
+    row_of, column_of = (_places(chosen, n) for chosen in (rows, columns))
+    row, column = np.broadcast_arrays(row_of[faces][:, :, None], column_of[faces][:, None, :])
+    used = (row >= 0) & (column >= 0)
+    indptr, indices = _pattern(row[used], column[used], (len(rows), len(columns)))
+    slots: CSRIndices = np.full(row.shape, -1, np.int32)
+    slots[used] = _slots(row[used], column[used], indptr, indices, len(columns))
+    return indptr, indices, slots
 
 
 def _places(chosen: Indices, n: int) -> Indices:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from numpy.typing import NDArray
 
+from ._memo import remembered
 from .arrays import Edges
 from .arrays import Faces
 from .arrays import Indices
@@ -25,6 +26,7 @@ def _scrambled(i: Indices) -> NDArray[np.uint64]:
     return z ^ (z >> np.uint64(31))
 
 
+@remembered
 def boundary_mask(n: int, F: Faces) -> Mask:
     """Mark the vertices whose fan of faces is not closed.
 
@@ -79,7 +81,11 @@ def edge_faces(faces: ArrayLike) -> Edges:
     MeshError
         If an edge belongs to more than two faces, or to two of the same orientation.
     """
-    F = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
+    return _edge_faces(np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3))
+
+
+@remembered
+def _edge_faces(F: Faces) -> Edges:
     m = len(F)
     u = F.ravel()
     v = np.roll(F, -1, axis=1).ravel()

@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from .._compiled import kernel
+from ..discrete._memo import remembered
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
@@ -39,11 +40,14 @@ def minimum_degree(matrix: sparse.csr_matrix) -> Indices:
     ----------
     Liu, doi:10.1145/214392.214398.
     """
-    n = matrix.shape[0]
-    if n == 0:
-        return np.arange(0)
-    standin = sparse.csc_matrix((np.full(matrix.nnz, -1.0), matrix.indices, matrix.indptr), shape=matrix.shape)
-    standin += sparse.diags(np.full(n, 2.0 + np.diff(matrix.indptr).max()), format="csc")
+    return _minimum_degree(matrix.indptr, matrix.indices) if matrix.shape[0] else np.arange(0)
+
+
+@remembered
+def _minimum_degree(indptr: CSRIndices, indices: CSRIndices) -> Indices:
+    n = len(indptr) - 1
+    standin = sparse.csc_matrix((np.full(len(indices), -1.0), indices, indptr), shape=(n, n))
+    standin += sparse.diags(np.full(n, 2.0 + np.diff(indptr).max()), format="csc")
     return np.argsort(splu(standin, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).perm_c)
 
 

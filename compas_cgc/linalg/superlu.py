@@ -9,8 +9,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ..discrete._memo import remembered
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
 from .errors import SingularMatrixError
 from .ordering import elimination_order
 
@@ -88,10 +90,7 @@ class SuperLU:
         self._pattern = matrix.indptr, matrix.indices
         self._permutation = elimination_order(matrix, self._points)
         self._places = np.argsort(self._permutation)
-        numbered = sparse.csr_matrix((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
-        permuted = numbered[self._permutation][:, self._permutation]
-        permuted.sort_indices()
-        self._gather, self._indices, self._indptr = permuted.data, permuted.indices, permuted.indptr
+        self._gather, self._indices, self._indptr = _permuted(matrix.indptr, matrix.indices, self._permutation)
 
     def _factorise(self, matrix: sparse.csr_matrix) -> None:
         # The rows of the matrix are handed over as columns: factors of the transposed.
@@ -125,3 +124,13 @@ class SuperLU:
                 break
             x, quality = better, new
         return x, quality
+
+
+@remembered
+def _permuted(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[CSRIndices, CSRIndices, CSRIndices]:
+    """Return the entries of a matrix in an order of elimination, and the pattern that they have in it."""
+    n = len(indptr) - 1
+    numbered = sparse.csr_matrix((np.arange(len(indices)), indices, indptr), shape=(n, n))
+    permuted = numbered[order][:, order]
+    permuted.sort_indices()
+    return permuted.data, permuted.indices, permuted.indptr

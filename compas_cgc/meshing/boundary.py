@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -26,7 +27,11 @@ def boundary_loops(faces: IntArray) -> list[IntArray]:
     list of (b,) int64
         The longest first; each starts at its smallest vertex.
     """
-    F = np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3)
+    return _boundary_loops(np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3))
+
+
+@remembered
+def _boundary_loops(F: IntArray) -> list[IntArray]:
     n = int(F.max(initial=0)) + 1
     rim = boundary_mask(n, F)
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()

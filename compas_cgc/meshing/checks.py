@@ -7,6 +7,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..discrete import face_areas
+from ..discrete._memo import remembered
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -61,6 +62,7 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
     return problems + _manifold_problems(faces, vertex_names, face_names)
 
 
+@remembered
 def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Diagnostic]:
     problems = []
     key = np.sort(F, axis=1)
@@ -79,6 +81,7 @@ def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Diagnost
     return problems
 
 
+@remembered
 def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Diagnostic]:
     n, m = int(F.max()) + 1, len(F)
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()

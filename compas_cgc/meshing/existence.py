@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..discrete import _kernels
 from ..discrete import edge_faces
+from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .checks import Diagnostic
@@ -87,6 +88,7 @@ def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: 
     return None
 
 
+@remembered
 def _parts(edges: IntArray, asked: np.ndarray) -> tuple[IntArray, int]:
     """Number the parts that asked vertices joined by edges form: the part of every vertex, -1 where held (n,), and how many."""
     u, v = edges[:, 0], edges[:, 1]
@@ -106,6 +108,7 @@ def _grouped(items: np.ndarray, group: IntArray, count: int) -> list[np.ndarray]
     return [items[order[a:b]] for a, b in zip(cuts[:-1], cuts[1:])]
 
 
+@remembered
 def _rims(edges: IntArray, face_part: IntArray, count: int) -> list[IntArray]:
     """Return the boundary edges (b, 2) of each part, with the part on their left."""
     u, v, left, right = edges.T
@@ -129,6 +132,7 @@ def _loop(rim: IntArray) -> Optional[list[int]]:
     return loop if vertex == start and len(loop) == len(rim) else None
 
 
+@remembered
 def _is_plane_and_convex(points: FloatArray) -> bool:
     points = points - points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points, full_matrices=False)

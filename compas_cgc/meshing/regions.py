@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -40,9 +41,13 @@ def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
         Region of every face, from 0 in the order of each region's first face: the
         numbers stay the same as long as faces and creases do.
     """
-    F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+    return _face_regions(np.asarray(faces, dtype=np.int64).reshape(-1, 3), np.asarray(creases, dtype=np.int64).reshape(-1, 2))
+
+
+@remembered
+def _face_regions(F: IntArray, creases: IntArray) -> IntArray:
     pairs, ends = face_neighbours(F)
-    creases = np.sort(np.asarray(creases, dtype=np.int64).reshape(-1, 2), axis=1)
+    creases = np.sort(creases, axis=1)
     n = int(max(F.max(initial=0), creases.max(initial=0))) + 1
     open_ = ~np.isin(ends[:, 0] * n + ends[:, 1], creases[:, 0] * n + creases[:, 1])
     pairs = pairs[open_]
