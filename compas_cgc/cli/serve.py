@@ -30,6 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what clients have to send (default: COMPAS_CGC_KEY, or none); several, each with limits of its own, are given one by one",
     )
     parser.add_argument("--workers", type=_positive, help="solves at the same time (default: processors less one)")
+    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines instead, such as dask://scheduler:8786")
     parser.add_argument("--store", metavar="FILE", help="file that keeps the jobs (default: one of the user's, by the port)")
     parser.add_argument(
         "--name", action="append", default=[], help="host name that clients use for this server; may be given several times"
@@ -52,10 +53,21 @@ def run(arguments: argparse.Namespace) -> int:
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY", "").split()
     names = tuple(name.lower() for name in arguments.name)
+    if arguments.executor is not None and arguments.workers is not None:
+        raise CGCError("--workers are processes of this machine; leave it out where --executor names others")
     if not is_warm():
         # Here, with a bar, and not in every worker.
         warm()
-    serve(arguments.host, arguments.port, key, arguments.workers, arguments.store, names=names, trusted_proxy=arguments.trusted_proxy)
+    serve(
+        arguments.host,
+        arguments.port,
+        key,
+        arguments.workers,
+        arguments.store,
+        names=names,
+        trusted_proxy=arguments.trusted_proxy,
+        executor=arguments.executor,
+    )
     return DONE
 
 

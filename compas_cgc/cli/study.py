@@ -6,10 +6,14 @@ import argparse
 import os
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 
+from ..errors import CGCError
 from .arguments import add_reading
 from .arguments import reading
 from .console import bar
@@ -41,6 +45,7 @@ goes on where it was when the command is given again. docs/studies.md tells more
 examples:
   compas-cgc study roof.3dm study.toml -o roofs
   compas-cgc study roof.3dm study.toml -o roofs --workers 4
+  compas-cgc study roof.3dm study.toml -o roofs --executor dask://scheduler:8786
 """
 
 
@@ -52,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("study", metavar="STUDY", help="a .toml file that says what is varied")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the folder to write to")
     parser.add_argument("--workers", type=_count, metavar="N", help="processes (default: as many as the processors)")
+    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines instead, such as dask://scheduler:8786")
     parser.add_argument("--no-pictures", action="store_true", help="draw nothing")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     add_reading(parser)
@@ -73,15 +79,15 @@ def run(arguments: argparse.Namespace) -> int:
     for note in read.notes:
         say(f"{arguments.input}: {note}")
     shown = _Bar(arguments.quiet)
-    with interruptible() as cancelled:
+    with interruptible() as cancelled, _executor(arguments) as executor:
 
         def on_progress(state: Progress) -> bool:
             shown(state)
             return cancelled.is_set()
 
         try:
-            workers = arguments.workers or os.cpu_count() or 1
-            results = run_study(read.checked(), study, arguments.output, workers=workers, on_progress=on_progress)
+            workers = 0 if executor is not None else arguments.workers or os.cpu_count() or 1
+            results = run_study(read.checked(), study, arguments.output, workers=workers, executor=executor, on_progress=on_progress)
         finally:
             shown.close()
     if len(results) < len(study.variants):
@@ -96,6 +102,23 @@ def run(arguments: argparse.Namespace) -> int:
     for path, variant in zip(write_best(results, Path(arguments.input)), best_variants(results)):
         say(f"variant {variant}: wrote {path}")
     return DONE
+
+
+@contextmanager
+def _executor(arguments: argparse.Namespace) -> Iterator[Optional[Any]]:
+    """Yield the executor that is asked for, None for processes of this machine."""
+    if arguments.executor is None:
+        yield None
+        return
+    if arguments.workers is not None:
+        raise CGCError("--workers are processes of this machine; leave it out where --executor names others")
+    from ..execution.remote import executor_at
+
+    executor = executor_at(arguments.executor)
+    try:
+        yield executor
+    finally:
+        executor.shutdown(cancel_futures=True)
 
 
 class _Bar:

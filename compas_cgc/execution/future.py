@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from concurrent.futures import Executor
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
+from typing import Any
 from typing import Callable
 from typing import Optional
 
@@ -80,7 +80,7 @@ class Task(Future):
 
 
 def start(
-    executor: Executor,
+    executor: Any,
     function: Callable,
     args: tuple,
     on_progress: Optional[Callable] = None,

@@ -11,14 +11,16 @@ both. Any other exception than those of :mod:`~compas_cgc.execution.future` is o
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from typing import Any
 from typing import Callable
 from typing import Optional
 from typing import Protocol
+from typing import Union
 
 from .future import Task
 
-__all__ = ["TaskExecutor"]
+__all__ = ["AnyExecutor", "TaskExecutor"]
 
 
 class TaskExecutor(Protocol):
@@ -82,3 +84,7 @@ class TaskExecutor(Protocol):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Close it, and end what it has started; may be called again. Tasks are finished first, or ended as stopped with cancel_futures."""
         ...
+
+
+AnyExecutor = Union[TaskExecutor, Executor]
+"""What runs tasks, or, as a plain executor, calls that cannot report or be stopped."""

@@ -7,7 +7,6 @@ import os
 import secrets
 import sqlite3
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
 from threading import BoundedSemaphore
@@ -21,6 +20,7 @@ from flask import request
 from werkzeug.exceptions import HTTPException
 
 from ..execution.pool import WorkerPool
+from ..execution.protocol import AnyExecutor
 from .api.mesh_files import warm_up_io
 from .api.requests import READERS
 from .api.responses import respond
@@ -59,7 +59,7 @@ def create_app(
     workers: Optional[int] = None,
     limits: Optional[Limits] = None,
     hosts: tuple[str, ...] = (),
-    executor: Optional[Executor] = None,
+    executor: Optional[AnyExecutor] = None,
 ) -> Flask:
     """Make the application with its workers; ``app.extensions["jobs"].close()`` ends them.
 
@@ -78,7 +78,8 @@ def create_app(
     hosts
         Names under which the server may be addressed besides those of this machine itself.
     executor
-        Runs the solves instead of worker processes.
+        Runs the solves instead of worker processes, see :mod:`compas_cgc.execution.protocol`. Any
+        :class:`concurrent.futures.Executor` does, but its jobs are not shown as running and cannot be stopped.
     """
     limits = limits or Limits()
     app = Flask("compas_cgc.server", static_folder=None)

@@ -18,13 +18,14 @@ from typing import Union
 
 from .._version import __version__
 from ..errors import CGCError
+from ..execution.remote import executor_at
 from .limits import Limits
 from .security import hostname
 from .security import is_loopback
 from .security import keys_of
 
 if TYPE_CHECKING:
-    from ..execution.pool import WorkerPool
+    from ..execution.protocol import TaskExecutor
     from .jobs.engine import Jobs
 
 __all__ = ["HOST", "PORT", "default_store", "serve"]
@@ -53,6 +54,7 @@ def serve(
     limits: Optional[Limits] = None,
     names: tuple[str, ...] = (),
     trusted_proxy: Optional[str] = None,
+    executor: Optional[str] = None,
 ) -> None:
     """Serve until interrupted.
 
@@ -74,11 +76,13 @@ def serve(
         Host names under which clients reach the server.
     trusted_proxy
         Address of the proxy in front of the server: the last address of its X-Forwarded-For is the client's.
+    executor
+        Address of what runs the solves instead of worker processes, such as ``dask://scheduler:8786``.
 
     Raises
     ------
     CGCError
-        If there is no key where one is needed, or the port is taken.
+        If there is no key where one is needed, the port is taken, or there is no such kind of executor.
     """
     keys = keys_of(key)
     if not is_loopback(host) and not keys:
@@ -90,16 +94,23 @@ def serve(
     names = tuple(hostname(name.split("//")[-1]) for name in names)
     if not all(names):
         raise CGCError("a name must be that of a host, such as studio-pc; give it with --name")
-    listener = _listen(host, port)
-    port = listener.getsockname()[1]
     limits = limits or Limits()
+    remote = None if executor is None else executor_at(executor, limits.reserved)
+    try:
+        listener = _listen(host, port)
+    except CGCError:
+        if remote is not None:
+            remote.shutdown(cancel_futures=True)
+        raise
+    port = listener.getsockname()[1]
     # Imported late: a refusal should not wait for it.
     from waitress.server import create_server
 
     from .app import create_app
     from .waitress_channel import channel_class
 
-    app = create_app(store or default_store(port), keys, workers, limits, (*names, *(() if host in ("0.0.0.0", "::") else (host.lower(),))))
+    own_names = () if host in ("0.0.0.0", "::") else (host.lower(),)
+    app = create_app(store or default_store(port), keys, workers, limits, (*names, *own_names), remote)
     server: Any = create_server(
         app,
         sockets=[listener],
@@ -133,7 +144,7 @@ def serve(
         print("stopped", flush=True)
 
 
-def _say_ready(pool: WorkerPool) -> None:
+def _say_ready(pool: TaskExecutor) -> None:
     if pool.wait_until_ready(600):
         count = pool.health()["workers"]
         print(f"ready, {count} worker{'' if count == 1 else 's'}", flush=True)

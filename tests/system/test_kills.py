@@ -17,6 +17,8 @@ import pytest
 
 from compas_cgc.client import Refused
 
+from ..support.dask_cluster import dask_cluster
+from ..support.dask_cluster import kill
 from ..support.server_process import KILLABLE
 from ..support.server_process import PATIENCE
 from ..support.server_process import running_server
@@ -117,3 +119,63 @@ def test_a_killed_worker_takes_only_its_own_job_with_it(tmp_path, clean):
         wait_for(lambda: server.client.poll("once-again")["state"] == "succeeded")
         assert figures(server.client.result("once-again")) == clean["a-long-one"]
     check_store(store)
+
+
+def outcomes_of(server, names, clean):
+    """Wait for jobs, submit those that failed again until they do not, and compare; return how many failed on the way."""
+    failed = 0
+    left = dict(names)
+    while left:
+        for id in left.values():
+            wait_for(lambda id=id: server.client.poll(id)["state"] not in ("queued", "running"))
+        again = {}
+        for name, id in left.items():
+            status = server.client.poll(id)
+            if status["state"] == "failed":
+                assert re.search(r"ended (unexpectedly|\d times)", status["message"]), status["message"]
+                failed += 1
+                again[name] = f"{id}-again"
+                assert submit(server, {**JOBS[name], "id": again[name]}) == 202
+            else:
+                assert status["state"] == "succeeded" and figures(server.client.result(id)) == clean[name], (name, status)
+        left = again
+    return failed
+
+
+def test_on_a_dask_cluster_workers_scheduler_and_server_are_killed_and_every_job_is_finished_or_reported(tmp_path, clean):
+    pytest.importorskip("distributed", reason="distributed is not installed: pip install 'compas_cgc[dask]'")
+    store, chance = tmp_path / "jobs.sqlite", random.Random(2)
+    with dask_cluster(2) as cluster:
+
+        def submitted(server, kind, attempt):
+            names = {name: f"{name}-{kind}-{attempt}" for name in JOBS}
+            for name, id in names.items():
+                assert submit(server, {**JOBS[name], "id": id}) == 202
+            wait_for(lambda: server.client.poll(names["a-long-one"])["iteration"] > 0)
+            assert server.client.poll(names["a-long-one"])["state"] == "running"
+            time.sleep(chance.uniform(0.0, 0.3))
+            return names
+
+        with running_server(store, limits={}, executor=cluster.address) as server:
+            for attempt in range(KILLS):
+                names = submitted(server, "worker", attempt)
+                kill(cluster.workers[attempt % 2])
+                cluster.workers[attempt % 2] = cluster.add_worker()
+                cluster.workers.pop()
+                assert outcomes_of(server, names, clean) <= 1
+            for attempt in range(KILLS):
+                names = submitted(server, "scheduler", attempt)
+                kill(cluster.scheduler)
+                for worker in cluster.workers:
+                    kill(worker)
+                cluster.restart_scheduler()
+                cluster.workers = [cluster.add_worker(), cluster.add_worker()][:2]
+                assert outcomes_of(server, names, clean) == 0
+        for attempt in range(KILLS):
+            with running_server(store, limits={}, executor=cluster.address) as server:
+                names = submitted(server, "server", attempt)
+                server.process.kill()
+                server.process.wait(PATIENCE)
+            check_store(store)
+            with running_server(store, limits={}, executor=cluster.address) as server:
+                assert outcomes_of(server, names, clean) == 0

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-from concurrent.futures import Executor
 from typing import Callable
 
 from ...execution.future import start
 from ...execution.future import wait_for
+from ...execution.protocol import AnyExecutor
 from ..errors import Busy
 from ..limits import Limits
 
@@ -27,7 +27,7 @@ class Calls:
         How many may wait, and how long.
     """
 
-    def __init__(self, executor: Executor, io_pool: Executor, limits: Limits):
+    def __init__(self, executor: AnyExecutor, io_pool: AnyExecutor, limits: Limits):
         self.executor = executor
         self.io_pool = io_pool
         self.limits = limits
@@ -62,7 +62,7 @@ class Calls:
 
     def _waited(
         self,
-        executor: Executor,
+        executor: AnyExecutor,
         slots: threading.BoundedSemaphore,
         others: str,
         function: Callable,

@@ -12,13 +12,13 @@ import threading
 import time
 from collections.abc import Iterator
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from concurrent.futures import Future
 from typing import Callable
 from typing import Optional
 
 from ...execution.future import start
 from ...execution.future import stop
+from ...execution.protocol import AnyExecutor
 from ..errors import Busy
 from ..errors import Conflict
 from ..errors import Gone
@@ -72,7 +72,7 @@ class Jobs:
     """
 
     def __init__(
-        self, executor: Executor, store: Store, solve: SolveJob, limits: Optional[Limits] = None, io_pool: Optional[Executor] = None
+        self, executor: AnyExecutor, store: Store, solve: SolveJob, limits: Optional[Limits] = None, io_pool: Optional[AnyExecutor] = None
     ):
         self.executor = executor
         self.limits = limits or Limits()
