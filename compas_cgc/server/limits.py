@@ -15,10 +15,17 @@ class Limits:
     ----------
     body
         Largest request in bytes.
+    json
+        Largest request in JSON in bytes, what is packed in it included.
+    light
+        Largest request in JSON in bytes that is parsed by the server itself. Larger ones, and those of many values, are parsed by
+        a process that nobody else waits for.
     depth
         Deepest nesting of lists and objects in JSON.
     containers
         Most lists and objects in JSON; each takes up to 70 times of its bytes in memory.
+    values
+        Most values in JSON, and half as many names of values.
     vertices, faces
         Largest mesh.
     steps
@@ -54,8 +61,11 @@ class Limits:
     """
 
     body: int = 64 * 2**20
+    json: int = 32 * 2**20
+    light: int = 2 * 2**20
     depth: int = 32
     containers: int = 3_000_000
+    values: int = 6_000_000
     vertices: int = 200_000
     faces: int = 400_000
     steps: int = 100_000

@@ -120,13 +120,15 @@ def serve(
         # A body too large is read on and dropped, so that the client hears why; beyond this the connection is broken.
         max_request_body_size=16 * limits.body,
         channel_request_lookahead=1,
+        # By large pieces a large body keeps the thread that looks after all connections less busy.
+        recv_bytes=2**16,
         # Who sends half a request keeps a connection for no longer.
         channel_timeout=30,
         ident=None,
         clear_untrusted_proxy_headers=True,
         **({"trusted_proxy": trusted_proxy, "trusted_proxy_headers": {"x-forwarded-for"}} if trusted_proxy else {}),
     )
-    server.channel_class = channel_class(limits, trusted_proxy)
+    server.channel_class = channel_class(limits, trusted_proxy, keys)
     everywhere = host in ("0.0.0.0", "::")
     shown = "127.0.0.1" if everywhere else f"[{host}]" if ":" in host else host
     print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if keys else 'without'} a key); Ctrl-C ends it")

@@ -14,7 +14,7 @@ from flask import request
 
 from .errors import RequestError
 
-__all__ = ["Forbidden", "Misdirected", "Unauthorized", "client_name", "guard", "hostname", "is_loopback", "keys_of"]
+__all__ = ["Forbidden", "Misdirected", "Unauthorized", "client_name", "guard", "hostname", "is_loopback", "key_among", "keys_of"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -89,10 +89,15 @@ def client_name() -> str:
 
 def _given_key() -> Optional[str]:
     """Return that of the server's keys that a request has."""
-    scheme, _, bearer = request.headers.get("Authorization", "").partition(" ")
-    given = [request.headers.get("RhinoComputeKey", ""), bearer.strip() if scheme.lower() == "bearer" else ""]
+    return key_among(current_app.config["KEYS"], request.headers.get("RhinoComputeKey", ""), request.headers.get("Authorization", ""))
+
+
+def key_among(keys: Sequence[str], compute: str, authorization: str) -> Optional[str]:
+    """Return that of the keys which the headers RhinoComputeKey or Authorization have, None if they have none."""
+    scheme, _, bearer = authorization.partition(" ")
+    given = [compute, bearer.strip() if scheme.lower() == "bearer" else ""]
     # All are compared, so that the time tells nothing.
-    found = [key for key in current_app.config["KEYS"] for text in given if hmac.compare_digest(text.encode(), key.encode())]
+    found = [key for key in keys for text in given if hmac.compare_digest(text.encode(), key.encode())]
     return found[0] if found else None
 
 

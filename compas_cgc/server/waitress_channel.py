@@ -1,15 +1,17 @@
 """How waitress reads requests, but for some things.
 
 The head of a request has to come within some seconds as a whole, and no address can have so many connections that others
-find none: the one that got the least far makes room for a new one. Of a body that is too large no more than its length is
-kept: left to itself waitress would break the connection of a client that is still sending, and nobody would read the
-sentence. And what is no HTTP is answered in JSON too.
+find none: the one that got the least far makes room for a new one. Of a body that is too large, or comes without the key,
+no more than its length is kept: left to itself waitress would break the connection of a client that is still sending, and
+nobody would read the sentence. A client that asks before it sends hears it at once. And what is no HTTP is answered in JSON
+too.
 """
 
 from __future__ import annotations
 
 import json
 import time
+from collections.abc import Sequence
 from socket import socket
 from typing import Any
 from typing import Optional
@@ -21,6 +23,7 @@ from waitress.task import ErrorTask
 
 from .errors import error_body
 from .limits import Limits
+from .security import key_among
 
 __all__ = ["channel_class"]
 
@@ -59,7 +62,7 @@ class _JSONErrorTask(ErrorTask):
         self.write(body)
 
 
-def channel_class(limits: Limits, trusted_proxy: Optional[str] = None) -> type[HTTPChannel]:
+def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Sequence[str] = ()) -> type[HTTPChannel]:
     """Return the class of connections that keep to the limits.
 
     Parameters
@@ -68,13 +71,22 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None) -> type[H
         Of bodies, heads and connections.
     trusted_proxy
         Its address may have any number of connections, as they are other people's.
+    keys
+        Of which a request that brings a body has to have one, where there are any.
     """
 
     class Parser(HTTPRequestParser):
         def parse_header(self, header_plus: bytes) -> None:
             super().parse_header(header_plus)
-            if self.body_rcv is not None:
-                self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, limits.body)
+            if self.body_rcv is None:
+                return
+            given = self.headers.get("RHINOCOMPUTEKEY", ""), self.headers.get("AUTHORIZATION", "")
+            welcome = not keys or key_among(keys, *given) is not None
+            if not welcome and getattr(self, "expect_continue", False):
+                # It has not sent anything yet, and is told what is missing without it.
+                self.expect_continue = False
+                self.connection_close = self.completed = True
+            self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, limits.body if welcome else 0)
 
     class Channel(HTTPChannel):
         parser_class = Parser

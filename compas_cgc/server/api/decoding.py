@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterable
 from contextlib import suppress
 from typing import Any
+from typing import Optional
 from typing import Union
 
 import numpy as np
@@ -23,12 +24,27 @@ from ..errors import TooLarge
 from ..errors import Unprocessable
 from ..limits import Limits
 
-__all__ = ["LARGEST", "check_size", "corner_counts", "number", "packed", "polygons", "read_json", "vertex_array", "whole", "whole_text"]
+__all__ = [
+    "LARGEST",
+    "check_length",
+    "check_size",
+    "corner_counts",
+    "is_light",
+    "number",
+    "packed",
+    "polygons",
+    "read_json",
+    "vertex_array",
+    "whole",
+    "whole_text",
+]
 
 Polygons = Union[IntArray, list[list[int]]]
 
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
+LIGHT = 20_000  # values in JSON that are parsed within milliseconds
+PACK = "use a coarser mesh, or send vertices and faces packed"
 PACKED = {"f8": "<f8", "i4": "<i4"}
 
 
@@ -39,10 +55,11 @@ def read_json(body: bytes, limits: Limits) -> Any:
     ------
     BadRequest
         If it is not JSON in UTF-8, names NaN or Infinity, or is nested too deeply.
+    TooLarge
+        If it holds too much.
     """
     try:
-        if body.count(b"[") + body.count(b"{") > limits.containers:
-            raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
+        _check_counts(body, limits)
         value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=whole_text)
         if b"\\u" in body:
             json.dumps(value, ensure_ascii=False).encode()
@@ -60,6 +77,32 @@ def read_json(body: bytes, limits: Limits) -> Any:
         if not level:
             return value
     raise BadRequest(f"the JSON is nested more than {limits.depth} deep")
+
+
+def is_light(body: bytes, limits: Limits) -> bool:
+    """Tell whether JSON is parsed so soon that nobody notices: it is short, or a few long texts such as packed arrays."""
+    return len(body) <= limits.light and body.count(b",") + body.count(b":") <= LIGHT
+
+
+def check_length(length: Optional[int], limits: Limits) -> None:
+    """Refuse JSON that is too long, by the length that is told before it is read.
+
+    Raises
+    ------
+    TooLarge
+    """
+    if length is not None and length > limits.json:
+        raise TooLarge(f"the JSON has {length / 2**20:.0f} MB, the server takes {limits.json / 2**20:.0f}; {PACK}")
+
+
+def _check_counts(body: bytes, limits: Limits) -> None:
+    """Refuse JSON that would take much memory, before it is parsed."""
+    check_length(len(body), limits)
+    if body.count(b"[") + body.count(b"{") > limits.containers:
+        raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
+    names = body.count(b":")
+    if names + body.count(b",") > limits.values or 2 * names > limits.values:
+        raise TooLarge(f"the JSON holds more than {limits.values} values, or half as many names; {PACK}")
 
 
 def _items(node: object) -> Iterable:

@@ -28,6 +28,8 @@ from .blocking_calls import run_in_io_pool
 from .blocking_calls import run_in_worker
 from .builds import is_build
 from .builds import tasks
+from .decoding import check_length
+from .decoding import is_light
 from .formats import FORMATS
 from .formats import SHOWN
 from .formats import encoded
@@ -44,12 +46,14 @@ from .schemas import PAGE
 from .schemas import STATES
 from .submissions import file_submission
 from .submissions import json_submission
+from .submissions import with_result
 
 __all__ = ["api"]
 
 api = Blueprint("api", __name__)
 LONGEST_WAIT = 25.0  # seconds
 SMALL = 2**19  # bytes of a result, some 4,000 vertices
+SMALL_PACKED = 2**21  # likewise where arrays are packed, some 14,000 vertices
 
 
 @api.get("/health")
@@ -89,10 +93,13 @@ def submit() -> Response:
     """Accept a job."""
     started = time.perf_counter()
     limits = current_app.config["LIMITS"]
-    body = request.get_data(cache=False)
     kind = request.args.get("kind", "json")
     if kind == "json":
-        given = json_submission(body, limits, jobs().result)
+        check_length(request.content_length, limits)
+    body = request.get_data(cache=False)
+    if kind == "json":
+        read = json_submission(body, limits) if is_light(body, limits) else run_in_io_pool(json_submission, body, limits)
+        given = with_result(read, jobs().result)
     elif kind in KINDS:
         given = file_submission(kind, body, request.args.get("options", "{}"), limits)
     else:
@@ -160,7 +167,7 @@ def result(id: str) -> Response:
     content = jobs().result(id)
     started = time.perf_counter()
     # What is small is quicker here than there and back.
-    small = name == "packed" or is_build(content) or (name not in KINDS and len(content) < SMALL)
+    small = is_build(content) or (name not in KINDS and len(content) < (SMALL_PACKED if name == "packed" else SMALL))
     answer = Response(encoded(name, content) if small else run_in_io_pool(encoded, name, content), mimetype=FORMATS[name])
     if name not in SHOWN:
         answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'

@@ -22,9 +22,10 @@ from .requests import MESH
 from .requests import accept
 from .serialization import NO_SURFACE
 
-__all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission"]
+__all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission", "with_result"]
 
 OF_A_SOLVE = ("method", "live")
+LONGEST_NAME = 100  # characters
 FILE_OPTIONS = ("task", *OPTIONS)
 
 
@@ -35,10 +36,27 @@ class Submission(NamedTuple):
     body: bytes
     options: dict[str, Any]
     id: Optional[str]
+    job: Optional[str] = None  # whose result is the body
 
 
-def json_submission(body: bytes, limits: Limits, result_of: Callable[[str], bytes]) -> Submission:
-    """Return the submission of a JSON body: a mesh, or the job whose result is taken.
+def with_result(given: Submission, result_of: Callable[[str], bytes]) -> Submission:
+    """Return a submission with the result of the job that it names as its body.
+
+    Raises
+    ------
+    RequestError
+        If that job has no surface.
+    """
+    if given.job is None:
+        return given
+    content = result_of(given.job)
+    if is_build(content):
+        raise Unprocessable(NO_SURFACE)
+    return given._replace(body=content)
+
+
+def json_submission(body: bytes, limits: Limits) -> Submission:
+    """Return the submission of a JSON body: a mesh, or the name of a job whose result is taken.
 
     Raises
     ------
@@ -48,8 +66,8 @@ def json_submission(body: bytes, limits: Limits, result_of: Callable[[str], byte
     value: Any = read_json(body, limits)
     task = _task_of(value) if isinstance(value, dict) else SOLVE
     if task == SOLVE:
-        content = accept(_without(value, "task"), limits)
-        return Submission("json", content, {"name": value.get("name", "")}, _id_of(value))
+        content = accept(_without(value, "task"), limits, body)
+        return Submission("json", content, {"name": value.get("name", "")[:LONGEST_NAME]}, _id_of(value))
     own = _without(value, "task", "settings", "job")
     told = {"task": task, "settings": check_build(task, value.get("settings"), limits), "name": value.get("name", "")}
     _refuse_options_of_a_solve(own, task)
@@ -64,10 +82,7 @@ def json_submission(body: bytes, limits: Limits, result_of: Callable[[str], byte
     if unknown:
         raise Unprocessable(f"there is no field {unknown[0]!r:.60}; there are task, job, {', '.join(OPTIONS)}")
     check_options(own, None, limits)
-    content = result_of(value["job"])
-    if is_build(content):
-        raise Unprocessable(NO_SURFACE)
-    return Submission("result", content, {**_without(own, "id"), **told}, _id_of(value))
+    return Submission("result", b"", {**_without(own, "id"), **told}, _id_of(value), value["job"])
 
 
 def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submission:

@@ -10,15 +10,17 @@ from ...solvers.registry import options
 from ...solvers.registry import owners
 from ...solvers.settings import AutoSettings
 from ...solvers.settings import Option
+from .build_endpoints import BUILDS
 from .build_endpoints import build_endpoints
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
 from .schema import icon
 
-__all__ = ["OPTION_INPUTS", "endpoint", "endpoints"]
+__all__ = ["OPTION_INPUTS", "REPEATABLE", "endpoint", "endpoints"]
 
 
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
 MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
 OPTION_INPUTS = {
     "S": ("S", "s"),

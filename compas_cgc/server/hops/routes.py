@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import json
+import hashlib
+from typing import Optional
 
 from flask import Blueprint
 from flask import Response
@@ -13,22 +14,29 @@ from flask.blueprints import BlueprintSetupState
 
 from ..api.blocking_calls import jobs
 from ..api.blocking_calls import run_in_worker
+from ..api.decoding import check_length
+from ..api.decoding import is_light
 from ..api.responses import respond
 from ..api.serialization import unpack_result
 from ..errors import RequestError
+from ..errors import TooLarge
 from ..errors import Unprocessable
 from ..errors import error_body
+from ..limits import Limits
 from ..security import client_name
-from .build_endpoints import BUILDS
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
 from .data_tree import passed_over
 from .data_tree import read_values
+from .endpoints import REPEATABLE
 from .endpoints import endpoint
 from .endpoints import endpoints
 from .functions import run_function
 from .functions import surface_values
+from .large_requests import Answered
+from .large_requests import job_body
+from .large_requests import run_request_body
 from .protocol import context_of
 from .protocol import known
 from .protocol import read_body
@@ -38,7 +46,7 @@ from .reply import Reply
 __all__ = ["hops", "list_functions"]
 
 CACHE_SIZE = 64 * 2**20  # bytes of answers in the cache
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
+HINT = "use /cgc/submit and /cgc/fetch for long ones"
 
 hops = Blueprint("hops", __name__)
 
@@ -73,46 +81,68 @@ def io() -> Response:
 @hops.post("/<path:prefix>/solve")
 def solve(prefix: str = "") -> Response:
     """Run a function."""
-    body = _body()
+    limits = current_app.config["LIMITS"]
+    check_length(request.content_length, limits)
+    content = request.get_data(cache=False)
+    return _solved_here(read_body(content, limits), limits) if is_light(content, limits) else _solved_there(content, limits)
+
+
+def _solved_here(body: dict, limits: Limits) -> Response:
+    """Answer a request that is parsed."""
     uri = uri_of(body)
     values = body.get("values")
     context = context_of(body)
-    answers: Answers = current_app.extensions["hops_answers"]
     digest = request_digest(uri, values, context) if body.get("cachesolve") is True and uri in REPEATABLE else None
-    kept = answers.get(digest) if digest else None
+    kept = _kept(digest)
     if kept is not None:
-        return Response(kept, 200, {"Server-Timing": "cache;desc=hit"}, mimetype="application/json")
+        return kept
     try:
         if uri == "cgc/submit":
-            reply = _submit(values, context)
+            reply = _submitted(job_body(values, context), passed_over(endpoint(uri), values))
         elif uri == "cgc/fetch":
             reply = _fetch(values)
             reply = reply._replace(warnings=[*reply.warnings, *passed_over(endpoint(uri), values)])
         else:
-            reply = run_in_worker(
-                run_function,
-                uri,
-                values,
-                context,
-                current_app.config["LIMITS"],
-                hint="use /cgc/submit and /cgc/fetch for long ones",
-            )
+            reply = run_in_worker(run_function, uri, values, context, limits, hint=HINT)
     except RequestError as error:
         reply = Reply(error.status, [], [str(error)], [], {})
+    return _answer(uri, reply, digest)
+
+
+def _solved_there(content: bytes, limits: Limits) -> Response:
+    """Answer a request that the worker parses; one that is kept is known by its bytes."""
+    digest = hashlib.sha256(content).digest()
+    kept = _kept(digest)
+    if kept is not None:
+        return kept
+    done: Answered = run_in_worker(run_request_body, content, limits, hint=HINT)
+    reply = done.reply or _submitted(done.job or b"", [])
+    return _answer(done.uri, reply, digest if done.kept else None)
+
+
+def _kept(digest: Optional[bytes]) -> Optional[Response]:
+    """Return the answer to the same request of before, None if it was not kept."""
+    kept = _answers().get(digest) if digest else None
+    return None if kept is None else Response(kept, 200, {"Server-Timing": "cache;desc=hit"}, mimetype="application/json")
+
+
+def _answer(uri: str, reply: Reply, digest: Optional[bytes]) -> Response:
     g.spent = reply.spent
     message = reply.errors[0] if reply.errors else ""
     answer = {"message": message, "pointer": uri, "values": reply.values, "errors": reply.errors, "warnings": reply.warnings}
     response = respond(answer if reply.status == 200 or not reply.errors else {**error_body(message), **answer}, reply.status)
     if digest and reply.status == 200:
-        answers.put(digest, response.get_data())
+        _answers().put(digest, response.get_data())
     return response
 
 
-def _submit(values: object, context: dict) -> Reply:
-    read_values(endpoint("cgc/submit"), values)
-    body = json.dumps({"values": values, "context": context}).encode()
+def _answers() -> Answers:
+    return current_app.extensions["hops_answers"]
+
+
+def _submitted(body: bytes, warnings: list[str]) -> Reply:
     job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=client_name())
-    return Reply(200, [entry("Job", "Text", [job.id])], [], passed_over(endpoint("cgc/submit"), values), {})
+    return Reply(200, [entry("Job", "Text", [job.id])], [], warnings, {})
 
 
 def _fetch(values: object) -> Reply:
@@ -144,4 +174,10 @@ def _state(status: int, mesh: list, done: bool, progress: float, told: str) -> R
 
 
 def _body() -> dict:
-    return read_body(request.get_data(cache=False), current_app.config["LIMITS"])
+    """Return the request, which names a function and nothing else."""
+    limits = current_app.config["LIMITS"]
+    check_length(request.content_length, limits)
+    content = request.get_data(cache=False)
+    if not is_light(content, limits):
+        raise TooLarge("the request is larger than a name is")
+    return read_body(content, limits)

@@ -93,7 +93,7 @@ class Jobs:
             else:
                 if job.state == "running":
                     store.set_waiting(job.id)
-                self._start(job)
+                self._start(job, *store.request(job.id))
 
     # ------------------------------------------------------------------
     # Jobs
@@ -130,7 +130,9 @@ class Jobs:
             If the id was used for another request.
         """
         options = options or {}
-        digest = hashlib.sha256(json.dumps([kind, options], sort_keys=True).encode() + body).hexdigest()
+        told = hashlib.sha256(json.dumps([kind, options], sort_keys=True).encode())
+        told.update(body)
+        digest = told.hexdigest()
         if id is not None and not _ID.fullmatch(id):
             raise Unprocessable("the id of a job must be 8 to 64 letters, digits, - or _")
         with self._change:
@@ -146,7 +148,7 @@ class Jobs:
             task = {"task": options["task"]} if "task" in options else {}
             job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
             self.store.add(job, kind, options, body)
-            self._start(job)
+            self._start(job, kind, options, body)
         return job, True
 
     def get(self, id: str) -> Job:
@@ -300,9 +302,8 @@ class Jobs:
                 return
             self._forgotten.discard(id)
 
-    def _start(self, job: Job) -> None:
+    def _start(self, job: Job, kind: str, options: dict, body: bytes) -> None:
         running = self._running[job.id] = RunningJob(job.client)
-        kind, options, body = self.store.request(job.id)
         args = (kind, options, body, self.limits)
         running.task = start(
             self.executor, self._solve, args, lambda progress: self._progress(job.id, running, progress), self.limits.seconds

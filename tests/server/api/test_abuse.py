@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import socket
 import sqlite3
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +22,7 @@ from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
 from compas_cgc.server.limits import Limits
 
+from ...support.server_process import KILLABLE
 from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
@@ -220,3 +225,89 @@ def test_a_busy_server_says_so_to_hops(tmp_path):
         values = [{"ParamName": "Mesh", "InnerTree": {"0": [{"data": mesh}]}}, {"ParamName": "K", "InnerTree": {"0": [{"data": 0.1}]}}]
         status, _, content = busy.ask("POST", "/solve", json.dumps({"pointer": "cgc/dome", "values": values}).encode())
         assert status == 504 and "all workers were busy for 0.7 seconds" in json.loads(content)["errors"][0]
+
+
+def cpu_of(pid):
+    """Return the CPU seconds of a process, and of the processes that it started."""
+    found = [0.0, 0.0]
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent, *_, user, system = path.read_text().rpartition(")")[2].split()[1:13]
+        except OSError:
+            continue  # it has ended
+        if pid in (int(path.parent.name), int(parent)):
+            found[int(path.parent.name) != pid] += (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+    return found
+
+
+def most_memory(pid):
+    """Return the largest memory that a process has had [MB]."""
+    return int(re.search(r"VmHWM:\s*(\d+)", Path(f"/proc/{pid}/status").read_text()).group(1)) / 1024
+
+
+@KILLABLE
+def test_large_bodies_are_parsed_by_others(server):
+    pid = server.process.pid
+    before, memory = cpu_of(pid), most_memory(pid)
+    flood = b'{"vertices": [' + b"[0.5,0.5,0.5]," * 9000 + b"[0,0,0]]," + b",".join(b'"key%d":1' % k for k in range(300_000)) + b"}"
+    for path, number in (("/api/v1/jobs", 422), ("/solve", 404)):
+        status, _, content = server.ask("POST", path, flood)
+        assert status == number, content[:200]
+    own, others = (after - then for after, then in zip(cpu_of(pid), before))
+    assert own < 0.5 * others, "parsing takes its time in a worker"
+    status, _, content = server.ask("POST", "/solve", b'{"a":' + b"[" + b"1," * 5_000_000 + b"1]," + b'"b":1,' * 1_000_000 + b'"c":1}')
+    assert status == 413 and "more than 6000000 values" in json.loads(content)["errors"][0]
+    huge = b"[" + b"1," * (17 * 2**20) + b"1]"
+    for path in ("/api/v1/jobs", "/solve", "/io"):
+        status, _, content = server.ask("POST", path, huge)
+        assert status == 413 and "the JSON has 34 MB, the server takes 32" in json.loads(content)["message"]
+    assert most_memory(pid) - memory < 100
+
+
+def test_a_large_request_is_answered_as_a_small_one(tmp_path):
+    vertices, faces = grid(6, 6.0)
+    value = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.01, "name": "a dome"}
+    mesh = json.dumps(mesh_from_arrays(vertices, faces).Encode())
+    values = [{"ParamName": "Mesh", "InnerTree": {"0": [{"data": mesh}]}}, {"ParamName": "K", "InnerTree": {"0": [{"data": 0.01}]}}]
+    with (
+        running_server(tmp_path / "small.sqlite", workers=1) as small,
+        running_server(tmp_path / "large.sqlite", workers=1, limits={"light": 10}) as large,
+    ):
+        answers = []
+        for server in (small, large):
+            id = json.loads(server.ask("POST", "/api/v1/jobs", json.dumps({**value, "id": "the-same-name"}).encode())[2])["id"]
+            wait_for(lambda server=server: server.client.poll("the-same-name")["state"] == "succeeded")
+            found = server.client.result(id)
+            calls = []
+            for name in ("dome", "submit", "nothing"):
+                body = {"pointer": f"cgc/{name}", "cachesolve": True, "values": values}
+                status, headers, content = server.ask("POST", "/solve", json.dumps(body).encode())
+                again = server.ask("POST", "/solve", json.dumps(body).encode())
+                calls.append(
+                    (status, json.loads(content)["values"][:1] if name == "dome" else None, "cache" in str(again[1]["Server-Timing"]))
+                )
+            answers.append((id, server.client.poll(id)["name"], found["vertices"], calls))
+        assert answers[0] == answers[1]
+        assert [call[0] for call in answers[0][3]] == [200, 200, 404] and [call[2] for call in answers[0][3]] == [True, False, False]
+
+
+def test_a_body_without_the_key_is_not_taken_in(tmp_path):
+    with running_server(tmp_path / "jobs.sqlite", "a-long-enough-key", workers=1) as server:
+        memory = most_memory(server.process.pid) if sys.platform == "linux" else 0.0
+        for path in ("/api/v1/jobs?kind=obj", "/solve"):
+            status, _, content = server.ask("POST", path, 40 * 2**20 * b"v", RhinoComputeKey="a-wrong-key")
+            assert status == 401 and "key" in json.loads(content)["message"]
+        if sys.platform == "linux":
+            assert most_memory(server.process.pid) - memory < 30
+        with socket.create_connection(server.address.split(":"), timeout=PATIENCE) as line:
+            line.sendall(b"POST /solve HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000\r\nExpect: 100-continue\r\n\r\n")
+            said = b""
+            while piece := line.recv(4096):
+                said += piece
+        assert said.startswith(b"HTTP/1.1 401"), "at once, and nothing is asked for"
+        with socket.create_connection(server.address.split(":"), timeout=PATIENCE) as line:
+            key = b"RhinoComputeKey: a-long-enough-key\r\n"
+            line.sendall(b"POST /solve HTTP/1.1\r\nHost: 127.0.0.1\r\n" + key + b"Content-Length: 2\r\nExpect: 100-continue\r\n\r\n")
+            assert line.recv(4096).startswith(b"HTTP/1.1 100")
+            line.sendall(b"{}")
+            assert line.recv(4096).startswith(b"HTTP/1.1 404")
