@@ -26,10 +26,14 @@ from ..errors import Unprocessable
 from ..limits import Limits
 from .decoding import number
 from .decoding import whole
+from .units import UNITS
 
 __all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "settings_of"]
 
-OPTIONS = ("supports", "creases", "targets", "constraints", "goals", "unknown", "method", "settings", "flip", "live", "name", "id")
+OPTIONS = (
+    *("supports", "creases", "targets", "constraints", "goals", "unknown", "method", "settings"),
+    *("flip", "live", "name", "unit", "id"),
+)
 USER_ROLES = tuple(role for i, role in enumerate(ROLES) if i != DUMMY)
 
 
@@ -43,6 +47,8 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
     """
     if not isinstance(options.get("name", ""), str):
         raise Unprocessable("'name' must be a text")
+    if options.get("unit", "") not in tuple(UNITS):
+        raise Unprocessable(f"'unit' must be one of {', '.join(filter(None, UNITS))}")
     for name in ("flip", "live"):
         if not isinstance(options.get(name, False), bool):
             raise Unprocessable(f"'{name}' must be true or false")
@@ -66,6 +72,8 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
     """
     if options.get("name"):
         problem = replace(problem, drawing=problem.drawing._replace(name=options["name"]))
+    if options.get("unit"):
+        problem = replace(problem, drawing=problem.drawing._replace(units=UNITS[options["unit"]]))
     if options.get("flip"):
         problem = problem.flipped()
     if options.get("creases") is not None:

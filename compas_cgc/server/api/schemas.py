@@ -9,6 +9,7 @@ from .builds import TASK_NAMES
 from .builds import tasks
 from .methods import settings_schema
 from .options import USER_ROLES
+from .units import UNITS
 
 __all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "TASKS", "build_schema", "request_schema"]
 
@@ -185,6 +186,7 @@ def request_schema() -> dict:
             "task": {"enum": [SOLVE]},
             "method": {"enum": list(method_names()), "description": "see /api/v1/methods"},
             "settings": settings_schema(),
+            "unit": {"enum": list(UNITS), "description": "of lengths; files of the result are in it"},
             "flip": {"type": "boolean"},
             "live": {"type": "boolean", "description": "report the moving surface"},
         },

@@ -19,6 +19,7 @@ from ...model.problem import Drawing
 from ..api.decoding import LARGEST
 from ..api.decoding import check_size
 from ..api.decoding import number
+from ..api.units import UNITS
 from ..api.wording import in_request_words
 from ..errors import TooLarge
 from ..errors import Unprocessable
@@ -28,7 +29,6 @@ from .preview import contents
 __all__ = ["Sketch", "mesh_of_sketch", "read_sketch"]
 
 FIELDS = ("name", "unit", "edge_length", "outline", "holes", "creases", "points", "held")
-UNITS = {"": "", "m": "Meters", "mm": "Millimeters", "cm": "Centimeters", "ft": "Feet", "in": "Inches"}
 CURVES = 500  # most of one drawing
 ENOUGH = 3  # supports; on fewer a roof tips over
 POINTS = 20_000  # most of all its curves
@@ -38,7 +38,7 @@ class Sketch(NamedTuple):
     """What is drawn in plan [L]."""
 
     name: str
-    unit: str  # name of a unit of length, empty for none
+    unit: str  # short name of a unit of length, empty for none
     edge_length: float
     outline: FloatArray  # (k, 2), the first point again at the end
     holes: list[FloatArray]
@@ -61,7 +61,7 @@ def read_sketch(value: object, limits: Limits) -> Sketch:
     if unknown:
         raise Unprocessable(f"a drawing has no {unknown[0]!r:.60}; it has {', '.join(FIELDS)}")
     name, unit = value.get("name", ""), value.get("unit", "")
-    if not isinstance(name, str) or unit not in UNITS:
+    if not isinstance(name, str) or unit not in tuple(UNITS):
         raise Unprocessable(f"'name' must be a text, and 'unit' one of {', '.join(filter(None, UNITS))}")
     edge_length = number(value.get("edge_length"), "'edge_length'")
     outline = _line(value.get("outline"), "'outline'", 3)
@@ -70,7 +70,7 @@ def read_sketch(value: object, limits: Limits) -> Sketch:
     if sum(map(len, (outline, points, *groups["holes"], *groups["creases"], *groups["held"]))) > POINTS:
         raise TooLarge(f"the drawing has more than {POINTS} points; draw it with fewer")
     holes = [_closed(hole) for hole in groups["holes"]]
-    sketch = Sketch(name[:100], UNITS[unit], edge_length, _closed(outline), holes, groups["creases"], points, groups["held"])
+    sketch = Sketch(name[:100], unit, edge_length, _closed(outline), holes, groups["creases"], points, groups["held"])
     if not edge_length > 0:
         raise Unprocessable("the edge length must be above zero")
     # An equilateral triangle has half a vertex.
@@ -102,7 +102,7 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
             notes.append("the supports drawn cannot hold a roof alone: the whole edge is held too, to begin with")
         if supports:
             problem = problem.with_supports(sorted(supports))
-        problem = replace(problem, drawing=Drawing(sketch.name or "Roof", units=sketch.unit or None))
+        problem = replace(problem, drawing=Drawing(sketch.name or "Roof", units=UNITS[sketch.unit]))
         found = contents(problem, notes, sketch.name or "Roof")
     except CGCError as error:
         raise Unprocessable(in_request_words(error)) from None

@@ -12,10 +12,8 @@ from flask import current_app
 from flask import request
 
 from ..api.blocking_calls import run_in_io_pool
-from ..api.blocking_calls import run_in_worker
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
-from ..api.requests import accept
 from ..api.responses import respond
 from ..errors import BadRequest
 from ..errors import NotFound
@@ -23,7 +21,6 @@ from ..errors import Unprocessable
 from .drawing import mesh_of_sketch
 from .drawing import read_sketch
 from .gallery import GALLERY
-from .limit import limit_of
 from .preview import read_example
 from .preview import read_model
 
@@ -106,15 +103,6 @@ def drawing() -> Response:
     limits = current_app.config["LIMITS"]
     sketch = read_sketch(read_json(request.get_data(cache=False), limits), limits)
     return Response(run_in_io_pool(mesh_of_sketch, sketch, limits), mimetype="application/json")
-
-
-@page.post("/api/v1/limits")
-def limit() -> Response:
-    """Tell how large the targets of a problem can be."""
-    limits = current_app.config["LIMITS"]
-    content = accept(read_json(request.get_data(cache=False), limits), limits)
-    found = run_in_worker(limit_of, content, limits, hint="use a coarser mesh")
-    return Response(found, mimetype="application/json")
 
 
 @page.get("/api/v1/examples")

@@ -58,13 +58,29 @@ export class Api {
     return this.json('/api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
   }
 
+  /** @returns {Promise<{name: string, text: string, options: object[], formats: string[]}[]>} what is built of solved surfaces */
+  async tasks() {
+    return (await this.json('/api/v1/tasks')).tasks;
+  }
+
   /**
-   * Ask how large the targets of a problem can be.
-   * @param {object} problem
+   * Run a job to its end and return its result; who aborts stops it.
+   * @param {object} job
    * @param {AbortSignal} signal
+   * @returns {Promise<object>}
    */
-  limit(problem, signal) {
-    return this.json('/api/v1/limits', { method: 'POST', body: JSON.stringify(problem), signal });
+  async build(job, signal) {
+    const { id } = await this.submit(job, signal);
+    try {
+      for (;;) {
+        const status = await this.json(`/api/v1/jobs/${id}?wait=20`, { signal });
+        if (status.has_result) return { ...(await this.result(id, signal)), id };
+        if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message);
+      }
+    } catch (error) {
+      this.forget(id).catch(() => {});
+      throw error;
+    }
   }
 
   /**

@@ -19,6 +19,7 @@ import { Hand } from './edit/hand.js';
 import { Goals } from './goals.js';
 import { keyDialog } from './keydialog.js';
 import { Legend } from './legend.js';
+import { Maker } from './make/maker.js';
 import { Model } from './model.js';
 import { Painter } from './painter.js';
 import { showProgress } from './progress.js';
@@ -36,6 +37,7 @@ import { capital } from './words.js';
 
 const SMALL = 3000; // vertices up to which a solve keeps up with a slider
 const WORTH = 200; // milliseconds; what is over sooner needs no word
+const CLOSE = 0.05; // of the limit that is looked for; a mark on a slider is no finer
 const MARK = '#design=';
 
 const $ = (id) => document.getElementById(id);
@@ -92,6 +94,17 @@ class Page {
       state: (state) => this.begin(state),
       edge: this.askEdge,
     });
+    this.maker = new Maker(
+      $('making'),
+      this.api,
+      {
+        job: () => this.solver.finished,
+        rough: () => this.result?.report.verdict?.fair === false,
+        name: () => this.model.name,
+        show: (drawn) => this.showBuilt(drawn),
+      },
+      $('sheets'),
+    );
     shareMenu($('share'), { state: () => this.history.now, picture: async () => (this.model ? this.scene.picture() : null) });
     this.listen();
     this.restore();
@@ -296,7 +309,8 @@ class Page {
       this.section.close();
       this.charts.clear();
       this.verdict.clear();
-      for (const id of ['downloads', 'course', 'cancel', 'progress']) $(id).hidden = true;
+      for (const id of ['downloads', 'making', 'course', 'cancel', 'progress']) $(id).hidden = true;
+      this.maker.clear();
       this.take('look');
     }
     if (shape) {
@@ -355,7 +369,7 @@ class Page {
 
   toggleWelcome(show = $('welcome').hidden) {
     $('welcome').hidden = !show;
-    $('another').textContent = show ? 'Back' : 'Open another';
+    $('another').textContent = show ? 'Back' : 'Open';
     $('steps').hidden = show || !this.history.now;
     if (show) this.keep.now().then(() => this.offer());
     else this.welcome.say('');
@@ -417,6 +431,16 @@ class Page {
     this.scene.draw();
   }
 
+  /** Show what was built on the surface. */
+  showBuilt(drawn) {
+    const { surface } = this.scene;
+    if (!surface) return;
+    surface.extras.build(drawn, (point) => this.model.toScene(point));
+    const faces = Boolean(drawn?.faces.length);
+    surface.mesh.visible = surface.edges.visible = !faces;
+    this.scene.draw();
+  }
+
   // ---------------------------------------------------------- what the supports carry
 
   unmark() {
@@ -433,8 +457,9 @@ class Page {
     said.textContent = 'Looking for the largest K …';
     said.hidden = false;
     try {
-      const { goals, unknown, live, ...problem } = this.request();
-      const found = await this.api.limit(problem, search.signal);
+      const { goals, unknown, method, settings, ...problem } = this.request();
+      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: CLOSE } }, search.signal);
+      this.api.forget(found.id).catch(() => {});
       if (this.limiting !== search) return;
       this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);
       said.textContent = capital(found.message);
@@ -465,6 +490,7 @@ class Page {
     const { model } = this;
     return {
       name: model.name.slice(0, 100),
+      unit: model.unit,
       vertices: model.vertices,
       faces: model.triangles,
       creases: model.creases,
@@ -476,6 +502,7 @@ class Page {
   }
 
   solve() {
+    this.maker.clear();
     this.rhythm.settle();
     if (!this.settings.valid) return;
     $('cancel').hidden = false;
@@ -518,7 +545,7 @@ class Page {
     if (first) this.scene.fit();
     this.verdict.show(result, this.model);
     const drawn = this.charts.end(result.history);
-    this.rest({ downloads: true, course: drawn });
+    this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
     this.stepped();
   }
 
@@ -540,7 +567,7 @@ class Page {
   /** Called by the solver when there is no result. */
   failed(message) {
     this.verdict.fail(message, this.result !== null);
-    this.rest({ downloads: false, course: false });
+    this.rest({ downloads: false, making: false, course: false });
   }
 
   rest(shown) {

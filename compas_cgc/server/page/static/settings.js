@@ -81,28 +81,38 @@ export class Settings {
   }
 }
 
-/** Return the field of an option, empty where the method shall take its own value. */
-function labelled(option, value) {
+/**
+ * Return the field of an option, empty where the method shall take its own value.
+ * @param {object} option its JSON schema, with a name and a description
+ * @param {any} [value]
+ * @returns {HTMLLabelElement}
+ */
+export function labelled(option, value) {
   const label = document.createElement('label');
   const name = document.createElement('abbr');
   Object.assign(name, { textContent: option.name.replaceAll('_', ' '), title: option.description });
-  const choices = option.type.includes('boolean') ? ['true', 'false'] : option.enum?.filter((choice) => choice !== null);
-  const field = choices ? choiceField(choices) : numberField(option);
+  const choices = option.type?.includes('boolean') ? ['true', 'false'] : option.enum?.filter((choice) => choice !== null);
+  const field = choices ? choiceField(choices, option.default) : numberField(option);
   field.name = option.name;
   field.value = value ?? '';
   label.append(name, field);
   return label;
 }
 
-function choiceField(choices) {
+function choiceField(choices, own) {
   const field = document.createElement('select');
-  field.append(new Option('default', ''), ...choices.map((choice) => new Option(choice, choice)));
+  const said = { true: 'yes', false: 'no' }[own] ?? own;
+  field.append(new Option(said === undefined || said === null ? 'default' : String(said), ''), ...choices.map((choice) => new Option(choice, choice)));
   return field;
 }
 
 function numberField(option) {
   const field = document.createElement('input');
-  const whole = option.type.includes('integer');
+  const whole = option.type?.includes('integer');
+  if (!option.type) {
+    Object.assign(field, { type: 'text', placeholder: 'free' });
+    return field;
+  }
   Object.assign(field, { type: 'number', step: whole ? '1' : 'any', placeholder: option.default ?? 'auto' });
   for (const [limit, bound] of [
     ['min', option.minimum ?? option.exclusiveMinimum],
@@ -113,7 +123,12 @@ function numberField(option) {
   return field;
 }
 
-function valueOf(field) {
+/**
+ * Return what a field holds, as JSON has it.
+ * @param {HTMLInputElement | HTMLSelectElement} field
+ * @returns {number | string | boolean}
+ */
+export function valueOf(field) {
   if (field.type === 'number') return field.valueAsNumber;
   return { true: true, false: false }[field.value] ?? field.value;
 }

@@ -5,6 +5,7 @@ import { LineMaterial } from '../vendor/three/lines/LineMaterial.js';
 import { LineSegments2 } from '../vendor/three/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from '../vendor/three/lines/LineSegmentsGeometry.js';
 import { Dots } from '../dots.js';
+import { builtGroup } from './built.js';
 
 const TOOL = '#2a6972';
 const CLEAR = '#3f7fae';
@@ -98,16 +99,32 @@ export class Extras {
     if (xyz) this.ghost.geometry.setAttribute('position', new THREE.BufferAttribute(xyz, 3));
   }
 
+  /**
+   * Show what was built, null for nothing.
+   * @param {?import('../make/drawn.js').Drawn} drawn
+   * @param {(point: number[]) => ArrayLike<number>} toScene
+   */
+  build(drawn, toScene) {
+    if (this.built) {
+      this.empty(this.built);
+      this.group.remove(this.built);
+    }
+    this.built = drawn && builtGroup(drawn, toScene);
+    if (this.built) this.group.add(this.built);
+  }
+
   empty(group) {
     for (const part of [...group.children]) {
       group.remove(part);
-      part.geometry.dispose();
+      part.geometry?.dispose();
+      part.material.map?.dispose();
       part.material.dispose();
     }
   }
 
   /** Give back what the graphics card holds. */
   dispose() {
+    this.build(null, null);
     this.empty(this.boxes);
     for (const part of [this.dots.points, this.line, this.cut, this.ghost]) {
       part.geometry.dispose();

@@ -1,0 +1,16 @@
+"""Units of length by their short names, as the page and clients write them."""
+
+from __future__ import annotations
+
+__all__ = ["UNITS"]
+
+UNITS = {
+    "": None,
+    "m": "Meters",
+    "mm": "Millimeters",
+    "cm": "Centimeters",
+    "km": "Kilometers",
+    "ft": "Feet",
+    "in": "Inches",
+    "yd": "Yards",
+}
