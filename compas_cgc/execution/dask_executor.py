@@ -49,7 +49,8 @@ class _Run:
         self.future: Any = None
         self.started: Optional[float] = None
         self.asked = False  # to stop
-        self.missed = 0  # looks in a row without its worker
+        self.lost = False  # Dask has forgotten it
+        self.missed = 0  # looks in a row without its worker, or after Dask has forgotten it
         self.restarted = False
 
     @property
@@ -185,12 +186,14 @@ class DaskExecutor:
         """Keep a connection to the scheduler, and tell who works for it."""
         client: Any = None
         known: dict[str, str] = {}  # version by worker
+        scheduler = ""
         while not self._closing.wait(WATCH_INTERVAL if client is not None or known else 0.0):
             try:
                 if client is None:
                     client = self._connected()
-                    known = {}
-                if client.status != "running":
+                    known, scheduler = {}, self._scheduler_of(client)
+                # Dask connects anew by itself, to another scheduler too, which knows nothing of what was under way.
+                if client.status != "running" or self._scheduler_of(client) != scheduler:
                     raise OSError("the connection is broken")
                 threads = client.sync(client.scheduler.ncores, callback_timeout=PATIENCE)
                 known = {address: known[address] if address in known else self._version_on(client, address) for address in threads}
@@ -209,6 +212,10 @@ class DaskExecutor:
         client = self._distributed.Client(self.address, timeout=PATIENCE, set_as_default=False, name="compas_cgc")
         client.subscribe_topic(self._topic, lambda event: self._inbox.put(_Message("event", event[1])))
         return client
+
+    @staticmethod
+    def _scheduler_of(client: Any) -> str:
+        return str(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["id"])
 
     def _version_on(self, client: Any, address: str) -> str:
         """Return the version on a worker, or what is wrong with it."""
@@ -291,7 +298,7 @@ class DaskExecutor:
         if slots:
             self._ready.set()
         for run in list(self._runs.values()):
-            run.missed = 0 if run.address in threads else run.missed + 1
+            run.missed = 0 if run.address in threads and not run.lost else run.missed + 1
             if run.missed >= GONE:
                 self._give_up(run)
 
@@ -415,10 +422,9 @@ class DaskExecutor:
         return _Message("lost", run.name)
 
     def _on_lost(self, name: str) -> None:
-        """Dask has forgotten a task: with its scheduler, which is noticed elsewhere, or with its worker."""
-        run = self._runs.get(name)
-        if run is not None and self._client is not None and self._client.status == "running":
-            self._give_up(run)
+        """Dask has forgotten a task: with its scheduler, or its worker; the next looks at the cluster tell."""
+        if name in self._runs:
+            self._runs[name].lost = True
 
     # ------------------------------------------------------------------
     # Errands, which may wait for the cluster
