@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Optional
+
 from ..._version import __version__
 from .formats import FORMATS
 from .mesh_files import KINDS
 from .moulds import MOULD_FORMATS
 from .moulds import MOULD_OPTIONS
+from .result_schemas import RESULT_SCHEMAS
 from .schemas import BYTES
 from .schemas import JOB
 from .schemas import JOB_LIST
@@ -53,15 +57,19 @@ def description() -> dict:
 def _description() -> dict:
     job, model, request, build = (f"#/components/schemas/{name}" for name in ("Job", "Model", "Request", "BuildRequest"))
     tasks = {"200": _json({"$ref": "#/components/schemas/Tasks"})}
-    result = {"200": {"description": "the result", "content": {kind: {} for kind in dict.fromkeys(FORMATS.values())}}}
-    moulds = {"200": {"description": "moulds and panels", "content": {kind: {} for kind in MOULD_FORMATS.values()}}}
+    solved = {"anyOf": [{"$ref": f"#/components/schemas/{name}"} for name in ("Result", "Build")] + [{"type": "object"}]}
+    result = {"200": {"description": "the result", "content": _content(FORMATS.values(), solved)}}
+    merged = {"200": {"description": "the file with the result", "content": _content([KINDS["3dm"]])}}
+    moulds = {"200": {"description": "moulds and panels", "content": _content(MOULD_FORMATS.values(), {"type": "object"})}}
     refusals = ("400", "401", "404", "409", "410", "413", "422", "429", "500", "504")
     return {
         "openapi": "3.1.0",
         "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
         "paths": {
-            "/health": {"get": _operation("Tell whether the server lives", {"200": _json({"type": "object"})})},
-            "/version": {"get": _operation("Name the program and its version", {"200": _json({"type": "object"})})},
+            "/health": {"get": _operation("Tell whether the server lives", {"200": _json({"$ref": "#/components/schemas/Health"})})},
+            "/version": {
+                "get": _operation("Name the program and its version", {"200": _json({"$ref": "#/components/schemas/Version"})}),
+            },
             "/api/v1/methods": {
                 "get": _operation("List the methods and their settings", {"200": _json({"$ref": "#/components/schemas/Methods"})}, "401"),
             },
@@ -76,7 +84,7 @@ def _description() -> dict:
                 "post": {
                     **_operation(
                         "Submit a solve, or another task on what was solved",
-                        {"202": _json({"type": "object", "required": ["id"]})},
+                        {"202": _json({"$ref": "#/components/schemas/Submitted"})},
                         *("400", "401", "404", "409", "410", "413", "422", "429"),
                     ),
                     "parameters": [
@@ -120,7 +128,7 @@ def _description() -> dict:
                 "parameters": [_ID, {"name": "format", "in": "query", "schema": {"enum": list(FORMATS)}}],
                 "get": _operation("Return the result", result, "401", "404", "409", "410", "422"),
                 "post": {
-                    **_operation("Return the result merged into a .3dm file", result, *refusals),
+                    **_operation("Return the result merged into a .3dm file", merged, *refusals),
                     "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
                 },
             },
@@ -137,7 +145,7 @@ def _description() -> dict:
                 "get": _operation(
                     "Return the moving vertices as little-endian float32",
                     {
-                        "200": {"description": "vertices", "content": {"application/octet-stream": {}}},
+                        "200": {"description": "vertices", "content": _content(["application/octet-stream"])},
                         "204": {"description": "nothing moves: not yet, not any more, or the job was not submitted as live"},
                     },
                     "401",
@@ -148,7 +156,7 @@ def _description() -> dict:
                 "parameters": [_ID],
                 "get": _operation(
                     "Send states as they change",
-                    {"200": {"description": "events", "content": {"text/event-stream": {}}}},
+                    {"200": {"description": "events", "content": {"text/event-stream": {"schema": {"type": "string"}}}}},
                     "401",
                     "404",
                     "429",
@@ -168,7 +176,7 @@ def _description() -> dict:
                 },
             },
             "/api/v1/examples": {
-                "get": _operation("List the examples", {"200": _json({"type": "object", "required": ["examples"]})}, "401"),
+                "get": _operation("List the examples", {"200": _json({"$ref": "#/components/schemas/Examples"})}, "401"),
             },
             "/api/v1/examples/{name}": {
                 "parameters": [{"name": "name", "in": "path", "required": True, "schema": {"type": "string"}}],
@@ -185,6 +193,7 @@ def _description() -> dict:
                 "Tasks": TASKS,
                 "Model": MODEL,
                 "Problem": PROBLEM,
+                **RESULT_SCHEMAS,
             },
             "securitySchemes": {
                 "bearer": {"type": "http", "scheme": "bearer"},
@@ -198,6 +207,11 @@ def _description() -> dict:
 def _operation(summary: str, responses: dict, *problems: str) -> dict:
     problem = _json({"$ref": "#/components/schemas/Problem"}, "a sentence that says what is wrong")
     return {"summary": summary, "responses": {**responses, **dict.fromkeys(problems, problem)}}
+
+
+def _content(kinds: Iterable[str], schema: Optional[dict] = None) -> dict:
+    """Return the contents of an answer: JSON of a schema, and files."""
+    return {kind: {"schema": schema if kind == "application/json" and schema else BYTES} for kind in dict.fromkeys(kinds)}
 
 
 def _json(schema: dict, text: str = "done") -> dict:

@@ -9,11 +9,13 @@ from .builds import TASK_NAMES
 from .builds import tasks
 from .methods import settings_schema
 from .options import USER_ROLES
+from .result_schemas import PACKED
 from .units import UNITS
 
 __all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "TASKS", "build_schema", "request_schema"]
 
-BYTES = {"type": "string", "contentEncoding": "binary"}
+# Generators of clients go by the format, which is OpenAPI 3.0's.
+BYTES = {"type": "string", "contentEncoding": "binary", "format": "binary"}
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
 PAGE = {
     "limit": {"type": "integer", "minimum": 1, "maximum": 1000, "default": 100},
@@ -52,22 +54,13 @@ JOB_LIST = {
         "offset": {"type": "integer"},
     },
 }
-PACKED = {
-    "type": "object",
-    "required": ["base64", "type", "shape"],
-    "properties": {
-        "base64": {"type": "string", "contentEncoding": "base64", "description": "little-endian"},
-        "type": {"enum": ["f8", "i4"]},
-        "shape": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1, "maxItems": 2},
-    },
-}
 INDICES = {"type": "array", "items": {"type": "integer", "minimum": 0}}
 PROBLEM = {
     "type": "object",
     "required": ["message", "values", "errors", "warnings"],
     "properties": {
         "message": {"type": "string"},
-        "values": {"type": "array"},
+        "values": {"type": "array", "items": {"type": "object"}, "description": "empty; newer Hops reads it"},
         "errors": {"type": "array", "items": {"type": "string"}},
         "warnings": {"type": "array", "items": {"type": "string"}},
     },
@@ -95,7 +88,11 @@ MODEL = {
             "items": {"type": ["number", "null"]},
             "description": "by region, null where it is not one number; suggested where the file has none [1/L^2]",
         },
-        "vertex_targets": {"type": ["array", "null"], "description": "per vertex, where a region has more than one [1/L^2]"},
+        "vertex_targets": {
+            "type": ["array", "null"],
+            "items": {"type": ["number", "null"]},
+            "description": "per vertex, where a region has more than one [1/L^2]",
+        },
         "settings": {"type": "object", "description": "the paper's, of an example"},
         "notes": {"type": "array", "items": {"type": "string"}},
         "problems": {
