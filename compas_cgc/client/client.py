@@ -34,6 +34,7 @@ from .packed import unpack
 __all__ = ["Client"]
 
 API = 1
+LONGEST_PAUSE = 30.0  # seconds that a server may ask for before the next try
 LOST = (OSError, http.client.HTTPException)
 # A proxy of the system between this program and its own machine would only be in the way.
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
@@ -332,6 +333,7 @@ class Client:
         headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.key}"} if self.key else {})}
         attempt = 0
         while True:
+            asked = 0.0
             sent = urllib.request.Request(self.url + path, body, headers, method=method)
             try:
                 with _DIRECT.open(sent, timeout=self.timeout) as answer:
@@ -340,11 +342,12 @@ class Client:
                 refused = Refused(_sentence(error), error.code)
                 if error.code not in (429, 502, 503) or attempt == self.retries:
                     raise refused from None
+                asked = _pause_of(error)
             except LOST as error:
                 if attempt == self.retries:
                     reason = getattr(error, "reason", error)
                     raise ServerUnavailable(f"no server answers at {self.url} ({reason}); start one with: compas-cgc serve") from None
-            time.sleep(min(2.0, 0.1 * 2**attempt) * random.uniform(0.5, 1.0))
+            time.sleep(max(min(2.0, 0.1 * 2**attempt), min(asked, LONGEST_PAUSE)) * random.uniform(0.5, 1.0))
             attempt += 1
 
     def _json(self, method: str, path: str, value: Optional[dict] = None) -> dict:
@@ -377,6 +380,12 @@ def _rows(value: Union[Listable, Iterable[Union[Listable, Iterable[float]]]]) ->
     if isinstance(value, Listable):
         return value.tolist()
     return [list(row) if isinstance(row, (list, tuple)) or not isinstance(row, Listable) else row.tolist() for row in value]
+
+
+def _pause_of(error: urllib.error.HTTPError) -> float:
+    """Return the seconds that a server asks its client to wait."""
+    told = error.headers.get("Retry-After") or ""
+    return float(told) if told.isdecimal() else 0.0
 
 
 def _sentence(error: urllib.error.HTTPError) -> str:

@@ -56,6 +56,8 @@ class Task(Future):
         Goes before those that nobody waits for.
     since
         When it was handed in.
+    on_late
+        Called with the result where it comes after whoever waits was told that the task was stopped.
     grace
         Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
@@ -65,6 +67,7 @@ class Task(Future):
         self.call: Optional[tuple] = call  # dropped once it is sent
         self.on_progress = on_progress
         self.time_limit = time_limit
+        self.on_late: Optional[Callable[[Any], object]] = None
         self.stop_reason: Optional[str] = None
         self.stop_time = 0.0
         self.grace = GRACE

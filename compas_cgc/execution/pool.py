@@ -253,6 +253,8 @@ class WorkerPool(Executor):
                 _fail(task, TaskError(*content))
             elif not task.done():
                 task.set_result(content)
+            elif task.on_late is not None:
+                _told(task.on_late, content)
             return True
 
 
@@ -263,7 +265,11 @@ def _fail(task: Task, error: Exception) -> None:
 
 def _tell(task: Task, progress: object) -> None:
     if task.on_progress is not None and not task.done():
-        try:
-            task.on_progress(progress)
-        except Exception:
-            log.exception("a listener to a task failed")
+        _told(task.on_progress, progress)
+
+
+def _told(listener: Callable[[Any], object], news: object) -> None:
+    try:
+        listener(news)
+    except Exception:
+        log.exception("a listener to a task failed")

@@ -39,8 +39,8 @@ from .._version import __version__
 from ..execution.pool import WorkerPool
 from ..server.api.decoding import read_json
 from ..server.api.formats import encoded
+from ..server.api.job_status import status
 from ..server.api.requests import accept
-from ..server.api.responses import status
 from ..server.api.tasks import solve_job
 from ..server.api.tasks import warm_up
 from ..server.errors import RequestError

@@ -19,6 +19,9 @@ __all__ = [
 ]
 
 
+LONGEST_PAUSE = 60  # seconds that a client is told to wait
+
+
 class RequestError(Exception):
     """A request that cannot be served; the text is a sentence for the client.
 
@@ -69,10 +72,21 @@ class Unprocessable(RequestError):
 
 
 class Busy(RequestError):
-    """The queue is full."""
+    """The queue is full.
+
+    Parameters
+    ----------
+    message
+        A sentence for the client.
+    seconds
+        After which it may look different, as far as can be told.
+    """
 
     status = 429
-    headers = {"Retry-After": "1"}
+
+    def __init__(self, message: str, seconds: float = 1.0):
+        super().__init__(message)
+        self.headers = {"Retry-After": str(max(1, min(LONGEST_PAUSE, round(seconds))))}
 
 
 class WorkerFailed(RequestError):
@@ -85,6 +99,7 @@ class ServerStopping(RequestError):
     """The server ends."""
 
     status = 503
+    headers = {"Retry-After": "5"}
 
 
 class GatewayTimeout(RequestError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import os
 import subprocess
 import sys
 from xmlrpc.client import ServerProxy
@@ -112,3 +113,12 @@ def test_a_port_in_use_is_said(proxy):
     command = [sys.executable, "-m", "compas_cgc.rpc.service", "--port", port, "--autoreload"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2 and "give another with --port" in done.stderr
+
+
+def test_the_service_needs_no_web_framework(tmp_path):
+    for name in ("flask", "werkzeug", "waitress"):
+        (tmp_path / f"{name}.py").write_text(f"raise ModuleNotFoundError('no module named {name}', name='{name}')")
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH"), os.getcwd()])])
+    command = [sys.executable, "-m", "compas_cgc.rpc.service", "--help"]
+    said = subprocess.run(command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True, timeout=PATIENCE)
+    assert (said.returncode, said.stderr) == (0, "") and "Serve compas.rpc" in said.stdout

@@ -34,6 +34,7 @@ from .formats import FORMATS
 from .formats import SHOWN
 from .formats import encoded
 from .formats import merged_into
+from .job_status import status
 from .mesh_files import KINDS
 from .methods import methods
 from .moulds import MOULD_FORMATS
@@ -41,7 +42,6 @@ from .moulds import moulds_of
 from .moulds import read_mould_options
 from .openapi import description
 from .responses import respond
-from .responses import status
 from .schemas import PAGE
 from .schemas import STATES
 from .submissions import file_submission

@@ -9,6 +9,7 @@ from ...execution.future import start
 from ...execution.future import wait_for
 from ...execution.protocol import AnyExecutor
 from ..errors import Busy
+from ..errors import ServerStopping
 from ..limits import Limits
 
 __all__ = ["Calls"]
@@ -74,7 +75,7 @@ class Calls:
         try:
             with self._lock:
                 if self._closed:
-                    raise Busy("the server is stopping; ask again when it is back")
+                    raise ServerStopping("the server is stopping; ask again when it is back")
                 task = start(executor, function, args, time_limit=self.limits.seconds, urgent=True)
             return wait_for(task, self.limits.blocking, disconnected)
         finally:

@@ -10,12 +10,14 @@ import secrets
 import sqlite3
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator
 from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Callable
 from typing import Optional
 
+from ...execution.future import Task
 from ...execution.future import start
 from ...execution.future import stop
 from ...execution.protocol import AnyExecutor
@@ -23,6 +25,7 @@ from ..errors import Busy
 from ..errors import Conflict
 from ..errors import Gone
 from ..errors import NotFound
+from ..errors import ServerStopping
 from ..errors import Unprocessable
 from ..limits import Limits
 from .calls import Calls
@@ -48,6 +51,7 @@ class RunningJob:
     def __init__(self, client: str):
         self.client = client
         self.task: Optional[Future] = None
+        self.since: Optional[float] = None  # when it began
         self.progress: dict = {}
         self.surface: Optional[bytes] = None
         self.changes = 0
@@ -84,6 +88,7 @@ class Jobs:
         self._lost: dict[str, Job] = {}
         # Jobs that were deleted, which the store could not be told of yet.
         self._forgotten: set[str] = set()
+        self._took: deque[float] = deque(maxlen=50)  # seconds of the last jobs
         self._change = threading.Condition(threading.RLock())
         self._closed = False
         for job in store.unfinished():
@@ -219,6 +224,8 @@ class Jobs:
             self._change.notify_all()
         if running is not None:
             task, running.task = running.task, None
+            if isinstance(task, Task):
+                task.on_late = None
             stop(task, CANCELLED)
 
     def wait(self, id: str, seconds: float) -> Job:
@@ -227,7 +234,7 @@ class Jobs:
         with self._change:
             self._change.wait_for(lambda: self._closed or id not in self._running, seconds)
             if self._closed:
-                raise Busy("the server is stopping; ask again when it is back")
+                raise ServerStopping("the server is stopping; ask again when it is back")
         return self.get(id)
 
     def follow(self, id: str, heartbeat: float = 15.0) -> Iterator[Optional[Job]]:
@@ -261,13 +268,21 @@ class Jobs:
         self._check_open()
         clients = [running.client for running in self._running.values()]
         if len(clients) >= self.limits.queue:
-            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished")
+            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished", self._pause())
         if clients.count(client) >= self.limits.per_client:
-            raise Busy(f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them")
+            told = f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them"
+            # The first of its own has to come up.
+            raise Busy(told, self._pause(clients.index(client)))
+
+    def _pause(self, ahead: int = 0) -> float:
+        """Return the seconds until a job is over that has some ahead of it, as long as those before took."""
+        took = sorted(self._took)
+        median = took[len(took) // 2] if took else 1.0
+        return median * (1.0 + ahead / max(1, getattr(self.executor, "workers", 1)))
 
     def _check_open(self) -> None:
         if self._closed:
-            raise Busy("the server is stopping; submit again when it is back")
+            raise ServerStopping("the server is stopping; submit again when it is back")
 
     def close(self) -> None:
         """Stop everything; jobs that are not finished wait for the next start of the server."""
@@ -308,7 +323,17 @@ class Jobs:
         running.task = start(
             self.executor, self._solve, args, lambda progress: self._progress(job.id, running, progress), self.limits.seconds
         )
+        if isinstance(running.task, Task):
+            running.task.on_late = lambda output: self._late(job.id, output)
         running.task.add_done_callback(lambda task: self._done(job, running, task))
+
+    def _late(self, id: str, output: JobOutput) -> None:
+        """Keep the surface of a job that was told to be stopped before its last step was over."""
+        try:
+            if output.content is not None:
+                self.store.add_result(id, output.content)
+        except sqlite3.Error as error:
+            log.error("the surface of the stopped job %s cannot be kept: %s", id, error)
 
     def _progress(self, id: str, running: RunningJob, news: dict) -> None:
         with self._change:
@@ -317,6 +342,7 @@ class Jobs:
                 return
             if not running.progress:
                 self.store.set_started(id)
+                running.since = time.monotonic()
             running.surface = news.pop("surface", running.surface)
             running.progress = news
             running.changes += 1
@@ -327,6 +353,8 @@ class Jobs:
             if self._closed or self._running.get(job.id) is not running:
                 return
             del self._running[job.id]
+            if running.since is not None:
+                self._took.append(time.monotonic() - running.since)
             # The task knows its listeners: a circle that would keep request and result for a long while.
             running.task = None
             try:

@@ -127,6 +127,14 @@ class Store:
                 self._base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, result))
             self._base.execute("DELETE FROM requests WHERE id = ?", (id,))
 
+    def add_result(self, id: str, result: bytes) -> None:
+        """Keep the result of a job that is over and has none; one that was deleted meanwhile, or whose id another has, stays as it is."""
+        with self._lock, self._base:
+            self._base.execute("BEGIN")
+            query = "UPDATE jobs SET size = ? WHERE id = ? AND size IS NULL AND state IN ('cancelled', 'failed')"
+            if self._base.execute(query, (len(result), id)).rowcount:
+                self._base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, result))
+
     def delete(self, id: str) -> None:
         """Forget a job."""
         try:

@@ -187,7 +187,7 @@ def test_the_queue_is_bounded_for_one_and_for_all(tidy):
     body = json.dumps(endless()).encode()
     assert [from_address("127.0.0.1", "/api/v1/jobs", body)[0] for _ in range(3)] == [202, 202, 202]
     status, again, found = from_address("127.0.0.1", "/api/v1/jobs", body)
-    assert (status, again) == (429, "1") and "this client has 3 unfinished jobs" in found["message"]
+    assert status == 429 and 1 <= int(again) <= 60 and "this client has 3 unfinished jobs" in found["message"]
     status, _, found = from_address("127.0.0.1", "/solve", hops_body("submit"))
     assert status == 429 and found["errors"] == [found["message"]] and found["values"] == []
     assert [from_address("127.0.0.2", "/api/v1/jobs", body)[0] for _ in range(2)] == [202, 202]

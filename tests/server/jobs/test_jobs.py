@@ -24,6 +24,7 @@ from compas_cgc.server.errors import Busy
 from compas_cgc.server.errors import Conflict
 from compas_cgc.server.errors import Gone
 from compas_cgc.server.jobs.engine import Jobs
+from compas_cgc.server.jobs.output import JobOutput
 from compas_cgc.server.jobs.store import Job
 from compas_cgc.server.jobs.store import Store
 from compas_cgc.server.limits import Limits
@@ -51,6 +52,20 @@ def sleep_until_told():
 def sleep_for_ever():
     report("begun")
     time.sleep(3600)
+
+
+def late(kind, options, content, limits):
+    report({"step": 1})
+    while not stop_wanted():
+        time.sleep(0.01)
+    time.sleep(0.5)
+    return JobOutput("as far as it got", b"the surface", True)
+
+
+def soon(kind, options, content, limits):
+    report({"step": 1})
+    time.sleep(float(content))
+    return JobOutput("done", b"")
 
 
 def die():
@@ -310,6 +325,36 @@ def test_a_call_is_stopped_when_its_client_is_gone(jobs):
     with pytest.raises(TimeoutError, match="gone"):
         jobs.calls.call(sleep_until_told, disconnected=lambda: True)
     assert jobs.calls.call(add, 2, 2) == 4
+
+
+def test_a_job_that_is_cancelled_within_a_long_step_keeps_its_surface():
+    slow = WorkerPool(1, grace=2 * PATIENCE)
+    engine = Jobs(slow, Store(":memory:"), late)
+    job, _ = engine.submit("json", b"")
+    wait_for(lambda: engine.get(job.id).progress)
+    engine.cancel(job.id)
+    told = engine.wait(job.id, PATIENCE)
+    assert (told.state, told.size) == ("cancelled", None), "whoever waits is told before the step is over"
+    wait_for(lambda: engine.get(job.id).size)
+    assert engine.result(job.id) == b"the surface" and engine.get(job.id).state == "cancelled"
+    engine.close()
+
+
+def test_who_is_refused_is_told_to_wait_as_long_as_jobs_take():
+    quick = WorkerPool(1)
+    engine = Jobs(quick, Store(":memory:"), soon, Limits(queue=3, per_client=2))
+    for _ in range(2):
+        engine.wait(engine.submit("json", b"2.6")[0].id, PATIENCE)
+    for client in ("one", "two", "two"):
+        engine.submit("json", b"600", client=client)
+    for client, least in (("three", 3), ("two", 5)):
+        engine.limits = Limits(queue=3 if client == "three" else 4, per_client=2)
+        with pytest.raises(Busy) as refused:
+            engine.submit("json", b"600", client=client)
+        # A busy machine takes longer; the job of the one comes before those of the two.
+        assert least <= int(refused.value.headers["Retry-After"]) <= 60
+    wait_for(lambda: sorted(engine.positions().values()) == [1, 2])
+    engine.close()
 
 
 def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():
