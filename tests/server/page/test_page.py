@@ -467,7 +467,8 @@ def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
     flat = page.at_rest()
     # A change of the method is a change: it is solved at once.
     page.one("#method [value=flow]").click()
-    assert "Step" in page.seen("#progress").text
+    page.seen("#progress")
+    wait_for(lambda: "Step" in page.one("#progress").text, what="the progress is not told")
     wait_for(lambda: changed(flat, page.picture()) > 0.02, what="the surface does not move while it is solved")
     page.seen("#cancel").click()
     page.seen(".verdict h2")

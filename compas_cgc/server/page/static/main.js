@@ -528,7 +528,7 @@ class Page {
   /** Called by the solver in the end. */
   done(result, status) {
     if (!result) {
-      this.failed(status.message ?? 'The solve ended without a result');
+      this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
       return;
     }
     const first = this.result === null;
@@ -565,8 +565,8 @@ class Page {
   }
 
   /** Called by the solver when there is no result. */
-  failed(message) {
-    this.verdict.fail(message, this.result !== null);
+  failed(message, stopped = false) {
+    this.verdict.fail(message, this.result !== null, stopped);
     this.rest({ downloads: false, making: false, course: false });
   }
 

@@ -43,11 +43,12 @@ export class Verdict {
    * Tell that there is no result.
    * @param {string} message
    * @param {boolean} [shown] whether the one before is still to be seen
+   * @param {boolean} [stopped] whether that was wanted
    */
-  fail(message, shown = false) {
-    const parts = [element('h2', 'Not solved'), element('p', capital(message))];
+  fail(message, shown = false, stopped = false) {
+    const parts = [element('h2', stopped ? 'Stopped' : 'Not solved'), element('p', capital(message))];
     if (shown) parts.push(old('The surface shown is the one before.'));
-    this.fill('bad', parts);
+    this.fill(stopped ? 'warn' : 'bad', parts);
   }
 
   /** Say nothing. */

@@ -4,7 +4,7 @@ import { circle, emptyPlan } from './plan.js';
 
 const UNITS = { 1: 'in', 2: 'ft', 4: 'mm', 5: 'cm', 6: 'm' };
 const CHORD = Math.PI / 36; // radians between two points of an arc
-const SAMPLES = 12; // points to each knot of a spline
+const SAMPLES = 24; // points to each knot of a spline
 
 /**
  * Return the plan in a DXF file.
