@@ -231,6 +231,14 @@ def goals(pen):
     pen.line([(18.5, 17.5), (20.5, 20), (22.5, 17.5)], TEAL, 1.8)
 
 
+def study(pen):
+    """Domes of growing height, side by side."""
+    for k, (x, y) in enumerate([(2, 11), (13, 11), (2, 22), (13, 22)]):
+        outline = arc(x, x + 9, y, 3 + 2 * k)
+        pen.area(outline, TEAL if k == 3 else SAND)
+        pen.line([*outline, outline[0]], width=1.2)
+
+
 ICONS = {
     "CGC_Analyse": analyse,
     "CGC_Bake": bake,
@@ -248,6 +256,7 @@ ICONS = {
     "CGC_Settings": settings,
     "CGC_Server": server,
     "CGC_Solve": solve,
+    "CGC_Study": study,
     "CGC_Target": target,
     "CGC_Unroll": unroll,
     "CGC_Write3dm": write_3dm,

@@ -33,7 +33,8 @@ __all__ = ["DaskExecutor"]
 
 POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
 WATCH_INTERVAL = 0.5  # seconds between two looks at the cluster
-PATIENCE = 3.0  # seconds that the scheduler may take to answer
+PATIENCE = 3.0  # seconds that a scheduler may take to be found
+BUSY = 30.0  # seconds that one may take to answer that is connected: when it ends that is seen at once
 GONE = 2  # looks in a row that a worker is missing in, until its task is given up
 FAIR = 5.0  # seconds after which a task is no longer overtaken
 BEGINNINGS = 2  # times that a task is begun whose scheduler dies under it
@@ -195,7 +196,7 @@ class DaskExecutor:
                 # Dask connects anew by itself, to another scheduler too, which knows nothing of what was under way.
                 if client.status != "running" or self._scheduler_of(client) != scheduler:
                     raise OSError("the connection is broken")
-                threads = client.sync(client.scheduler.ncores, callback_timeout=PATIENCE)
+                threads = client.sync(client.scheduler.ncores, callback_timeout=BUSY)
                 known = {address: known[address] if address in known else self._version_on(client, address) for address in threads}
                 self._inbox.put(_Message("workers", (client, dict(threads), known)))
             except Exception as error:
@@ -215,7 +216,7 @@ class DaskExecutor:
 
     @staticmethod
     def _scheduler_of(client: Any) -> str:
-        return str(client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["id"])
+        return str(client.sync(client.scheduler.identity, callback_timeout=BUSY)["id"])
 
     def _version_on(self, client: Any, address: str) -> str:
         """Return the version on a worker, or what is wrong with it."""

@@ -98,6 +98,22 @@ class Results:
         """Return the numbers of a column, NaN where there is none."""
         return np.array([value if isinstance(value, (int, float)) else np.nan for value in self.column(name)], dtype=np.float64)
 
+    def row(self, variant: int) -> dict[str, Any]:
+        """Return the row of a variant by column.
+
+        Raises
+        ------
+        CGCError
+            If there is no such variant.
+        """
+        if not 0 <= variant < len(self.rows):
+            raise CGCError(f"there is no variant {variant}; the table has {len(self.rows)}, from 0 on")
+        return dict(zip(self.columns, self.rows[variant]))
+
+    def has_surface(self, variant: int) -> bool:
+        """Tell whether a variant has a surface."""
+        return bool(np.isfinite(self.surfaces[variant]).all())
+
     def problem(self, variant: int) -> CGCProblem:
         """Return the problem of a variant on its surface, with the K that was found.
 
@@ -121,12 +137,10 @@ class Results:
         CGCError
             If there is no such variant, or it has no surface.
         """
-        if not 0 <= variant < len(self.rows):
-            raise CGCError(f"there is no variant {variant}; the table has {len(self.rows)}, from 0 on")
-        vertices = np.array(self.surfaces[variant])
-        if not np.isfinite(vertices).all():
-            raise CGCError(f"variant {variant} has no surface: {self.column('note')[variant]}")
-        return vertices
+        row = self.row(variant)
+        if not self.has_surface(variant):
+            raise CGCError(f"variant {variant} has no surface: {row['note']}")
+        return np.array(self.surfaces[variant])
 
     def good(self) -> Indices:
         """Return the variants that reached their K with a fair surface (k,); where none did, those that reached it."""

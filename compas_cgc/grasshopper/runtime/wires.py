@@ -98,7 +98,7 @@ WIRES = {
     "edge_length": _NUMBER,
     "number": Wire(_is_whole, "a whole number"),
     **dict.fromkeys(("flip", "run", "reset", "bake"), _SWITCH),
-    **dict.fromkeys(("fix", "show", "layer", "path", "url", "key", "python", "variant", "method"), _TEXT),
+    **dict.fromkeys(("column", "fix", "show", "layer", "path", "url", "key", "python", "variant", "method"), _TEXT),
 }
 
 

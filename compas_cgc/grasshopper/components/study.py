@@ -1,0 +1,55 @@
+"""Study: the table and the surfaces of a study, also of one that still runs."""
+
+from __future__ import annotations
+
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+from ...datastructures import CGCMesh
+from ...errors import CGCError
+from ...io.rhino.rhinocommon import mesh_from_arrays
+from ...study import Results
+from ...study import pareto_front
+from ..runtime.component_feedback import add_remark
+from ..runtime.component_feedback import add_warning
+from ..runtime.component_feedback import reports_errors
+from ..runtime.component_feedback import set_message
+
+__all__ = ["StudyOutputs", "study"]
+
+
+class StudyOutputs(NamedTuple):
+    """Outputs of the component."""
+
+    mesh: Any
+    cgc_mesh: Any
+    row: Optional[list[str]]
+    columns: Optional[list[str]]
+    values: Optional[list[Any]]
+    front: Optional[list[int]]
+
+
+@reports_errors(StudyOutputs)
+def study(component: Any, path: Optional[str], number: Optional[int], column: Optional[str]) -> StudyOutputs:
+    """Show a variant of a study with its row, a column for all variants, and those that no other one beats."""
+    if not path:
+        add_warning(component, "connect the folder that compas-cgc study has written")
+        return StudyOutputs(*[None] * len(StudyOutputs._fields))
+    results = Results(path.strip())
+    total = len(results.study.variants)
+    if len(results) < total:
+        add_remark(component, f"{len(results)} of {total} variants are solved so far")
+    if not len(results):
+        raise CGCError("the study has no variant yet; recompute when it has")
+    number = int(number or 0)
+    row = results.row(number)
+    front = pareto_front(results).tolist() if results.study.pareto.columns else results.good().tolist()
+    values = results.column(column.strip()) if column else None
+    set_message(component, f"variant {number} of {len(results)}: {row['verdict'] or row['status']}")
+    words = [f"{name}: {value:.6g}" if isinstance(value, float) else f"{name}: {value}" for name, value in row.items() if value is not None]
+    if not results.has_surface(number):
+        add_warning(component, f"variant {number} has no surface: {row['note']}")
+        return StudyOutputs(None, None, words, results.columns, values, front)
+    mesh = CGCMesh.from_problem(results.problem(number))
+    return StudyOutputs(mesh_from_arrays(*mesh.arrays()), mesh, words, results.columns, values, front)
