@@ -24,8 +24,9 @@ from ..meshing.closest_points import nearest_on_polyline
 from ..meshing.polyline import arc_lengths
 from ..model.problem import CGCProblem
 
-__all__ = ["moved_along"]
+__all__ = ["moved_along", "straight_on"]
 
+STRAIGHT = 0.87  # cosine between two creases in turn, 30 degrees, from which they are one line
 TURNED = 0.1  # cosine between the normals of a face before and after, below which the mesh is too much distorted
 
 
@@ -69,12 +70,44 @@ def moved_along(problem: CGCProblem, moving: Indices, direction: FloatArray, on_
     return moved
 
 
+def straight_on(problem: CGCProblem, number: int) -> Indices:
+    """Return the vertices of a crease and of those that go straight on from it where creases cross: a line as it was drawn (k,).
+
+    Raises
+    ------
+    CGCError
+        If there is no such crease.
+    """
+    paths = problem.crease_paths()
+    if not 0 <= number < len(paths):
+        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)}, from 0 on")
+    line, left = list(paths[number]), [path for k, path in enumerate(paths) if k != number]
+    for _ in range(2):
+        while True:
+            further = [own for path in left for own in (path, path[::-1]) if own[0] == line[-1]]
+            along = [_cosine(problem.vertices, line[-2:], own[:2]) for own in further]
+            if not further or max(along) < STRAIGHT:
+                break
+            best = further[int(np.argmax(along))]
+            left = [path for path in left if path not in (best, best[::-1])]
+            line += best[1:]
+        line.reverse()
+    return np.unique(line).astype(np.int64)
+
+
+def _cosine(V: Vectors, one: list[int], other: list[int]) -> float:
+    a, b = V[one[1]] - V[one[0]], V[other[1]] - V[other[0]]
+    return float(a @ b / max(np.linalg.norm(a) * np.linalg.norm(b), np.finfo(float).tiny))
+
+
 def _influence(problem: CGCProblem, moving: Indices, loops: list[Indices]) -> FloatArray:
     """Return the part of the move that every vertex makes (n,): 1 for those that are moved, 0 for those that stay."""
     n = len(problem.vertices)
     part = np.full(n, np.nan)
-    creased = np.unique(problem.creases)
-    part[creased] = 0.0
+    paths = [np.array(path, dtype=np.int64) for path in problem.crease_paths()]
+    for path in paths:
+        # Where creases end or cross they stay; closed ones stay as a whole.
+        part[path if path[0] == path[-1] else path[[0, -1]]] = 0.0
     on_loops = np.concatenate(loops) if loops else np.empty(0, np.int64)
     supports = problem.supports
     if len(np.setdiff1d(on_loops, supports)):
@@ -85,12 +118,16 @@ def _influence(problem: CGCProblem, moving: Indices, loops: list[Indices]) -> Fl
     if loops:
         part[named_supports(problem.vertices, problem.faces, "corners")] = 0.0
     part[moving] = 1.0
+    for path in paths:
+        known = np.isfinite(part[path])
+        at = arc_lengths(problem.vertices[path])
+        part[path] = np.interp(at, at[known], part[path][known])
     for loop in loops:
-        part[loop] = _along(problem.vertices[loop], part[loop])
+        part[loop] = _around(problem.vertices[loop], part[loop])
     return _harmonic(problem, part)
 
 
-def _along(points: Vectors, part: FloatArray) -> FloatArray:
+def _around(points: Vectors, part: FloatArray) -> FloatArray:
     """Return the parts (b,) along a closed line (b, 3), linear between those that are known."""
     known = np.flatnonzero(np.isfinite(part))
     if not len(known) or not part[known].any():

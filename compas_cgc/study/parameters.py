@@ -16,6 +16,7 @@ from ..errors import CGCError
 from ..model.constraint_data import constraint_of
 from ..model.problem import CGCProblem
 from .morph import moved_along
+from .morph import straight_on
 from .sampling import Values
 from .sampling import values_of
 
@@ -82,7 +83,7 @@ class Parameter:
             return lambda problem, supports: problem.with_supports(supports)
         if self.kind == "move":
             crease = self.more.get("crease")
-            moving = drawing.positions(self.more.get("vertices", ())) if crease is None else _crease(drawing, crease)
+            moving = drawing.positions(self.more.get("vertices", ())) if crease is None else straight_on(drawing, int(crease))
             moved = moved_along(drawing, moving, np.array(self.more["direction"], dtype=np.float64), crease is not None)
             return lambda problem, distance: moved(distance)
         more = dict(self.more)

@@ -99,6 +99,7 @@ class Study:
         CGCError
             If they are not understood, with what is.
         """
+        data = _plain(data)
         _known("a study", data, _KEYS)
         named = data.get("parameters")
         if not isinstance(named, Mapping) or not named:
@@ -211,6 +212,14 @@ def read_study(path: Union[str, os.PathLike[str]]) -> Study:
         return Study.from_dict(data)
     except CGCError as error:
         raise CGCError(f"{path}: {error}") from None
+
+
+def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a study as it can be written: numbers and arrays of NumPy as plain ones."""
+    try:
+        return json.loads(json.dumps(dict(data), default=lambda value: value.tolist()))
+    except (TypeError, ValueError, AttributeError) as error:
+        raise CGCError(f"a study must be plain data, of numbers, texts, lists and tables ({error})") from None
 
 
 def _known(what: str, given: Mapping[str, Any], keys: tuple[str, ...]) -> None:

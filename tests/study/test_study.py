@@ -133,21 +133,24 @@ def test_regions_strategies_supports_and_goals_are_what_is_asked_of_the_variant(
     assert [len(plan.problem(k).supports) for k in (0, 1)] == [4, 4 * N]
 
 
-def test_a_crease_that_is_moved_takes_the_mesh_along_and_leaves_the_edge_of_the_plan():
-    mesh = grid("boundary", creases=[line(3)])
-    problem = mesh.to_problem()
-    plan = Plan(of({"ridge": {"kind": "move", "crease": 0, "direction": [1, 0, 0], "values": [-1.2, 0.0, 1.5, 4.0]}}), problem)
-    across = 0 if np.ptp(problem.vertices[line(3), 0]) == 0 else 1
-    if across == 1:
-        plan = Plan(of({"ridge": {"kind": "move", "crease": 0, "direction": [0, 1, 0], "values": [-1.2, 0.0, 1.5, 4.0]}}), problem)
-    assert np.array_equal(plan.problem(1).vertices, problem.vertices)
+@pytest.mark.parametrize("crossing", [False, True])
+def test_a_crease_that_is_moved_takes_the_mesh_along_and_leaves_the_edge_of_the_plan(crossing):
+    across = [[k * (N + 1) + 2 for k in range(N + 1)]] if crossing else []
+    problem = grid("boundary", creases=[line(3), *across]).to_problem()
+    V = problem.vertices
+    axis = int(np.argmax(np.ptp(V[[line(0)[0], line(1)[0]]], axis=0)))  # across the line
+    number = next(k for k, path in enumerate(problem.crease_paths()) if set(path) <= set(line(3)))
+    direction = np.eye(3)[axis].tolist()
+    plan = Plan(of({"ridge": {"kind": "move", "crease": number, "direction": direction, "values": [-1.2, 0.0, 1.5, 4.0]}}), problem)
+    assert np.array_equal(plan.problem(1).vertices, V)
     for variant, distance in ((0, -1.2), (2, 1.5)):
         moved = plan.problem(variant).vertices
-        assert np.allclose(moved[line(3), across] - problem.vertices[line(3), across], distance, atol=1e-12)
-        assert np.allclose([moved.min(axis=0), moved.max(axis=0)], [problem.vertices.min(axis=0), problem.vertices.max(axis=0)])
-        assert (face_normals(moved, problem.faces)[:, 2] * face_normals(problem.vertices, problem.faces)[:, 2] > 0.99).all()
-        # Between two straight lines that are moved apart evenly the mesh is stretched evenly.
-        assert np.allclose(moved[line(1), across], moved[line(0), across] + (3.0 + distance) / 3.0 * 1.0, atol=0.15)
+        # The rows of the mesh are spread evenly between the line and the edges, so that straight lines stay straight.
+        rows = np.interp(V[:, axis], [0.0, 3.0, 6.0], [0.0, 3.0 + distance, 6.0])
+        assert np.allclose(moved[:, axis], rows, atol=0.05 if crossing else 1e-12)
+        assert np.allclose(moved[line(3), axis], 3.0 + distance, atol=1e-12)
+        assert np.array_equal(np.delete(moved, axis, axis=1), np.delete(V, axis, axis=1))
+        assert (face_normals(moved, problem.faces)[:, 2] * face_normals(V, problem.faces)[:, 2] > 0.99).all()
     with pytest.raises(CGCError, match="turn over"):
         plan.problem(3)
 
