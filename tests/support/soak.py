@@ -1,7 +1,9 @@
 """Many clients at once for a while: ``python -m tests.support.soak --clients 50 --seconds 120``.
 
-They solve meshes of mixed sizes as Hops components and through the job API, cancel some of their jobs and hang up on
-some of their calls. Every answer is compared with the known one; memory, delays and losses are shown at the end.
+They solve meshes of mixed sizes as Hops components, at once and by submit and fetch, and through the job API; download
+results, follow events, send what is wrong or far too much, hand in the same job twice, cancel some of their jobs and hang
+up on some of their calls. Every answer is compared with the known one: none is lost, wrong, double or a fault of the server
+(5xx); memory and delays are shown at the end.
 """
 
 from __future__ import annotations
@@ -83,6 +85,7 @@ class Visitor(threading.Thread):
 
     def run(self):
         doings = [self.call, self.call, self.job, self.job, self.cancel, self.hang_up]
+        doings += [self.bad, self.download, self.events, self.twice, self.fetch]
         while time.monotonic() < self.end:
             doing = self.chance.choice(doings)
             try:
@@ -126,6 +129,75 @@ class Visitor(threading.Thread):
         self.tally.count("cancels")
         if self.client.poll(id)["state"] != "cancelled":
             self.tally.complain(f"a cancelled job is {self.client.poll(id)}")
+
+    def bad(self, n, K):
+        asked = {name: getattr(value, "tolist", lambda value=value: value)() for name, value in job_asked(n, K).items()}
+        flood = b"{" + b",".join(b'"key%d":1' % k for k in range(200_000)) + b"}"
+        path, body, wanted = self.chance.choice(
+            [
+                ("/api/v1/jobs", json.dumps({**asked, "targets": [1.0]}).encode(), 422),
+                ("/api/v1/jobs", json.dumps({**asked, "faces": [[0, 1, 10**6]]}).encode(), 422),
+                ("/api/v1/jobs", flood, 422),
+                ("/api/v1/jobs", b"{", 400),
+                ("/solve", flood, 404),
+                ("/solve", hops_body(n, K, "none"), 404),
+                ("/api/v1/jobs?kind=obj", b"no such file", 202),
+                ("/api/v1/nothing", b"", 404),
+            ]
+        )
+        status, _, content = self.server.ask("POST", path, body, timeout=PATIENCE)
+        if status == 202:
+            id = json.loads(content)["id"]
+            while (state := self.client.poll(id, wait=1.0)["state"]) not in OVER:
+                pass
+            status = 202 if state == "failed" else state
+        self.count_or_complain("refusals", status in (wanted, 429) and "message" in json.loads(content) or status == 202, (status, content))
+
+    def download(self, n, K):
+        id = self.client.submit(**job_asked(n, K))
+        while self.client.poll(id, wait=1.0)["state"] not in OVER:
+            pass
+        kind = self.chance.choice(("3dm", "obj", "compas", "hops", "packed"))
+        content = self.client.result(id, kind)
+        begins = {"3dm": b"3D Geometry File Format", "compas": b'{"dtype"', "hops": b'{"version"', "packed": b'{"status"'}
+        good = content.startswith(begins[kind]) if kind in begins else content.count(b"\nv ") + content.startswith(b"v ") == (n + 1) ** 2
+        self.count_or_complain("downloads", good, (kind, content[:200]))
+
+    def events(self, n, K):
+        id = self.client.submit(**job_asked(n, K))
+        status, _, content = self.server.ask("GET", f"/api/v1/jobs/{id}/events", timeout=PATIENCE)
+        ends = content.decode().strip().split("\n\n")[-1]
+        self.count_or_complain("event streams", status == 429 or ends.startswith("event: done"), (status, ends))
+
+    def twice(self, n, K):
+        id = f"soak-{self.chance.getrandbits(60):x}-twice"
+        found = {self.client.submit(**job_asked(n, K), id=id) for _ in range(2)}
+        while (status := self.client.poll(id, wait=1.0))["state"] not in OVER:
+            pass
+        one = sum(job["id"] == id for job in json.loads(self.server.ask("GET", "/api/v1/jobs?limit=1000")[2])["jobs"])
+        self.count_or_complain("jobs sent twice", found == {id} and one == 1 and status["state"] == "succeeded", (found, one, status))
+
+    def fetch(self, n, K):
+        values = json.loads(hops_body(n, [K], "submit"))
+        for value in values["values"]:
+            if value["ParamName"] == "K":
+                value["InnerTree"]["{0}"] = [{"data": K}]
+        status, _, content = self.server.ask("POST", "/solve", json.dumps(values).encode(), timeout=PATIENCE)
+        if status == 429:
+            self.tally.count("submits refused, busy")
+            time.sleep(0.2)
+            return
+        job = json.loads(content)["values"][0]["InnerTree"]["{0}"][0]["data"]
+        body = json.dumps({"pointer": "cgc/fetch", "values": [{"ParamName": "Job", "InnerTree": {"0": [{"data": job}]}}]}).encode()
+        while (answer := self.server.ask("POST", "/solve", body, timeout=PATIENCE))[0] == 202:
+            time.sleep(0.1)
+        good = answer[0] == 200 and mesh_of(answer[2]) == self.known["call", n, K]
+        self.count_or_complain("fetches", good, (answer[0], answer[2][:200]))
+
+    def count_or_complain(self, what, good, found):
+        self.tally.count(what)
+        if not good:
+            self.tally.complain(f"{what}: {str(found)[:400]}")
 
     def hang_up(self, n, K):
         connection = http.client.HTTPConnection(self.server.address, timeout=PATIENCE)
@@ -219,14 +291,19 @@ def report(tally, memory, seconds):
     for name, times in sorted(tally.times.items()):
         print(f"{name:22}{len(times):8d}{np.median(times):9.3f}{np.percentile(times, 95):9.3f}{max(times):9.3f}")
     memory = np.array(memory)
-    late = memory[len(memory) // 2 :]
     print(f"\n{'memory [MB]':22}{'start':>9}{'end':>9}{'max':>9}{'slope / min':>13}")
     for name, column in (("server", 1), ("largest worker", 2)):
-        slope = 60 * np.polyfit(late[:, 0], late[:, column], 1)[0] if len(late) > 2 else float("nan")
-        print(f"{name:22}{memory[0, column]:9.1f}{memory[-1, column]:9.1f}{memory[:, column].max():9.1f}{slope:13.2f}")
+        grown = slope(memory, column)
+        print(f"{name:22}{memory[0, column]:9.1f}{memory[-1, column]:9.1f}{memory[:, column].max():9.1f}{grown:13.2f}")
     print(f"\n{len(tally.wrong)} complaints in {seconds:g} seconds")
     print("\n".join(tally.wrong[:20]))
     return not tally.wrong
+
+
+def slope(memory, column):
+    """Return by how much memory grows in the second half of the time [MB a minute]."""
+    late = np.array(memory)[len(memory) // 2 :]
+    return 60 * np.polyfit(late[:, 0], late[:, column], 1)[0] if len(late) > 2 else float("nan")
 
 
 def main():
