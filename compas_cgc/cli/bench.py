@@ -53,11 +53,10 @@ def run(arguments: argparse.Namespace) -> int:
     figures["interactive"] = [benchmarks.interactive()]
     _print(figures["interactive"], "vertices seconds status max_error")
 
-    print("\nA dome by a server of this machine, against the solve itself", flush=True)
-    figures["server"] = benchmarks.server_overhead()
-    _print(
-        figures["server"], "vertices solve_seconds job_seconds job_overhead hops_seconds hops_more_seconds cancel_seconds hang_up_seconds"
-    )
+    print("\nA dome by a server of this machine: a job against a solve and its analysis, Hops against the solve of a mesh", flush=True)
+    figures["server"] = benchmarks.server_overhead((1_024, 10_000, 100_000) if arguments.large else (1_024, 10_000))
+    _print(figures["server"], "vertices solve_seconds analysed_seconds job_seconds job_ratio job_cpu_ratio")
+    _print(figures["server"], "vertices hops_seconds hops_ratio hops_cpu_ratio cancel_seconds hang_up_seconds")
 
     print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:

@@ -43,8 +43,9 @@ def test_a_roof_is_solved_again():
 def test_a_server_solves_the_same_mesh_by_every_door():
     (row,) = benchmarks.server_overhead((64,))
     assert row["vertices"] == 64
-    assert row["job_overhead"] == pytest.approx(row["job_seconds"] / row["solve_seconds"] - 1.0)
-    assert row["hops_seconds"] > 0 and row["cancel_seconds"] > 0 and row["hang_up_seconds"] > 0
+    assert row["job_ratio"] > 1.0 and row["hops_ratio"] > 0.5, "the same is done there, and more"
+    assert row["job_cpu_ratio"] is None or row["job_cpu_ratio"] > 0.5
+    assert row["cancel_seconds"] > 0 and row["hang_up_seconds"] > 0
 
 
 def test_kernel_and_growth_have_a_row_for_every_size():

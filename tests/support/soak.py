@@ -295,6 +295,7 @@ def report(tally, memory, seconds):
     for name, column in (("server", 1), ("largest worker", 2)):
         grown = slope(memory, column)
         print(f"{name:22}{memory[0, column]:9.1f}{memory[-1, column]:9.1f}{memory[:, column].max():9.1f}{grown:13.2f}")
+    print("server over time [s: MB]: " + ", ".join(f"{when:.0f}: {size:.0f}" for when, size, _ in memory[:: max(1, len(memory) // 20)]))
     print(f"\n{len(tally.wrong)} complaints in {seconds:g} seconds")
     print("\n".join(tally.wrong[:20]))
     return not tally.wrong

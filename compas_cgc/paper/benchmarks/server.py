@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
 import re
 import subprocess
 import sys
@@ -11,48 +12,106 @@ import time
 from collections.abc import Iterable
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import Callable
+from typing import Optional
 
+import numpy as np
+
+from ...analysis import analyse
 from ...client import Client
 from ...datastructures import CGCMesh
 from ...io.rhino.meshes import mesh_from_arrays
 from ...model.problem import CGCProblem
 from ...solvers.run import solve
 from .solves import square
-from .timing import best_of
 
 __all__ = ["server_overhead"]
 
+LEAST, MOST, BUDGET = 3, 25, 20.0  # turns, and seconds for those beyond the first
+
 
 def server_overhead(sizes: tuple[int, ...] = (1_024, 10_000)) -> list[dict]:
-    """Return what a dome over a fixed square takes here, as a job from numbers to numbers, and by Hops.
+    """Return what a dome over a fixed square takes by the server, as ratios to what it takes here.
+
+    A job goes from numbers to numbers with the analysis, and is compared with a solve and its analysis; a call of Hops is compared
+    with the solve of a mesh. All take turns, and the medians of their ratios are told: on a busy machine too these are of one kind of
+    minute. Ratios of CPU seconds, of client, server and workers together, hang less on what else runs.
 
     Parameters
     ----------
     sizes
         Numbers of vertices, roughly.
     """
-    with _server() as client:
-        return [_row(client, square(round(size**0.5) - 1)) for size in sizes]
+    with _server() as (client, process):
+        return [_row(client, process, square(round(size**0.5) - 1)) for size in sizes]
 
 
-def _row(client: Client, problem: CGCProblem) -> dict:
+def _row(client: Client, process: int, problem: CGCProblem) -> dict:
     mesh = CGCMesh.from_vertices_and_faces(problem.vertices, problem.faces)
     mesh.set_supports("boundary")
     mesh.set_target(1.0)
     body = _hops_request(problem)
-    solve_seconds = best_of(lambda: solve(mesh))
-    job_seconds = best_of(lambda: client.solve(problem.vertices, problem.faces, supports="boundary", targets=1.0))
-    hops_seconds = best_of(lambda: client.request("POST", "/solve", body))
+    doings: dict[str, Callable[[], object]] = {
+        "solve": lambda: solve(mesh),
+        "analysed": lambda: analyse(solve(problem), problem),
+        "job": lambda: client.solve(problem.vertices, problem.faces, supports="boundary", targets=1.0),
+        "hops": lambda: client.request("POST", "/solve", body),
+    }
+    spent = _taking_turns(doings, process)
     return {
         "vertices": len(problem.vertices),
-        "solve_seconds": solve_seconds,
-        "job_seconds": job_seconds,
-        "job_overhead": job_seconds / solve_seconds - 1.0,
-        "hops_seconds": hops_seconds,
-        "hops_more_seconds": hops_seconds - solve_seconds,
+        **{f"{name}_seconds": _median([wall for wall, _ in spent[name]]) for name in doings},
+        "job_ratio": _ratio(spent, "job", "analysed"),
+        "hops_ratio": _ratio(spent, "hops", "solve"),
+        "job_cpu_ratio": _cpu_ratio(spent, "job", "analysed"),
+        "hops_cpu_ratio": _cpu_ratio(spent, "hops", "solve"),
         "cancel_seconds": _cancel(client, problem),
         "hang_up_seconds": _hang_up(client, problem),
     }
+
+
+Spent = dict[str, list[tuple[float, float]]]  # wall time and CPU time [s] of every turn, by what was done
+
+
+def _taking_turns(doings: dict[str, Callable[[], object]], process: int) -> Spent:
+    for doing in doings.values():
+        doing()
+    spent: Spent = {name: [] for name in doings}
+    began = time.perf_counter()
+    while len(spent["job"]) < LEAST or (time.perf_counter() - began < BUDGET and len(spent["job"]) < MOST):
+        for name, doing in doings.items():
+            cpu, wall = _cpu(process), time.perf_counter()
+            doing()
+            spent[name].append((time.perf_counter() - wall, _cpu(process) - cpu))
+    return spent
+
+
+def _median(values: list[float]) -> float:
+    return float(np.median(values))
+
+
+def _ratio(spent: Spent, name: str, other: str) -> float:
+    return _median([one[0] / against[0] for one, against in zip(spent[name], spent[other])])
+
+
+def _cpu_ratio(spent: Spent, name: str, other: str) -> Optional[float]:
+    # The system counts in hundredths of a second, so sums are what can be compared.
+    one, against = (sum(cpu for _, cpu in spent[own]) for own in (name, other))
+    return one / against if against > 0 else None
+
+
+def _cpu(process: int) -> float:
+    """Return the CPU seconds of this process, a server and its workers so far, 0 where the system does not tell."""
+    found = time.process_time()
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            _, parent, *_, user, system = path.read_text().rpartition(")")[2].split()[:13]
+        except (OSError, ValueError):
+            continue  # it has ended
+        if process in (int(path.parent.name), int(parent)):
+            found += (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+    return found if Path("/proc/self/stat").exists() else 0.0
 
 
 def _cancel(client: Client, problem: CGCProblem, times: int = 5) -> float:
@@ -98,12 +157,12 @@ def _hops_request(problem: CGCProblem, function: str = "dome", **more: int) -> b
 
 
 @contextmanager
-def _server() -> Iterator[Client]:
-    """Run a server of its own at any free port while a block runs."""
+def _server() -> Iterator[tuple[Client, int]]:
+    """Run a server of its own at any free port while a block runs; yield a client and the id of its process."""
     command = [sys.executable, "-m", "compas_cgc", "serve", "--port", "0", "--workers", "1", "--store", ":memory:"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
-        yield Client(_address(process.stdout or ()))
+        yield Client(_address(process.stdout or ())), process.pid
     finally:
         process.terminate()
         process.wait(10)

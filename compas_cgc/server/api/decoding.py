@@ -43,6 +43,8 @@ Polygons = Union[IntArray, list[list[int]]]
 
 LARGEST = 1e12  # no coordinate or curvature is larger, and its cube stays far from overflow
 DIGITS = 300
+_NESTING = frozenset((list, dict))
+_DIGITS_ALIKE = bytes.maketrans(b"123456789", 9 * b"0")
 LIGHT = 20_000  # values in JSON that are parsed within milliseconds
 PACK = "use a coarser mesh, or send vertices and faces packed"
 PACKED = {"f8": "<f8", "i4": "<i4"}
@@ -60,7 +62,7 @@ def read_json(body: bytes, limits: Limits) -> Any:
     """
     try:
         _check_counts(body, limits)
-        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=whole_text)
+        value = json.loads(body.decode("utf-8-sig"), parse_constant=_refuse, parse_int=whole_text if _has_long_number(body) else None)
         if b"\\u" in body:
             json.dumps(value, ensure_ascii=False).encode()
     except UnicodeEncodeError:
@@ -73,7 +75,7 @@ def read_json(body: bytes, limits: Limits) -> Any:
         raise BadRequest(f"the request is not valid JSON: {str(error)[:120]}") from None
     level = [value]
     for _ in range(limits.depth):
-        level = [item for node in level for item in _items(node) if isinstance(item, (list, dict))]
+        level = [item for node in level for item in _inner(node)]
         if not level:
             return value
     raise BadRequest(f"the JSON is nested more than {limits.depth} deep")
@@ -82,6 +84,11 @@ def read_json(body: bytes, limits: Limits) -> Any:
 def is_light(body: bytes, limits: Limits) -> bool:
     """Tell whether JSON is parsed so soon that nobody notices: it is short, or a few long texts such as packed arrays."""
     return len(body) <= limits.light and body.count(b",") + body.count(b":") <= LIGHT
+
+
+def _has_long_number(body: bytes) -> bool:
+    """Tell whether there are more digits in a row than a finite number has; a look at every number would take longer than all else."""
+    return DIGITS * b"0" in body.translate(_DIGITS_ALIKE)
 
 
 def check_length(length: Optional[int], limits: Limits) -> None:
@@ -105,8 +112,11 @@ def _check_counts(body: bytes, limits: Limits) -> None:
         raise TooLarge(f"the JSON holds more than {limits.values} values, or half as many names; {PACK}")
 
 
-def _items(node: object) -> Iterable:
-    return node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+def _inner(node: object) -> Iterable:
+    """Return the lists and objects in a list or object."""
+    items = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    # Most lists hold numbers alone, which is seen at once.
+    return () if _NESTING.isdisjoint(map(type, items)) else [item for item in items if type(item) in _NESTING]
 
 
 def vertex_array(value: object, limits: Limits) -> FloatArray:
