@@ -32,7 +32,7 @@ from ...model.goals.kinds import in_plan
 from .sketch import Drawn
 from .user_text import user_number
 
-__all__ = ["DrawnGoals", "drawn_goal", "find_goals"]
+__all__ = ["CURVED", "KEYS", "DrawnGoals", "drawn_goal", "find_goals"]
 
 # User text of points, with the field that its number is; and of curves, closed ones first.
 _AT_POINTS: Mapping[str, dict[str, Any]] = {
@@ -47,6 +47,7 @@ _FIELDS = {"above": "height", "below": "height"}
 _CLOSED = ("clearance", "within")
 _ALONG = ("plan", "level", "length")
 KEYS = (*_AT_POINTS, "unknown", *_CLOSED, *_ALONG)
+CURVED = (*_CLOSED, *_ALONG)  # those that are about a curve
 
 
 class DrawnGoals(NamedTuple):

@@ -12,6 +12,7 @@ from ...solvers.settings import AutoSettings
 from ...solvers.settings import Option
 from .build_endpoints import BUILDS
 from .build_endpoints import build_endpoints
+from .goals import GOAL_INPUTS
 from .schema import Endpoint
 from .schema import Input
 from .schema import Output
@@ -69,7 +70,7 @@ def _default(option: Option) -> Union[float, int, str]:
 
 
 def _solve_inputs() -> tuple[Input, ...]:
-    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()))
+    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()), *GOAL_INPUTS)
 
 
 def endpoint(uri: str) -> Endpoint:

@@ -21,6 +21,8 @@ from .endpoints import OPTION_INPUTS
 from .endpoints import endpoint
 from .geometry import read_curve
 from .geometry import read_mesh
+from .goals import drawn_goals
+from .goals import goal_options
 
 __all__ = ["dome_request", "read_hops_request", "solve_inputs_request", "surface_of"]
 
@@ -56,7 +58,7 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
     """
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
-    return solve_request(read.checked(), _options(inputs), limits, _notes(read))
+    return solve_request(read.checked(), {**_options(inputs), **goal_options(inputs, limits)}, limits, _notes(read))
 
 
 def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
@@ -127,4 +129,5 @@ def _assembled(inputs: dict, context: dict, limits: Limits) -> ReadProblem:
         lambda tolerance: [],
         context["modelunits"],
         context["absolutetolerance"],
+        goals=lambda tolerance: drawn_goals(inputs, tolerance),
     )
