@@ -9,6 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
+from .found_curvature import FoundCurvature
 from .gauss_newton import Taken
 from .iterate import Point
 from .linearised import Linearised
@@ -29,6 +30,7 @@ BACK = 3  # moves back onto the equations after a step
 ON = 1e-4  # residual, against the curvature asked for, that is on them
 SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
 POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
+AIMLESS = 0.5  # of a step, against the one before, that has not come nearer, where the energy is settled
 ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
 
@@ -49,7 +51,7 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
     """
     here, multipliers = reached.point, reached.multipliers
     system = reached.system or system
-    radius, kept = 0.0, None
+    radius, kept, before = 0.0, None, math.inf
     for _ in range(MOST):
         system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
@@ -78,12 +80,18 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
         if ratio > WELL and not step.inside:
             radius *= GROW
         moved = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) / system.size
+        pointless = step.promised <= POINTLESS * model.energy
+        # Where K is found there can be directions in which all is as fair, and to wander along them leads nowhere.
+        aimless = pointless and isinstance(equations, FoundCurvature) and moved > AIMLESS * before
+        if aimless and system.missing(there, equations) > system.missing(here, equations):
+            break
         here, multipliers = there, step.multipliers
         settled = step.inside and moved * max(step.left, moved) <= SETTLED
         settled = settled and system.renewed(here, equations, multipliers).contact.same(system.contact)
         yield Taken(here.vertices, 1.0, trials, settled)
-        if settled or (trials > 1 and step.promised <= POINTLESS * model.energy):
+        if settled or aimless or (trials > 1 and pointless):
             break
+        before = moved
     return Reached(here, multipliers, system)
 
 

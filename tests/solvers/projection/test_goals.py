@@ -83,12 +83,13 @@ def test_a_path_of_a_length():
     assert np.linalg.norm(np.diff(solution.vertices[path], axis=0), axis=1).sum() == pytest.approx(17.0, rel=1e-12)
 
 
-def test_nine_unknown_k_for_a_height_and_a_volume():
+@pytest.mark.parametrize("height, content", [(3.0, 400.0), (4.0, 500.0), (4.0, 450.0)])
+def test_nine_unknown_k_for_a_height_and_a_volume(height, content):
     problem = nine(24)
-    result = solve(problem, goals=[Height("crown", 3.0), Volume(400.0)], unknown="all")
+    result = solve(problem, goals=[Height("crown", height), Volume(content)], unknown="all")
     assert result.converged and result.iterations <= 12
-    assert result.vertices[:, 2].max() == pytest.approx(3.0, rel=1e-10)
-    assert volume(result.vertices, result.faces, 0.0) == pytest.approx(400.0, rel=1e-10)
+    assert result.vertices[:, 2].max() == pytest.approx(height, rel=1e-10)
+    assert volume(result.vertices, result.faces, 0.0) == pytest.approx(content, rel=1e-10)
     K = result.problem.region_targets()
     assert None not in K and len(set(K)) > 1
     assert verdict(result.problem, problem.vertices).fair
