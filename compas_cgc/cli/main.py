@@ -7,6 +7,7 @@ import io
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import Optional
 
 from .._version import __version__
@@ -69,6 +70,9 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     words = sys.argv[1:] if argv is None else list(argv)
+    if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in (".3dm", ".json", ".obj", ".off", ".ply", ".stl"):
+        print(f"compas-cgc: {words[0]} is a file; say what to do with it: compas-cgc check {words[0]}", file=sys.stderr)
+        return REFUSED
     arguments = build_parser(next(iter(words), None)).parse_args(words)
     try:
         with compiling(quiet=getattr(arguments, "quiet", False)):

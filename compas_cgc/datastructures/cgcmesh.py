@@ -16,6 +16,7 @@ from typing import Union
 import numpy as np
 from compas.datastructures import Mesh
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -35,6 +36,9 @@ from ..model.constraint_data import as_constraints
 from ..model.constraint_data import constraint_data
 from ..model.constraints import Constraint
 from ..model.constraints import check_indices
+from ..model.given import no_region
+from ..model.given import vertex_names
+from ..model.given import vertex_paths
 from ..model.problem import CGCProblem
 from ..model.problem import Drawing
 from ..model.problem import Names
@@ -91,6 +95,23 @@ class CGCMesh(Mesh):
             **kwargs,
         )
 
+    def __str__(self) -> str:
+        """Say what the mesh is, and what is asked of it."""
+        V = self.arrays()[0]
+        size = " x ".join(f"{side:.4g}" for side in (np.ptp(V, axis=0) if len(V) else ()))
+        regions = self.regions()
+        lines = [
+            f"CGCMesh {self.name!r}: {len(V)} vertices, {self.number_of_faces()} faces, {size or 'empty'}",
+            f"  {len(self.supports())} supports, {len(self.creases())} creases, {len(self.constraints())} constraints and goals",
+        ]
+        for number, faces in enumerate(regions[:12]):
+            K = self.region_target(number)
+            asked = "no one K is asked for" if K is None else f"K = {K:g}"
+            lines.append(f"  region {number}: {len(faces)} faces, {asked}")
+        if len(regions) > 12:
+            lines.append(f"  and {len(regions) - 12} regions more")
+        return "\n".join(lines)
+
     # ------------------------------------------------------------------
     # Construction
     # ------------------------------------------------------------------
@@ -114,12 +135,17 @@ class CGCMesh(Mesh):
         """
         points = _plain(vertices, float)
         polygons = _plain(faces, int)
+        flat = next((place for place in (points.values() if isinstance(points, Mapping) else points) if len(place) != 3), None)
+        if flat is not None:
+            raise MeshError(f"vertices must have three coordinates, not {len(flat)} as {flat}; add z, 0 for a plan")
         where = points if isinstance(points, Mapping) else dict(enumerate(points))
         named = polygons if isinstance(polygons, Mapping) else dict(enumerate(polygons))
         lost = set(chain.from_iterable(named.values())).difference(where)
         if lost:
             key, v = next((key, v) for key, polygon in named.items() for v in polygon if v in lost)
-            raise MeshError(f"face {key} names the vertex {v}, which does not exist; correct the face")
+            ones = not isinstance(points, Mapping) and v == len(points) and all(min(polygon) > 0 for polygon in named.values())
+            mend = "they count vertices from 1, and here it is from 0: subtract 1" if ones else "correct the face"
+            raise MeshError(f"face {key} names the vertex {v}, which does not exist; {mend}")
         keys = list(named)
         triangles, owner = triangles_of(where, list(named.values()))
         whole = len(np.unique(owner)) == len(owner)
@@ -160,6 +186,9 @@ class CGCMesh(Mesh):
         nx, ny
             Numbers of squares.
         """
+        for name, count in (("nx", nx), ("ny", ny)):
+            if count is not None and (not isinstance(count, (int, np.integer)) or count < 1):
+                raise ValueError(f"{name} is the number of squares and must be a whole number from 1 up, not {count!r}")
         grid = Mesh.from_meshgrid(dx, nx, dy, ny)
         mesh = cls.from_mesh(grid)
         if sum(mesh.face_normal(next(iter(mesh.faces())))[2:]) < 0:
@@ -189,7 +218,7 @@ class CGCMesh(Mesh):
         Parameters
         ----------
         outline
-            ``(k, 3)`` points around the boundary, the first again at the end [L].
+            ``(k, 3)`` points around the boundary, or ``(k, 2)`` in plan, the first again at the end [L].
         edge_length
             Length of edges aimed at [L].
         holes
@@ -215,7 +244,8 @@ class CGCMesh(Mesh):
         """
         from ..meshing.outline import mesh_from_outline
 
-        curves = [[np.asarray(curve, dtype=np.float64) for curve in group] for group in ([outline], holes, creases)]
+        groups = {"outline": [outline], "holes": holes, "creases": creases}
+        curves = [[_as_curve(curve, name) for curve in group] for name, group in groups.items()]
         given = None if points is None else np.asarray(points, dtype=np.float64)
         made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
         mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
@@ -414,14 +444,43 @@ class CGCMesh(Mesh):
         if isinstance(vertices, str):
             keys = self._real_keys()
             chosen = [keys[v] for v in named_supports(*self.arrays(), vertices)]
+            if not chosen and self.vertex and not self.boundary_loops():
+                raise ValueError(f"the mesh is closed, it has no {vertices}; name vertices to hold it at: mesh.set_supports([...])")
         else:
-            chosen = [self._known(key) for key in vertices]
+            chosen = [self._known(key) for key in vertex_names(vertices, "supports")]
         keep = set(self.supports()) if add else set()
         for key in self.supports():
             self.vertex_role(key, "internal")
         for key in keep.union(chosen):
             self.vertex_role(key, "fixed")
         self.update_roles()
+
+    def vertices_near(self, points: ArrayLike) -> list[int]:
+        """Return the vertex nearest to each of some places.
+
+        Parameters
+        ----------
+        points
+            ``(k, 3)`` places [L], or ``(k, 2)`` places in plan.
+
+        Returns
+        -------
+        list of int
+            Keys of vertices, one for every place.
+
+        Examples
+        --------
+        >>> mesh = CGCMesh.from_meshgrid(dx=10, nx=5)
+        >>> mesh.set_supports(mesh.vertices_near([[0, 0], [10, 0], [5, 10]]))
+        >>> len(mesh.supports())
+        3
+        """
+        places = np.asarray(points, dtype=np.float64)
+        if places.ndim != 2 or places.shape[1] not in (2, 3):
+            raise ValueError(f"places must be a list of points with two or three coordinates, not of shape {places.shape}")
+        keys = np.array(self._real_keys(), dtype=np.int64)
+        width = places.shape[1]
+        return keys[cKDTree(self.arrays()[0][:, :width]).query(places)[1]].tolist()
 
     def boundary_loops(self) -> list[list[int]]:
         """Return the loops of vertices around the open edges of the real mesh, the longest first."""
@@ -462,7 +521,7 @@ class CGCMesh(Mesh):
         ValueError
             If two vertices that follow each other are not joined by an edge.
         """
-        edges = path_edges([[self._known(key) for key in path] for path in creases])
+        edges = path_edges([[self._known(key) for key in path] for path in vertex_paths(creases)])
         for u, v in edges:
             if v not in self.halfedge[u] and u not in self.halfedge[v]:
                 raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
@@ -498,8 +557,8 @@ class CGCMesh(Mesh):
     def region_vertices(self, region: int) -> list[int]:
         """Return the vertices of a region where K can be asked: not on creases."""
         regions = self.regions()
-        if not 0 <= region < len(regions):
-            raise ValueError(f"there is no region {region}; the mesh has {len(regions)}, from 0 to {len(regions) - 1}")
+        if isinstance(region, bool) or not isinstance(region, (int, np.integer)) or not 0 <= region < len(regions):
+            raise ValueError(no_region(region, len(regions), bool(self.crease_edges())))
         keys = dict.fromkeys(v for f in regions[region] for v in self.face[f])
         return [v for v in keys if self.vertex_role(v) != "crease"]
 
@@ -519,13 +578,16 @@ class CGCMesh(Mesh):
         vertices
             Keys of vertices.
         """
+        given: Any = K
+        if isinstance(given, (Mapping, Sequence, np.ndarray)) and not isinstance(given, str):
+            raise ValueError(f"the target must be one number, not {K!r:.60}; call set_target(K, region=r) for every region")
         value = _number(K, "the target")
         if region is not None and vertices is not None:
             raise ValueError("give a region or vertices for the target, not both")
         if region is not None:
             keys: Iterable[int] = self.region_vertices(region)
         else:
-            keys = self.vertices() if vertices is None else [self._known(key) for key in vertices]
+            keys = self.vertices() if vertices is None else [self._known(key) for key in vertex_names(vertices, "vertices")]
         self.vertices_attribute("target", value, keys=list(keys))
 
     def vertex_target(self, key: int, K: Optional[float] = None) -> Optional[float]:
@@ -570,8 +632,10 @@ class CGCMesh(Mesh):
         if e is not None and (int(e) != e or e < 0):
             raise ValueError(f"e must be a whole number from 0 up, not {e!r}")
         paths = self.creases()
+        if vertices is None and not paths:
+            raise ValueError("there is no crease to set a strategy along; set creases first (mesh.set_creases)")
         if vertices is not None:
-            keys = [self._known(key) for key in vertices]
+            keys = [self._known(key) for key in vertex_names(vertices, "vertices")]
         elif crease is None:
             keys = [v for path in paths for v in path]
         elif 0 <= crease < len(paths):
@@ -689,6 +753,16 @@ class CGCMesh(Mesh):
 
 def _copied(values: dict) -> dict:
     return {name: value if isinstance(value, (str, int, float, type(None))) else deepcopy(value) for name, value in values.items()}
+
+
+def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
+    """Return a curve (k, 3); a plan is at the height 0."""
+    points = np.asarray(curve, dtype=np.float64)
+    if points.ndim == 1 and name != "outline":
+        raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
+    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
 
 
 def _plain(items: Any, kind: type) -> Any:

@@ -158,8 +158,8 @@ def write(
     FileError
         If it cannot be written.
     """
+    suffix = known_suffix(path)
     target = Path(path)
-    suffix = known_suffix(target)
     if suffix == ".3dm":
         return _write_3dm(target, surface, source, version, analysis, nurbs)
     text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](surface.to_problem().without_dummies())
@@ -195,7 +195,11 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     FileError
         If files of that kind are not known.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise FileError(f"a file is named first, then what goes into it, as write('roof.3dm', mesh); {type(path).__name__} is no name")
     suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES and Path(path).is_dir():
+        raise FileError(f"{path} is a folder; name a file in it")
     if suffix not in SUFFIXES:
         raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {', '.join(SUFFIXES)}")
     return suffix

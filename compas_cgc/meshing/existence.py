@@ -37,10 +37,11 @@ class Overload(NamedTuple):
 
 def too_much(K: float, most: float) -> str:
     """Return the sentence on a target that no surface has over its plane boundary, whose limit is `most` [1/L^2]."""
-    return (
-        f"the target {K:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
-        "lower the target, add creases, or free an edge"
-    )
+    said = f"the target {K:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
+    if K > 1e4 * most:
+        # A thousand to the length is a million to K.
+        return said + f"K is in 1 / (model unit)², so {K:.4g} 1/m² is {1e-6 * K:.4g} 1/mm²: are the units those of the model?"
+    return said + "lower the target, add creases, or free an edge"
 
 
 def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: np.ndarray) -> Optional[Overload]:

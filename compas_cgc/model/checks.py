@@ -21,6 +21,7 @@ from .goals.bound import unknown_regions
 from .goals.contradictions import goal_problems
 from .problem import CGCProblem
 from .problem import PosesProblem
+from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
@@ -54,7 +55,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     sound = not any(said.fatal for said in problems)
     problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
-        problems += _existence_problems(problem.without_dummies())
+        problems += _remarks(problem.without_dummies()) + _existence_problems(problem.without_dummies())
     return problems
 
 
@@ -115,6 +116,23 @@ def _unknown(problem: CGCProblem) -> np.ndarray:
     for region in unknown_regions(problem):
         found |= problem.region_vertices(region)
     return found
+
+
+def _remarks(problem: CGCProblem) -> list[Diagnostic]:
+    """Say what a designer may not have meant: a drawing upside down, creases that part nothing."""
+    V, F, names = problem.vertices, problem.faces, problem.names.vertices
+    remarks = []
+    normals = face_normals(V, F)
+    targets = problem.targets[problem.asked]
+    if len(normals) and (normals[:, 2] < -0.5).all() and len(targets) and np.nanmin(targets, initial=np.inf) > 0:
+        remarks.append("the normals point down, so the surface hangs; turn the faces (mesh.flip(), or --flip) and it rises")
+    ends, degree = np.unique(problem.creases, return_counts=True)
+    loose = ends[(degree == 1) & np.isin(problem.roles[ends], (CREASE, INTERNAL))]
+    loose = loose[~np.isin(loose, [v for loop in boundary_loops(F) for v in loop])]
+    if len(loose):
+        text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
+        remarks.append(f"a crease ends at vertices {listed(names[loose])}, inside of a region, {text}")
+    return [Diagnostic(text, fatal=False) for text in remarks]
 
 
 def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:

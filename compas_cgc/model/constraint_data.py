@@ -86,7 +86,8 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
     if not isinstance(kind, str) or kind not in KINDS:
         near = get_close_matches(kind, KINDS, 1) if isinstance(kind, str) else []
         meant = f"; {kind!r:.40} is none, did you mean {near[0]!r}" if near else ""
-        raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}")
+        value = f"; write a value such as Rise(4.0), not {data!r:.40}" if not isinstance(data, Mapping) else ""
+        raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])
     known = {field.name: field for field in own}
     values = {name: value for name, value in data.items() if name != "kind"}

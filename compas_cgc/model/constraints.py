@@ -17,6 +17,8 @@ from ..discrete.arrays import IntArray
 from ..errors import ProblemError
 from ..meshing.closest_points import nearest_on_polyline
 from .frame import Frame
+from .given import checked_number
+from .given import vertex_names
 
 __all__ = [
     "CROWN",
@@ -106,7 +108,7 @@ class AtHeight(PositionConstraint):
     def __post_init__(self) -> None:
         if isinstance(self.vertices, str) and self.vertices != CROWN:
             raise ValueError(f"vertices of a height must be a list of vertices or 'crown', not {self.vertices!r}")
-        if not math.isfinite(self.height):
+        if not math.isfinite(checked_number(self.height, "height")):
             raise ValueError(f"height must be a number, not {self.height!r}")
 
     def local(self, frame: Frame) -> AtHeight:
@@ -219,7 +221,11 @@ def indices(vertices: Union[str, Sequence[int]], n: int) -> IntArray:
     ProblemError
         If there is no such vertex among ``n``.
     """
-    at = np.unique(np.asarray(vertices, dtype=np.int64))
+    given = np.asarray(vertices)
+    if given.ndim > 1 or (given.size and given.dtype.kind not in "iu"):
+        # Coordinates would be taken for vertices.
+        given = np.asarray(vertex_names(given, "vertices of a constraint"))
+    at = np.unique(given.astype(np.int64))
     if len(at) and not (at[0] >= 0 and at[-1] < n):
         raise ProblemError([f"a constraint names vertex {at[0] if at[0] < 0 else at[-1]}; the mesh has the vertices 0 to {n - 1}"])
     return at

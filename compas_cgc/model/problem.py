@@ -33,6 +33,9 @@ from .constraints import Constraint
 from .constraints import check_indices
 from .frame import Frame
 from .frame import local_frame
+from .given import no_region
+from .given import vertex_names
+from .given import vertex_paths
 from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
@@ -179,7 +182,7 @@ class CGCProblem:
         if isinstance(supports, str):
             fixed = named_supports(self.vertices, self.faces[self.real_faces], supports)
         else:
-            fixed = self.positions(supports)
+            fixed = self.positions(vertex_names(supports, "supports"))
         roles = np.where(self.roles == DUMMY, DUMMY, np.where((self.roles == FIXED) & add, FIXED, INTERNAL))
         roles[fixed] = FIXED
         return replace(self, roles=roles_by_place(self.vertices, self.faces, roles, self.creases))
@@ -200,7 +203,7 @@ class CGCProblem:
             If two vertices that follow each other are not joined by an edge.
         """
         own = self.creases.tolist() if add else []
-        edges = _edges([*own, *(self.positions(path).tolist() for path in creases)], len(self.vertices))
+        edges = _edges([*own, *(self.positions(path).tolist() for path in vertex_paths(creases))], len(self.vertices))
         lost = lost_edges(self.faces, edges)
         if lost.any():
             u, v = self.names.vertices[edges[np.argmax(lost)]].tolist()
@@ -300,7 +303,7 @@ class CGCProblem:
         ValueError
             If there is no such vertex.
         """
-        wanted = np.array([int(name) for name in names], dtype=np.int64)
+        wanted = np.array(vertex_names(names, "vertices"), dtype=np.int64)
         known = self.names.vertices
         order = np.argsort(known, kind="stable")
         at = np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)
@@ -324,8 +327,8 @@ class CGCProblem:
         """
         label = self.regions()
         count = int(label[self.real_faces].max(initial=-1)) + 1
-        if not 0 <= region < count:
-            raise ValueError(f"there is no region {region}; the mesh has {count}, from 0 to {count - 1}")
+        if isinstance(region, bool) or not isinstance(region, (int, np.integer)) or not 0 <= region < count:
+            raise ValueError(no_region(region, count, len(self.creases) > 0))
         inside = np.zeros(len(self.vertices), bool)
         inside[self.faces[label == region]] = True
         return inside & (self.roles != CREASE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from difflib import get_close_matches
 from typing import Any
 from typing import Optional
 
@@ -121,7 +122,9 @@ def _by_own_names(given: Mapping[str, Any]) -> dict[str, Any]:
     values = {known.get(name, name): value for name, value in given.items() if value is not None}
     unknown = sorted(name for name in values if not owners(name))
     if unknown:
-        raise ValueError(f"there is no setting {unknown[0]!r:.60}; there are {', '.join(options())}")
+        near = get_close_matches(unknown[0], options(), 1, 0.75)
+        meant = f", did you mean {near[0]!r}?" if near else "; there are " + ", ".join(options())
+        raise ValueError(f"there is no setting {unknown[0]!r:.60}{meant}")
     return values
 
 

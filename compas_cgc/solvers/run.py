@@ -12,10 +12,12 @@ import numpy as np
 
 from ..datastructures import CGCMesh
 from ..datastructures import SolveResult
+from ..errors import CGCError
 from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraint_data import as_constraints
 from ..model.constraints import Constraint
+from ..model.given import wrong_problem
 from ..model.goals.bound import held_by_newton
 from ..model.goals.kinds import Unknown
 from ..model.problem import CGCProblem
@@ -99,8 +101,10 @@ def solve(
     ('converged', 'newton')
     """
     chosen = _chosen(method, settings)
+    if not hasattr(problem, "to_problem"):
+        raise CGCError(wrong_problem(problem))
     posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
-    regions = unknown if isinstance(unknown, str) else [int(region) for region in unknown]
+    regions = _unknown_regions(unknown)
     found = [Unknown(regions)] if len(regions) else []
     posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals), *found])
     _check_constraints(method if chosen is None else method_of(chosen), posed)
@@ -109,6 +113,15 @@ def solve(
     solution = _run(method, posed, chosen, _real_only(callback, posed.roles != DUMMY))
     drawn = problem if isinstance(problem, CGCMesh) else None
     return SolveResult.from_solution(posed, solution, chosen, drawn, diagnostics)
+
+
+def _unknown_regions(unknown: object) -> Union[str, list[int]]:
+    """Return the regions whose K is to be found; one alone counts as a list of one."""
+    if isinstance(unknown, bool) or not isinstance(unknown, (str, int, np.integer, Iterable)):
+        raise ValueError(f"unknown must be numbers of regions, or 'all', not {unknown!r}")
+    if isinstance(unknown, str):
+        return unknown
+    return [int(unknown)] if isinstance(unknown, (int, np.integer)) else [int(region) for region in unknown]
 
 
 def _chosen(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> Optional[Settings]:

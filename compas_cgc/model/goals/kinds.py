@@ -22,6 +22,7 @@ from ..constraints import PositionConstraint
 from ..constraints import Triple
 from ..constraints import unit
 from ..frame import Frame
+from ..given import checked_number
 
 __all__ = [
     "ALL",
@@ -66,7 +67,8 @@ class Rise(Whole):
     rise: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.rise) and self.rise):
+        _finite(self.rise, "rise")
+        if not self.rise:
             raise ValueError(f"rise must be a number other than 0, not {self.rise!r}")
 
     def local(self, frame: Frame) -> Rise:
@@ -416,10 +418,10 @@ def _local_plan(points: Any, frame: Frame) -> FloatArray:
 
 
 def _finite(value: float, name: str) -> None:
-    if not math.isfinite(value):
+    if not math.isfinite(checked_number(value, name)):
         raise ValueError(f"{name} must be a number, not {value!r}")
 
 
 def _positive(value: float, name: str) -> None:
-    if not 0.0 < value < math.inf:
+    if not 0.0 < checked_number(value, name) < math.inf:
         raise ValueError(f"{name} must be a positive number, not {value!r}")

@@ -1,0 +1,111 @@
+"""Validation of what scripts hand over: a wrong kind of thing gets a sentence that says what to write instead."""
+
+from __future__ import annotations
+
+import numbers
+import os
+from collections.abc import Iterable
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import Any
+from typing import Union
+
+import numpy as np
+
+__all__ = ["checked_number", "no_region", "vertex_names", "vertex_paths", "wrong_problem"]
+
+
+def checked_number(value: object, name: str) -> float:
+    """Return a number, or say that it is none.
+
+    Raises
+    ------
+    ValueError
+        If it is no real number.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise ValueError(f"{name} must be a number, not {_shown(value)}")
+    return float(value)
+
+
+def no_region(region: object, count: int, creased: bool) -> str:
+    """Return the sentence on a region that does not exist."""
+    number = isinstance(region, numbers.Integral) and not isinstance(region, bool)
+    if not number:
+        return f"a region is a number from 0 to {count - 1}, not {_shown(region)}"
+    one = creased and count == 1
+    why = "; its creases part nothing: they have to run from edge to edge, or to close" if one else ""
+    return f"there is no region {region}; the mesh has {count}, from 0 to {count - 1}{why}"
+
+
+def vertex_names(given: Any, what: str) -> list[int]:
+    """Return vertices as whole numbers.
+
+    Parameters
+    ----------
+    given
+        Names of vertices.
+    what
+        What they are, as the sentence has it, such as ``"supports"``.
+
+    Raises
+    ------
+    ValueError
+        If they are coordinates, words, or one vertex without a list.
+    """
+    if isinstance(given, numbers.Number):
+        raise ValueError(f"{what} must be a list of vertices, not the number {given}; write [{given}]")
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ValueError(f"{what} must be a list of vertices, not {_shown(given)}")
+    return [_vertex(item, what) for item in given]
+
+
+def vertex_paths(given: Any) -> list[list[int]]:
+    """Return creases as paths of vertices.
+
+    Raises
+    ------
+    ValueError
+        If they are coordinates, or one path without a list around it.
+    """
+    if isinstance(given, str) or not isinstance(given, Iterable):
+        raise ValueError(f"creases must be a list of paths of vertices such as [[0, 1, 2]], not {_shown(given)}")
+    items = list(given)
+    if items and all(isinstance(item, numbers.Number) for item in items):
+        raise ValueError(f"a crease is a path of vertices, and creases are a list of them; write [{_shown(items)}]")
+    paths = [vertex_names(item, "the vertices of a crease") for item in items]
+    short = next((path for path in paths if len(path) < 2), None)
+    if short is not None:
+        raise ValueError(f"a crease leads along two vertices or more, not {short}; give the whole path")
+    return paths
+
+
+def wrong_problem(given: object) -> str:
+    """Return the sentence on something that is no problem and no mesh with roles."""
+    if hasattr(given, "halfedge") and hasattr(given, "vertices"):
+        return "a COMPAS mesh says nothing of supports and targets; make it a CGCMesh.from_mesh(mesh), set them, and solve that"
+    if isinstance(given, (str, os.PathLike)):
+        return f"a file is read first: compas_cgc.read({str(given)!r})"
+    if isinstance(given, (np.ndarray, Sequence, Mapping)):
+        return "make plain vertices and faces a CGCProblem(vertices, faces) first, or a CGCMesh.from_vertices_and_faces(vertices, faces)"
+    return f"a CGCMesh or a CGCProblem is solved, not {_shown(given)}"
+
+
+def _vertex(item: Any, what: str) -> int:
+    if isinstance(item, numbers.Number) and not isinstance(item, bool):
+        if item == int(item):
+            return int(item)
+        raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item}")
+    if isinstance(item, str):
+        if item in ("boundary", "corners"):
+            raise ValueError(f"write {item!r} without the brackets of a list")
+        raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item!r}")
+    if isinstance(item, Iterable):
+        near = "mesh.vertices_near(points) gives the keys of the vertices nearest to places"
+        raise ValueError(f"{what} must be keys of vertices, not coordinates such as {_shown(item)}; {near}")
+    raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {_shown(item)}")
+
+
+def _shown(value: Any) -> str:
+    text: Union[str, Any] = repr(value.tolist() if isinstance(value, np.ndarray) else value)
+    return text if len(text) <= 60 else text[:57] + "..."
