@@ -92,9 +92,11 @@ def wrong_problem(given: object) -> str:
 
 
 def _vertex(item: Any, what: str) -> int:
-    if isinstance(item, numbers.Number) and not isinstance(item, bool):
-        if item == int(item):
-            return int(item)
+    if isinstance(item, (bool, np.bool_)):
+        raise ValueError(f"{what} must be keys of vertices, not a mask; np.flatnonzero(mask) gives their numbers")
+    if isinstance(item, numbers.Real):
+        if float(item).is_integer():
+            return int(float(item))
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item}")
     if isinstance(item, str):
         if item in ("boundary", "corners"):

@@ -49,9 +49,9 @@ def commands(text: str) -> list[list[str]]:
 
 
 def tutorials() -> list:
-    with_code = [path for path in PAGES if path.name not in ELSEWHERE and blocks(path, "python", "sh")]
+    with_code = [path for path in [*PAGES, ROOT / "CONTRIBUTING.md"] if path.name not in ELSEWHERE and blocks(path, "python", "sh")]
     marks = {path: [pytest.mark.slow] if path.name in SLOW else [] for path in with_code}
-    return [pytest.param(path, id=str(path.relative_to(DOCS)), marks=marks[path]) for path in with_code]
+    return [pytest.param(path, id=path.name, marks=marks[path]) for path in with_code]
 
 
 @pytest.mark.parametrize("path", tutorials())
