@@ -121,7 +121,8 @@ def test_a_design_is_the_same_after_a_link_and_a_file(server, tmp_path):
         packed, size = hands.read(
             "const { asFragment, fromFragment, asText } = await import('/page/design/packing.js');"
             "const data = await (await fetch('/api/v1/examples/example4_a')).json();"
-            "const state = { stage: 'shape', name: 'Nine', plan: null, data: { ...data, goals: { rise: 0.4, boxes: [] }, heights: { 3: 1.5 } } };"
+            "const own = { ...data, goals: { rise: 0.4, boxes: [] }, heights: { 3: 1.5 } };"
+            "const state = { stage: 'shape', name: 'Nine', plan: null, data: own };"
             "const text = await asFragment(state); const back = await fromFragment(text);"
             "const rest = ({ vertices, ...more }) => JSON.stringify(more);"
             "const far = Math.max(...data.vertices.flat().map((x, k) => Math.abs(x - back.data.vertices.flat()[k])));"
@@ -159,10 +160,12 @@ def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
         hands.seen(".example")
         unit, lines, columns = json.loads(
             hands.read(
-                "const [{ planOfDxf }, { areaOf, segmentsOf }] = await Promise.all([import('/page/draw/dxf.js'), import('/page/draw/plan.js')]);"
+                "const { planOfDxf } = await import('/page/draw/dxf.js');"
+                "const { areaOf, segmentsOf } = await import('/page/draw/plan.js');"
                 "const plan = planOfDxf(args[0]);"
                 "const size = (l) => segmentsOf(l).reduce((s, [a, b]) => s + Math.hypot(a[0] - b[0], a[1] - b[1]), 0);"
-                "return JSON.stringify([plan.unit, plan.lines.map((l) => [l.closed, l.closed ? areaOf(l.points) : size(l)]), plan.columns])",
+                "const lines = plan.lines.map((l) => [l.closed, l.closed ? areaOf(l.points) : size(l)]);"
+                "return JSON.stringify([plan.unit, lines, plan.columns])",
                 path.read_text(),
             )
         )

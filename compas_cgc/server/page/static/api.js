@@ -1,5 +1,6 @@
 /** What the page asks of the server; nothing else is ever asked of anybody. */
 
+import { unpack } from './packed.js';
 import { capital } from './words.js';
 
 const KEY = 'compas_cgc.key';
@@ -118,6 +119,16 @@ export class Api {
    */
   result(id, signal) {
     return this.json(`/api/v1/jobs/${id}/result?format=arrays`, { signal });
+  }
+
+  /**
+   * Return a solved surface, its arrays as arrays of numbers: xyz, targets and curvature (NaN where there is none).
+   * @param {string} id
+   * @param {AbortSignal} [signal]
+   */
+  async solved(id, signal) {
+    const found = await this.json(`/api/v1/jobs/${id}/result?format=packed`, { signal });
+    return { ...found, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
   }
 
   /**

@@ -491,8 +491,7 @@ class Page {
     return {
       name: model.name.slice(0, 100),
       unit: model.unit,
-      vertices: model.vertices,
-      faces: model.triangles,
+      ...model.mesh,
       creases: model.creases,
       constraints: model.constraints,
       targets: model.targetsOfVertices(this.regions.targets),
@@ -534,7 +533,6 @@ class Page {
     const first = this.result === null;
     if (this.result) this.painter.before = this.result.xyz;
     this.result = result;
-    result.xyz ??= result.vertices.flat();
     this.find(result);
     this.place(result.xyz, result.curvature);
     this.painter.measure(result.xyz, this.settings.supports, result.curvature);

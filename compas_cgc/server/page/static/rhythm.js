@@ -1,6 +1,6 @@
 /** When to solve while a slider moves. */
 
-const PAUSE = 60; // milliseconds from a change to its solve, for the changes that come with it
+const PAUSE = 8; // milliseconds from a change to its solve, for the changes that come with it
 const PATIENCE = 700; // milliseconds after which a running solve is dropped for a newer one
 
 /** Begins solves, not more often than they can be done. */

@@ -47,7 +47,7 @@ export class Solver {
     try {
       await this.api.submit({ ...request, id: run.id, live: true }, run.abort.signal);
       const status = await this.follow(run);
-      const result = status.has_result ? await this.api.result(run.id, run.abort.signal) : null;
+      const result = status.has_result ? await this.api.solved(run.id, run.abort.signal) : null;
       if (this.run !== run) return;
       this.run = null;
       if (this.finished) this.forget(this.finished);

@@ -111,7 +111,7 @@ function details(result) {
 }
 
 function largestTarget(result) {
-  return result.targets.reduce((most, K) => Math.max(most, Math.abs(K ?? 0)), 0);
+  return result.targets.reduce((most, K) => (Number.isFinite(K) ? Math.max(most, Math.abs(K)) : most), 0);
 }
 
 function part(share) {

@@ -107,6 +107,7 @@ export class Maker {
       this.more.querySelector('p').textContent = rest.join('\n');
       this.draw(task.name, told);
       this.offer(told.formats);
+      this.files.scrollIntoView({ block: 'nearest' });
     } catch (error) {
       if (error.name !== 'AbortError') this.said.textContent = capital(error.message);
     } finally {

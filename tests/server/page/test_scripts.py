@@ -1,0 +1,139 @@
+"""What the page computes by itself, against the package."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc.analysis.quadric import quadric_curvatures
+from compas_cgc.meshing.regions import face_regions
+
+from ...support.hands import open_hands
+from ...support.server_process import running_server
+
+
+@pytest.fixture(scope="module")
+def hands(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("scripts")
+    with running_server(folder / "jobs.sqlite", workers=1) as server, open_hands("chromium", folder) as open_:
+        open_.open(f"{server.url}/#new")
+        open_.seen(".example")
+        yield open_
+
+
+@pytest.fixture(scope="module")
+def wavy():
+    """A mesh (n, 3), (m, 3) that curves both ways."""
+    mesh = CGCMesh.from_meshgrid(dx=9, nx=12)
+    vertices, faces = mesh.arrays()
+    vertices[:, :2] += 0.1 * np.sin(3.0 * vertices[:, 1::-1])
+    vertices[:, 2] = 0.4 * np.sin(0.7 * vertices[:, 0]) * np.cos(0.5 * vertices[:, 1])
+    return vertices, faces
+
+
+GRAPH = "const { Graph, regionsOf } = await import('/page/mesh/graph.js');"
+
+
+def test_curvatures_of_fitted_quadrics_are_those_of_the_package(hands, wavy):
+    vertices, faces = wavy
+    wanted = np.ones(len(vertices), bool)
+    wanted[::7] = False
+    found = hands.read(
+        GRAPH + "const { quadricCurvatures } = await import('/page/mesh/quadrics.js');"
+        "const [xyz, faces, wanted] = args; const { near } = new Graph(Uint32Array.from(faces), xyz.length / 3);"
+        "const own = quadricCurvatures(xyz, faces, near, wanted);"
+        "return ['K', 'H', 'largest', 'smallest'].map((name) => [...own[name]].map((x) => Number.isFinite(x) ? x : null))",
+        vertices.ravel().tolist(),
+        faces.ravel().tolist(),
+        wanted.astype(int).tolist(),
+    )
+    expected = quadric_curvatures(vertices, faces, wanted=wanted, through=wanted)
+    for own, theirs in zip(found, expected):
+        own = np.array([np.nan if x is None else x for x in own])
+        assert np.array_equal(np.isfinite(own), np.isfinite(theirs)) and np.allclose(own, theirs, rtol=1e-7, atol=1e-9, equal_nan=True)
+
+
+def test_regions_are_numbered_as_the_server_numbers_them(hands, wavy):
+    vertices, faces = wavy
+    paths = [[13 * 4 + k for k in range(13)], [13 * k + 6 for k in range(13)], [13 * k + 9 for k in range(5)], [3, 16, 29]]
+    found = hands.read(
+        GRAPH + "return regionsOf(Uint32Array.from(args[0]), args[1], args[2])", faces.ravel().tolist(), paths, len(vertices)
+    )
+    edges = np.array([pair for path in paths for pair in zip(path, path[1:])])
+    assert found == face_regions(faces, edges).tolist() and max(found) >= 3
+
+
+def test_a_fold_goes_along_edges_as_straight_as_they_allow(hands):
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=10)
+    vertices, faces = mesh.arrays()
+    ends = [0, 120, 55]
+    ways = hands.read(
+        GRAPH + "const g = new Graph(Uint32Array.from(args[1]), args[0].length / 3); const [a, b, c] = args[2];"
+        "return [g.way(args[0], a, b), g.way(args[0], a, a + 10), g.way(args[0], a, c)]",
+        vertices.ravel().tolist(),
+        faces.ravel().tolist(),
+        ends,
+    )
+    edges = {tuple(sorted(pair)) for face in faces.tolist() for pair in zip(face, face[1:] + face[:1])}
+    for way in ways:
+        assert all(tuple(sorted(pair)) in edges for pair in zip(way, way[1:]))
+        a, b = vertices[way[0]], vertices[way[-1]]
+        along = (b - a) / np.linalg.norm(b - a)
+        off = vertices[way] - a
+        assert np.linalg.norm(off - np.outer(off @ along, along), axis=1).max() < 1.0, "nowhere an edge away from the straight line"
+    assert ways[1] in (list(range(11)), list(range(0, 121, 11))[:11]), "a side of the grid is followed to its end"
+
+
+def test_heights_of_columns_are_carried_smoothly(hands):
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=10)
+    vertices, _ = mesh.arrays()
+    held = [0, 10, 110, 120, 60]
+    heights = {"10": 2.0, "120": 2.0}
+    raised = np.array(
+        hands.read(
+            "const { lifted } = await import('/page/mesh/lift.js'); return lifted(args[0], args[1], args[2])",
+            vertices.tolist(),
+            held,
+            heights,
+        )
+    )
+    assert np.allclose(raised[:, :2], vertices[:, :2]) and np.allclose(raised[held, 2], [0, 2, 0, 2, 0], atol=1e-9)
+    grid = raised[:, 2].reshape(11, 11)
+    bent = np.abs(np.diff(grid, 2, axis=0)).max()
+    assert 0.0 < bent < 0.2, "no spike at a column"
+
+
+def test_what_is_typed_is_a_length_an_angle_or_a_place(hands):
+    found = hands.read(
+        "const { typedPoint } = await import('/page/draw/typed.js');"
+        "return [['5', [1, 2], [1, 9]], ['2<30', [0, 0], null], ['3, 4', [1, 1], null], ['3 4', null, null], ['-1,2', [0, 0], null],"
+        "['5', null, [1, 1]], ['x', [0, 0], null], ['0', [0, 0], [1, 0]]].map((each) => typedPoint(...each))"
+    )
+    assert found[0] == pytest.approx([1, 7]) and found[1] == pytest.approx([3**0.5, 1]) and found[2:5] == [[4, 5], [3, 4], [-1, 2]]
+    assert found[5:] == [None, None, None]
+
+
+def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    vertices, faces = mesh.arrays()
+    data = {
+        "vertices": vertices.tolist(),
+        "faces": faces.tolist(),
+        "regions": [0] * len(faces),
+        "creases": [],
+        "targets": [0.02],
+        "names": ["Hall"],
+        "colours": ["#112233"],
+        "problems": [],
+    }
+    one, none = hands.read(
+        "const { withCrease, withoutCrease } = await import('/page/design/edits.js');"
+        "const one = withCrease(args[0], args[1]); return [one, withoutCrease(one, args[1][2])]",
+        data,
+        [7 * 2 + k for k in range(7)],
+    )
+    assert one["targets"] == [0.02, 0.02] and sorted(map(str, one["names"])) == ["Hall", "None"] and len(set(one["regions"])) == 2
+    share = one["names"].index("Hall")
+    assert one["regions"].count(share) > len(faces) / 2 and one["colours"][share] == "#112233"
+    assert none["regions"] == [0] * len(faces) and none["names"] == ["Hall"] and none["creases"] == []
