@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete import face_normals
+from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..errors import ProblemError
 from ..meshing import Diagnostic
@@ -26,7 +28,7 @@ from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
 
-__all__ = ["check", "dropped_faces", "lost_creases", "refuse"]
+__all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced"]
 
 
 def check(posed: PosesProblem) -> list[Diagnostic]:
@@ -55,7 +57,8 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     sound = not any(said.fatal for said in problems)
     problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
-        problems += _remarks(problem.without_dummies()) + _existence_problems(problem.without_dummies())
+        real = problem.without_dummies()
+        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real)
     return problems
 
 
@@ -133,6 +136,27 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
         text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
         remarks.append(f"a crease ends at vertices {listed(names[loose])}, inside of a region, {text}")
     return [Diagnostic(text, fatal=False) for text in remarks]
+
+
+def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
+    """Name the vertices of negative K̄ with three faces: the angles of three faces at a corner add up to less than 2π."""
+    lost = three_faced(problem.faces, np.flatnonzero(problem.asked & (problem.targets < 0.0)))
+    return [Diagnostic(no_saddle(problem.names.vertices[lost]), fatal=False)] if len(lost) else []
+
+
+def three_faced(faces: Faces, vertices: Indices) -> Indices:
+    """Return those of some inner vertices (k,) that have three faces only."""
+    return vertices[np.bincount(faces.ravel(), minlength=int(vertices.max(initial=0)) + 1)[vertices] == 3]
+
+
+def no_saddle(names: IntArray) -> str:
+    """Return the sentence on vertices of three faces where K̄ is negative."""
+    one = len(names) == 1
+    has, which = ("has", f"vertex {names[0]}") if one else ("have", f"vertices {listed(names)}")
+    return (
+        f"{which} {has} three faces, whose angles never add up to the more than 2π of a K̄ < 0; remove "
+        f"{'it, so that its' if one else 'them, so that the'} three faces are one, or flip an edge opposite"
+    )
 
 
 def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from compas_cgc import CGCProblem
+from compas_cgc import check
 from compas_cgc import solve
 from compas_cgc.discrete.space_form import space_form_angle_sums
+from compas_cgc.fabrication import develop
 from compas_cgc.solvers import options
 from compas_cgc.solvers import settings_for
 
@@ -83,3 +86,42 @@ def test_every_door_knows_the_measures():
     assert settings_for("newton", {"measure": "exact-arc"}).measure == "exact-arc"
     with pytest.raises(ValueError, match="measure must be one of auto, defect, smooth, exact, exact-arc"):
         settings_for("newton", {"measure": "fair"})
+
+
+def irregular_saddle(n, jitter, K=-0.01, width=15.0):
+    """Return an irregular square of n by n vertices on its corners, drawn as a hypar."""
+    rng = np.random.default_rng(3)
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    plan = np.column_stack([i, j]) * width / (n - 1)
+    inner = (i > 0) & (i < n - 1) & (j > 0) & (j < n - 1)
+    plan[inner] += rng.uniform(-jitter, jitter, (inner.sum(), 2)) * width / (n - 1)
+    faces = Delaunay(plan).simplices.astype(np.int64)
+    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
+    double = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    faces = np.where((double < 0)[:, None], faces[:, ::-1], faces)[np.abs(double) > 1e-9]
+    x, y = (plan / width - 0.5).T
+    vertices = np.column_stack([plan, 2.0 * (x**2 - y**2)])
+    return CGCProblem(vertices, faces).with_supports("corners").with_targets(K)
+
+
+@pytest.mark.parametrize("n, jitter, obtuse", [(30, 0.4, 0.28), pytest.param(100, 0.3, 0.22, marks=pytest.mark.slow)])
+def test_an_irregular_saddle_is_congruent_to_its_hyperboloid(n, jitter, obtuse):
+    problem = irregular_saddle(n, jitter)
+    assert obtuse_share(problem.vertices, problem.faces) > obtuse
+    result = solve(problem, method="projection", settings={"measure": "exact"})
+    assert result.converged
+    laid = develop(result)
+    assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
+
+
+def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
+    problem = irregular_saddle(60, 0.45)
+    inner = problem.asked & (np.bincount(problem.faces.ravel()) == 3)
+    assert inner.sum() == 2
+    (said,) = check(problem)
+    assert all(str(k) in said for k in np.flatnonzero(inner)) and "three faces" in said and not said.fatal
+    assert not check(problem.with_targets(0.01))
+    small = irregular_saddle(30, 0.49)
+    assert (small.asked & (np.bincount(small.faces.ravel()) == 3)).any()
+    result = solve(small, method="projection", settings={"measure": "exact", "retry": False})
+    assert not result.converged and "three faces" in result.message

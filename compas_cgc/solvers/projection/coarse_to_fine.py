@@ -17,10 +17,10 @@ from ...model.problem import CGCProblem
 from ..coarse import coarsened
 from .closing import Closing
 from .exact import exactly
+from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
-from .measure import FINISH
 from .measure import renewed
 from .measure import shows_layout
 from .settings import AUTO

@@ -14,13 +14,15 @@ from .iterate import Point
 from .system import System
 from .turning import Turning
 
-__all__ = ["Taken", "descend", "in_stages"]
+__all__ = ["FINISH", "Taken", "descend", "descend_to_rounding", "in_stages"]
 
 SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring
 PATIENCE = 12  # steps within which the merit must fall
 SLOW = 0.9  # to this part of what it was
 LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
+FULFILLED = 1e-8  # residual, against the curvature asked for, from which on steps converge quadratically
+FINISH = 4  # steps to rounding without much gain after which it is reached
 STAGE = 0.25  # first part of the way to the targets
 SHORTEST_STAGE = 1 / 128
 STAGE_STEPS = 6
@@ -58,6 +60,22 @@ def descend(system: System, equations: CurvatureEquations, start: Point, slow: f
         yield Taken(here.vertices, length, trials)
         if len(merits) > patience and merits[-1] > slow * merits[-1 - patience]:
             return
+
+
+def descend_to_rounding(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:
+    """Take steps from a start, patiently while the equations are far from fulfilled, and until `FINISH` of them gain little then.
+
+    On an irregular mesh some vertex may come near to where no move of its own changes its angles, which takes short steps to pass.
+    """
+    here = start
+    for taken in descend(system, equations, here):
+        here = system.at(taken.vertices, equations)
+        yield taken
+        if system.missing(here, equations) <= FULFILLED:
+            break
+    else:
+        return
+    yield from descend(system, equations, here, patience=FINISH)
 
 
 def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterator[Taken]:

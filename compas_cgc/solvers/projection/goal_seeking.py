@@ -12,10 +12,10 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from .exact import exactly
 from .found_curvature import FoundCurvature
+from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
-from .measure import FINISH
 from .measure import shows_layout
 from .measure import smoothed
 from .sequential import MOST

@@ -17,20 +17,20 @@ from ...discrete.smooth_measure import DEGREE
 from ...discrete.smooth_measure import RINGS
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.smooth_measure import layout_errors
+from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .sequential import Reached
 from .system import System
 from .trust_region import refine
 
-__all__ = ["FINISH", "renewed", "shows_layout", "smooth_equations", "smoothed"]
+__all__ = ["renewed", "shows_layout", "smooth_equations", "smoothed"]
 
 ROUNDS = 2  # of the search for the fairest shape
 RENEWALS = 12  # of the equations after it
 STEPS = 2  # to the equations between renewals
 LESS = 0.8  # part of the change before, above which they do not converge
 STILL = 1e-6  # change of their targets, against the largest, that is none
-FINISH = 4  # steps to rounding without much gain after which it is reached
 
 
 def smooth_equations(system: System, equations: CurvatureEquations, vertices: FloatArray) -> CurvatureEquations:

@@ -7,6 +7,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ...discrete.arrays import FloatArray
+from ...model.checks import no_saddle
+from ...model.checks import three_faced
 from .iterate import Point
 from .system import System
 
@@ -41,6 +43,10 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
     if enclosed_negative(system, targets):
         return "a region of negative K needs some free edge"
+    negative = system.rows[targets[system.rows] < 0]
+    lost = three_faced(system.faces, negative) if len(negative) else negative
+    if len(lost):
+        return no_saddle(lost)
     if not system.sound.all():
         a, b, c = system.faces[np.argmin(system.sound)].tolist()
         return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"

@@ -12,11 +12,12 @@ import numpy as np
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from .exact import exactly
+from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
+from .gauss_newton import descend_to_rounding
 from .gauss_newton import in_stages
 from .iterate import Point
-from .measure import FINISH
 from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
@@ -94,7 +95,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
-        yield from descend(system, equations, reached.point, patience=FINISH)
+        yield from descend_to_rounding(system, equations, reached.point)
 
 
 def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:

@@ -9,10 +9,10 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
 from .iterate import Point
-from .measure import FINISH
 from .symmetry import Image
 from .system import System
 
