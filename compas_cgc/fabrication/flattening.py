@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +19,12 @@ from ..errors import CGCError
 from ..meshing import boundary_loops
 from .plane_layout import flat_triangles
 
-__all__ = ["Flattening", "flatten", "strain_of_width", "widest_panel"]
+__all__ = ["LONG", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
+
+
+SQUARE = 24.0  # k of the rule of thumb
+STRIP = 16.0  # k of a panel without end
+LONG = 10.0  # times as long as wide is as good as without end
 
 
 class Flattening(NamedTuple):
@@ -34,11 +40,10 @@ class Flattening(NamedTuple):
         return float(np.abs(self.strains).max(initial=0.0))
 
 
-def widest_panel(K: float, strain: float) -> float:
-    """Return the width of a square panel that flattens with no more than a strain: ``w = sqrt(24 strain / |K|)`` [L].
+def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> float:
+    """Return the width of a panel that flattens with no more than a strain: ``w = sqrt(k strain / |K|)`` [L].
 
-    The strain across a strip of constant K that keeps its lengths along the middle is ``K w^2 / 8`` at the edges; shared
-    out between middle and edges, and between both directions, it is a third of that.
+    For panels that are about square k = 24 is the rule of thumb, a little on the safe side; see :func:`flattening_constant` for others.
 
     Parameters
     ----------
@@ -46,18 +51,45 @@ def widest_panel(K: float, strain: float) -> float:
         Gaussian curvature [1/L^2].
     strain
         Largest strain, such as 0.002.
+    aspect
+        Length of the panel against its width. Default: about square, k = 24.
 
     Returns
     -------
     float
         Infinite where K is 0.
     """
-    return math.sqrt(24.0 * strain / abs(K)) if K else math.inf
+    k = SQUARE if aspect is None else flattening_constant(aspect)
+    return math.sqrt(k * strain / abs(K)) if K else math.inf
 
 
-def strain_of_width(K: float, width: float) -> float:
-    """Return the largest strain of a square panel flattened: ``|K| w^2 / 24``, see :func:`widest_panel`."""
-    return abs(K) * width * width / 24.0
+def strain_of_width(K: float, width: float, aspect: Optional[float] = None) -> float:
+    """Return the largest strain of a panel flattened: ``|K| w^2 / k``, see :func:`widest_panel`."""
+    return abs(K) * width * width / (SQUARE if aspect is None else flattening_constant(aspect))
+
+
+def flattening_constant(aspect: float) -> float:
+    r"""Return k of a rectangle: flattened by the best conformal map, it is strained by ``|K| w^2 / k`` at most.
+
+    A conformal map stretches by :math:`e^u` with :math:`\Delta u = K`. The one with the least strain has u constant along the edge
+    (Chebyshev), so u is K times the torsion function of the panel, whose largest value is shared out between stretch and compression.
+    k is 27.1 for a square, 17.6 for two squares and 16 for a long strip, which is also what its own lengths ask for: along the middle
+    and along its edges they differ by ``K w^2 / 8``.
+
+    Parameters
+    ----------
+    aspect
+        Length against width, or width against length.
+
+    References
+    ----------
+    Timoshenko and Goodier, *Theory of Elasticity*, torsion of a rectangular bar. Milnor, *A problem in cartography*, doi:10.2307/2317182.
+    """
+    if not (math.isfinite(aspect) and aspect > 0.0):
+        raise CGCError(f"the aspect of a panel must be its length against its width, such as 2, not {aspect!r}")
+    long = max(aspect, 1.0 / aspect)
+    terms = sum((-1) ** ((n - 1) // 2) / (n**3 * math.cosh(min(0.5 * n * math.pi * long, 700.0))) for n in range(1, 40, 2))
+    return STRIP / (1.0 - 32.0 / math.pi**3 * terms)
 
 
 def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:

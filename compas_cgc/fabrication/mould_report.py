@@ -12,6 +12,8 @@ import numpy as np
 from ..discrete.arrays import Vertices
 from .development import Development
 from .fitting import Fit
+from .flattening import LONG
+from .flattening import widest_panel
 from .materials import Material
 from .mould_surface import Surface
 from .panelling import Panel
@@ -127,8 +129,11 @@ class MouldReport:
                 f"{self.material.name}, {100 * part:.0f} % of its characteristic strength without any factor of safety"
             )
         if mould.K:
-            wide = math.sqrt(24.0 * STRAIN / abs(mould.K))
-            lines.append(f"  flat sheets strained by {100 * STRAIN:g} % instead are at most {wide:.3g} wide, sqrt(24 strain / |K|)")
+            wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG)
+            lines.append(
+                f"  flat sheets strained by {100 * STRAIN:g} % instead are at most {wide:.3g} wide if square, sqrt(24 strain / |K|); "
+                f"long ones {strip:.3g}"
+            )
         return lines
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..fabrication.flattening import LONG
 from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
@@ -43,7 +44,8 @@ def _panels(K: float) -> str:
     """Return what a curvature means for flat sheets."""
     if not K:
         return "; unrolls into flat sheets without strain"
-    return f"; flat sheets up to {widest_panel(K, STRAIN):.2g} wide are strained by {100 * STRAIN:g} % at most"
+    square, strip = widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG)
+    return f"; square flat sheets up to {square:.2g} wide are strained by {100 * STRAIN:g} % at most, long ones up to {strip:.2g}"
 
 
 def _head(problem: CGCProblem) -> str:

@@ -16,6 +16,8 @@ from compas_cgc.fabrication import flatten
 from compas_cgc.fabrication import unfold
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication import widest_panel
+from compas_cgc.fabrication.flattening import flattening_constant
+from compas_cgc.fabrication.flattening import strain_of_width
 from compas_cgc.fabrication.nesting import nest
 from compas_cgc.fabrication.outlines import signed_area
 from compas_cgc.fabrication.seams import opens_to_disks
@@ -23,6 +25,7 @@ from compas_cgc.fabrication.seams import seam_edges
 from compas_cgc.io.patterns import write_patterns
 
 from ..support.constant_curvature import cone
+from ..support.constant_curvature import rectangle
 from ..support.constant_curvature import revolved_patch
 from ..support.shapes import grid
 from ..support.shapes import icosphere
@@ -217,6 +220,23 @@ def test_strain_of_flattened_panels_follows_the_rule(width):
     found = flatten(vertices, faces)
     assert widest_panel(0.01, found.largest) == pytest.approx(width, rel=0.1)
     assert found.strains.max() == pytest.approx(-found.strains.min(), rel=1e-9)
+
+
+@pytest.mark.parametrize("length, width", [(5.0, 5.0), (2.5, 2.5), (1.25, 1.25), (3.0, 1.5), (4.5, 1.5), (10.0, 1.0)])
+@pytest.mark.parametrize("K", [0.01, -0.01])
+def test_strain_of_rectangles_is_that_of_the_best_conformal_map(K, length, width):
+    """The strain by the torsion function of the panel, within 5 %."""
+    found = flatten(*rectangle(length, width, K))
+    assert found.largest == pytest.approx(strain_of_width(K, width, length / width), rel=0.05)
+    assert found.strains.max() == pytest.approx(-found.strains.min(), rel=1e-9)
+
+
+def test_constants_of_the_rule():
+    """Twice the inverse of the largest torsion function, from tables: 0.07367 and 0.11387 of a square and of two, 1/8 of a strip."""
+    assert [flattening_constant(aspect) for aspect in (1.0, 2.0, 0.5, 50.0)] == pytest.approx([27.15, 17.56, 17.56, 16.0], rel=1e-3)
+    assert widest_panel(0.01, 0.002) == pytest.approx((24 * 0.002 / 0.01) ** 0.5) and widest_panel(0.0, 0.002, 2.0) == np.inf
+    with pytest.raises(ValueError, match="aspect of a panel"):
+        flattening_constant(0.0)
 
 
 def test_a_dome_is_cut_until_the_strain_is_small_enough():

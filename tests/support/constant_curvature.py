@@ -22,6 +22,21 @@ def revolved_patch(n: int, K: float, length: float = 8.0, radius: float = 4.0, a
     return np.column_stack([x[i], r[i] * np.sin(turn[j]), r[i] * np.cos(turn[j])]), grid(n)[1]
 
 
+def rectangle(length: float, width: float, K: float, n: int = 16, radius: float = 4.0):
+    """Return a panel of a surface of revolution of constant K, `n` squares across its width, about its middle parallel, a geodesic."""
+    a, rows = np.sqrt(abs(K)), round(n * max(1.0, length / width))
+    y = np.linspace(-width / 2, width / 2, n + 1)
+    fine = np.linspace(-width / 2, width / 2, 20_001)
+    r = radius * (np.cos(a * y) if K > 0 else np.cosh(a * y))
+    slope = -radius * a * np.sin(a * fine) if K > 0 else radius * a * np.sinh(a * fine)
+    height = np.interp(y, fine, cumulative_trapezoid(np.sqrt(1 - slope**2), fine, initial=0))
+    turn = np.linspace(-length / 2, length / 2, rows + 1) / radius
+    i, j = np.divmod(np.arange((rows + 1) * (n + 1)), n + 1)
+    corner = (np.arange(rows)[:, None] * (n + 1) + np.arange(n)).ravel()
+    faces = np.vstack([np.column_stack([corner, corner + n + 1, corner + n + 2]), np.column_stack([corner, corner + n + 2, corner + 1])])
+    return np.column_stack([r[j] * np.cos(turn[i]), r[j] * np.sin(turn[i]), height[j]]), faces
+
+
 def cone(rows: int, around: int, bottom: float = 3.0, top: float = 1.5, height: float = 3.0):
     """Return a frustum whose quads are flat, so that it unrolls exactly, normals outwards."""
     k, j = (x.ravel() for x in np.meshgrid(np.arange(rows), np.arange(around), indexing="ij"))
