@@ -177,6 +177,40 @@ def test_panels_are_laid_onto_a_mould_for_each_curvature(canvas):
     assert len(opened.panel(opened.settle(), "panels")) == 9
 
 
+def test_a_roof_becomes_pieces_on_sheets_and_a_file(canvas, tmp_path):
+    opened = canvas("flat_patterns")
+    path = tmp_path / "patterns.dxf"
+    opened.set.update({"run": [True], "file": [str(path)], "write": [True]})
+    values = opened.settle()
+    assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
+    labels = opened.panel(values, "pieces")
+    assert len(labels) == len(opened.out(values, "Unroll", "pieces")) == len(opened.out(values, "Unroll", "outlines")) > 50
+    assert f"{len(labels)} pieces" in "".join(opened.panel(values, "report")) and path.read_text(encoding="utf-8").startswith("  0")
+
+
+def test_forces_follow_their_load(canvas):
+    opened = canvas("forces")
+    opened.set["run"] = [True]
+    found = []
+    for pressure in (1.0, 2.0):
+        opened.set["pressure"] = [pressure]
+        values = opened.settle()
+        assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
+        found.append(np.array(opened.panel(values, "line loads")))
+    assert np.allclose(found[1], 2 * found[0]) and "balanced" in "".join(opened.panel(values, "report"))
+
+
+def test_laths_at_a_spacing_and_lines_of_curvature(canvas):
+    opened = canvas("laths")
+    opened.set["run"] = [True]
+    values = opened.settle()
+    assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
+    assert "asymptotic curves" in "".join(opened.panel(values, "report"))
+    assert np.median(opened.panel(values, "lengths between nodes")) == pytest.approx(1.0, rel=0.02)
+    opened.set["curvature K"] = [0.05]
+    assert "lines of curvature" in "".join(opened.panel(opened.settle(), "report"))
+
+
 def test_two_strategies_give_two_surfaces_side_by_side(canvas):
     opened = canvas("two_strategies")
     opened.set.update({"run": [True], "curvature K": [1.0]})

@@ -111,6 +111,78 @@ MOULDS = Definition(
     ),
 )
 
+FLAT_PATTERNS = Definition(
+    "flat_patterns",
+    "From a roof to cut sheets",
+    "The paper's roof with curved creases, solved for K = 0, unrolled to pieces within sheets, with labels, folds, rulings and marks.",
+    (
+        *_headline("From a roof to cut sheets", "1  Set run to True.   2  Choose the sheets.   3  Name a .dxf, and set write to True."),
+        Panel("number", "example", "7", size=(60, 40)),
+        Slider("K", "curvature K", 0.0, -0.02, 0.05, 3),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("target", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh"),
+        Slider("length", "length of sheets", 3.0, 0.5, 6.0, 2),
+        Slider("width", "width of sheets", 1.5, 0.5, 6.0, 2),
+        Panel("path", "file", "patterns.dxf", size=(160, 40)),
+        Toggle("write", "write"),
+        Script(
+            "unroll", "CGC_Unroll", {"cgc_mesh": "solve.cgc_mesh", "length": "length", "width": "width", "path": "path", "write": "write"}
+        ),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("labels", "pieces", source="unroll.labels", size=(80, 230)),
+        Panel("report", "report", source="unroll.report", size=(520, 230)),
+        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("sheets", "sheets", ("length", "width", "path", "write")),
+    ),
+)
+
+FORCES = Definition(
+    "forces",
+    "Forces in a dome",
+    "A square dome of constant curvature under pressure and its own weight: crosses along the principal forces, reactions, line loads.",
+    (
+        *_headline("Forces in a dome", "1  Set run to True.   2  Choose pressure and weight.   3  Bake what pulls and what presses."),
+        Slider("number", "example", 2, 2, 7, 0),
+        Slider("K", "curvature K", 1.0, 0.1, 2.0, 2),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("target", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh"),
+        Slider("pressure", "pressure", 1.0, -10.0, 10.0, 2),
+        Slider("weight", "weight", 0.0, 0.0, 10.0, 2),
+        Script("membrane", "CGC_Membrane", {"cgc_mesh": "solve.cgc_mesh", "pressure": "pressure", "weight": "weight"}),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("loads", "line loads", source="membrane.line_loads", size=(120, 230)),
+        Panel("report", "report", source="membrane.report", size=(520, 230)),
+        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("load", "load", ("pressure", "weight")),
+    ),
+)
+
+LATHS = Definition(
+    "laths",
+    "Laths on saddles",
+    "The roof with curved creases for a negative K: asymptotic curves at one spacing, along which straight laths lie.",
+    (
+        *_headline("Laths on saddles", "1  Set run to True.   2  Move the sliders.   3  Bake the curves (of curvature where K > 0)."),
+        Panel("number", "example", "7", size=(60, 40)),
+        Slider("K", "curvature K", -0.01, -0.02, 0.05, 3),
+        Script("example", "CGC_Example", {"number": "number"}, hidden=True),
+        Script("target", "CGC_Target", {"cgc_mesh": "example.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        _solving("target.cgc_mesh"),
+        Slider("spacing", "spacing", 1.0, 0.2, 3.0, 2),
+        Parameter("points", "through points", "Point"),
+        Script("net", "CGC_Net", {"cgc_mesh": "solve.cgc_mesh", "spacing": "spacing", "through": "points"}),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("sides", "lengths between nodes", source="net.sides", size=(120, 230)),
+        Panel("report", "report", source="net.report", size=(520, 150)),
+        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+    ),
+)
+
 TWO_STRATEGIES = Definition(
     "two_strategies",
     "Two strategies for creases",
@@ -208,4 +280,4 @@ HOPS_REGIONS = Definition(
     rhino=7,
 )
 
-EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)
+EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)
