@@ -142,6 +142,7 @@ def outcomes_of(server, names, clean):
     return failed
 
 
+@pytest.mark.timeout(1800)
 def test_on_a_dask_cluster_workers_scheduler_and_server_are_killed_and_every_job_is_finished_or_reported(tmp_path, clean):
     pytest.importorskip("distributed", reason="distributed is not installed: pip install 'compas_cgc[dask]'")
     store, chance = tmp_path / "jobs.sqlite", random.Random(2)
