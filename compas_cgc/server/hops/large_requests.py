@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
 
-from ..errors import TooLarge
 from ..limits import Limits
+from .data_tree import passed_over
 from .data_tree import read_values
 from .endpoints import REPEATABLE
 from .endpoints import endpoint
@@ -17,16 +18,18 @@ from .protocol import read_body
 from .protocol import uri_of
 from .reply import Reply
 
-__all__ = ["Answered", "job_body", "run_request_body"]
+__all__ = ["Answered", "job_asked_for", "job_body", "run_request_body"]
 
 
 class Answered(NamedTuple):
     """What a worker makes of a request."""
 
     uri: str
-    reply: Optional[Reply]  # None where a job is to be submitted
-    job: Optional[bytes]  # the request of that job
-    kept: bool  # the client wants the answer kept for the next time
+    reply: Optional[Reply] = None  # of a function that was run
+    kept: bool = False  # the client wants the answer kept for the next time
+    job: Optional[bytes] = None  # the request of a job to be submitted
+    id: str = ""  # of a job that is asked for
+    warnings: Sequence[str] = ()  # on inputs of what is left to do
 
 
 def run_request_body(content: bytes, limits: Limits) -> Answered:
@@ -39,11 +42,16 @@ def run_request_body(content: bytes, limits: Limits) -> Answered:
     """
     body = read_body(content, limits)
     uri, values, context = uri_of(body), body.get("values"), context_of(body)
-    if uri == "cgc/fetch":
-        raise TooLarge("cgc/fetch takes the id of a job, which is short")
     if uri == "cgc/submit":
-        return Answered(uri, None, job_body(values, context), False)
-    return Answered(uri, run_function(uri, values, context, limits), None, body.get("cachesolve") is True and uri in REPEATABLE)
+        return Answered(uri, job=job_body(values, context), warnings=passed_over(endpoint(uri), values))
+    if uri == "cgc/fetch":
+        return Answered(uri, id=job_asked_for(values), warnings=passed_over(endpoint(uri), values))
+    return Answered(uri, run_function(uri, values, context, limits), body.get("cachesolve") is True and uri in REPEATABLE)
+
+
+def job_asked_for(values: object) -> str:
+    """Return the id that ``cgc/fetch`` is given."""
+    return str(read_values(endpoint("cgc/fetch"), values)["Job"])
 
 
 def job_body(values: object, context: dict) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from typing import Optional
 
 from flask import Blueprint
@@ -28,13 +29,13 @@ from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
 from .data_tree import passed_over
-from .data_tree import read_values
 from .endpoints import REPEATABLE
 from .endpoints import endpoint
 from .endpoints import endpoints
 from .functions import run_function
 from .functions import surface_values
 from .large_requests import Answered
+from .large_requests import job_asked_for
 from .large_requests import job_body
 from .large_requests import run_request_body
 from .protocol import context_of
@@ -100,8 +101,7 @@ def _solved_here(body: dict, limits: Limits) -> Response:
         if uri == "cgc/submit":
             reply = _submitted(job_body(values, context), passed_over(endpoint(uri), values))
         elif uri == "cgc/fetch":
-            reply = _fetch(values)
-            reply = reply._replace(warnings=[*reply.warnings, *passed_over(endpoint(uri), values)])
+            reply = _fetched(job_asked_for(values), passed_over(endpoint(uri), values))
         else:
             reply = run_in_worker(run_function, uri, values, context, limits, hint=HINT)
     except RequestError as error:
@@ -116,7 +116,10 @@ def _solved_there(content: bytes, limits: Limits) -> Response:
     if kept is not None:
         return kept
     done: Answered = run_in_worker(run_request_body, content, limits, hint=HINT)
-    reply = done.reply or _submitted(done.job or b"", [])
+    try:
+        reply = done.reply or (_fetched(done.id, done.warnings) if done.job is None else _submitted(done.job, done.warnings))
+    except RequestError as error:
+        reply = Reply(error.status, [], [str(error)], [], {})
     return _answer(done.uri, reply, digest if done.kept else None)
 
 
@@ -140,14 +143,18 @@ def _answers() -> Answers:
     return current_app.extensions["hops_answers"]
 
 
-def _submitted(body: bytes, warnings: list[str]) -> Reply:
+def _submitted(body: bytes, warnings: Sequence[str]) -> Reply:
     job, _ = jobs().submit("hops", body, {"name": "Grasshopper"}, client=client_name())
-    return Reply(200, [entry("Job", "Text", [job.id])], [], warnings, {})
+    return Reply(200, [entry("Job", "Text", [job.id])], [], list(warnings), {})
 
 
-def _fetch(values: object) -> Reply:
-    inputs = read_values(endpoint("cgc/fetch"), values)
-    job = jobs().get(inputs["Job"])
+def _fetched(id: str, warnings: Sequence[str]) -> Reply:
+    reply = _fetch(id)
+    return reply._replace(warnings=[*reply.warnings, *warnings])
+
+
+def _fetch(id: str) -> Reply:
+    job = jobs().get(id)
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     if not job.over:
         error = job.progress.get("max_error")
