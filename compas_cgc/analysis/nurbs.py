@@ -7,22 +7,36 @@ from typing import Optional
 
 import numpy as np
 from scipy import sparse
-from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
 
+from ..discrete import face_areas
+from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
 from ..meshing import boundary_loops
+from ._curvature_fit import curvature_fitted
+from ._splines import DEGREE
+from ._splines import Knots
+from ._splines import basis
+from ._splines import bending
+from ._splines import gaussian
+from ._splines import knots_for
+from ._splines import spline_points
 
-__all__ = ["FittedSurface", "fit_surface"]
+__all__ = ["FittedSurface", "fit_overhanging", "fit_surface", "has_four_sides"]
 
-DEGREE = 3
-FREE = 6  # control points along a side at which vertices are met one by one
+LEAST, MOST = 8, 24  # control points along a side where K is fitted
+FREE = 6  # control points along a side at which vertices are met one by one, where it is not
 PER_EDGE = 0.5  # further ones for each edge along it
-MOST = 24  # control points along a side
+CORNER = np.radians(30.0)  # turn of an edge, from which four of them are the corners of a patch
+UPRIGHT = 0.2  # least cosine between the normals of a region and their mean, where it is fitted over a plane
+RIM = 0.03  # of the size of a region, by which a patch overhangs
 STIFF = 1e-9  # weight of the bending of the spline against that of the points
 CORRECTIONS = 6  # rounds in which the points' parameters follow the surface
+ON_EDGE = 4.0  # weight of the vertices on the edge of a region, where others begin
+MARGIN = 0.75  # edges of the mesh
+WITHIN = 4e-5  # of the size, that vertices may be off for the sake of K
 SAMPLES = 12  # places along a side at which K is read off the spline
 
 
@@ -34,9 +48,12 @@ class FittedSurface(NamedTuple):
     knots_v: FloatArray  # (b + 4,)
     deviation: float  # largest distance of a vertex of the mesh from it [L]
     gaussian: FloatArray  # (k,) K of the surface itself at places within the region [1/L^2]
+    edges: tuple[FloatArray, ...] = ()  # (k, 3) closed lines along which it is to be cut, where it overhangs [L]
 
 
-def fit_surface(vertices: FloatArray, faces: IntArray, size: Optional[tuple[int, int]] = None) -> FittedSurface:
+def fit_surface(
+    vertices: FloatArray, faces: IntArray, size: Optional[tuple[int, int]] = None, K: Optional[float] = None, within: Optional[float] = None
+) -> FittedSurface:
     """Fit a spline surface to a region of a mesh that has one boundary loop.
 
     The boundary is laid out on the sides of a square by its four sharpest corners and the rest by a harmonic map; a smoothing
@@ -50,6 +67,10 @@ def fit_surface(vertices: FloatArray, faces: IntArray, size: Optional[tuple[int,
         ``(m, 3)`` triangles of the region.
     size
         Control points in both directions. Default: by the vertices along the sides.
+    K
+        The K asked for, which is fitted too [1/L^2]. Default: only the points are.
+    within
+        Distance of the vertices that this may cost [L]. Default: 0.00004 of the region's size.
 
     Raises
     ------
@@ -60,37 +81,140 @@ def fit_surface(vertices: FloatArray, faces: IntArray, size: Optional[tuple[int,
     ----------
     Hoschek, doi:10.1016/0167-8396(88)90005-2.
     """
+    region = _normalised(vertices, faces)
+    if len(region.loops) != 1 or region.euler != 1:
+        raise MeshError("a region with holes, or a closed one, has no four sides; cut it by a crease to fit a NURBS surface")
+    K = K if K is not None and np.isfinite(K) else None
+    P, F, loop = region.points, region.faces, region.loops[0]
+    uv, sides = _square(P, F, loop)
+    a, b = size or tuple(_count(own, K is not None) for own in sides)
+    knots = knots_for(a), knots_for(b)
+    control, uv = _settled(P, uv, knots, (a, b), loop)
+    if K is not None:
+        # At its edge a surface may have no K at all: along a straight support none above zero.
+        margin = (MARGIN / sides[0], MARGIN / sides[1])
+        control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within)
+    return _scaled(region, control, knots, uv, _places())
+
+
+def fit_overhanging(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
+    """Fit a spline surface over a rectangle in the mean plane of a region, which overhangs its edges: for discs, triangles and holes.
+
+    Parameters
+    ----------
+    vertices, faces, K, within
+        As for :func:`fit_surface`.
+
+    Returns
+    -------
+    FittedSurface
+        With the edges along which it is to be cut.
+
+    Raises
+    ------
+    MeshError
+        If the region is closed, or turns away from its mean plane.
+    """
+    region = _normalised(vertices, faces)
+    K = K if K is not None and np.isfinite(K) else None
+    P, F = region.points, region.faces
+    normals = face_normals(P, F)
+    mean = (normals * face_areas(P, F)[:, None]).sum(axis=0)
+    mean /= max(float(np.linalg.norm(mean)), 1e-300)
+    if not region.loops or (normals @ mean).min() < UPRIGHT:
+        raise MeshError("a region that is closed or turns over is no surface over a plane; cut it by a crease to fit a NURBS surface")
+    flat = P - np.outer(P @ mean, mean)
+    axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
+    plan = P @ axes.T
+    low, high = plan.min(axis=0) - RIM, plan.max(axis=0) + RIM
+    uv = (plan - low) / (high - low)
+    edge = float(np.linalg.norm(P[F[:, 1]] - P[F[:, 0]], axis=1).mean())
+    a, b = (_count(own, K is not None) for own in ((high - low) / edge).tolist())
+    knots, free = (knots_for(a), knots_for(b)), np.empty(0, np.int64)
+    control, uv = _settled(P, uv, knots, (a, b), free)
+    rim = np.zeros(len(P), bool)
+    rim[np.concatenate(region.loops)] = True
+    inner = F[~rim[F].any(axis=1)] if len(F) > 3 * rim.sum() else F
+    if K is not None:
+        control, uv = _curved(region, uv, control, knots, uv[inner].mean(axis=1), free, K, within)
+    fit = _scaled(region, control, knots, uv, uv[F].mean(axis=1))
+    return fit._replace(edges=tuple(vertices[region.used][np.append(loop, loop[:1])] for loop in region.loops))
+
+
+def has_four_sides(vertices: FloatArray, faces: IntArray) -> bool:
+    """Tell whether a region is a disc whose edge turns sharply at four places at least."""
+    region = _normalised(vertices, faces)
+    if len(region.loops) != 1 or region.euler != 1:
+        return False
+    turn = _turns(region.points[region.loops[0]])
+    return bool(np.count_nonzero(turn > CORNER) >= 4)
+
+
+class _Region(NamedTuple):
+    """A region of size 1 around the origin."""
+
+    points: FloatArray  # (n, 3)
+    faces: IntArray  # (m, 3)
+    loops: list[IntArray]  # vertices around its edges
+    euler: int  # number: 1 for a disc
+    used: IntArray  # (n,) vertices of the mesh
+    centre: FloatArray  # (3,) [L]
+    scale: float  # [L]
+
+
+def _normalised(vertices: FloatArray, faces: IntArray) -> _Region:
     used, local = np.unique(faces, return_inverse=True)
     V, F = vertices[used], local.reshape(faces.shape)
-    loops = boundary_loops(F)
     edges = np.unique(np.sort(np.concatenate([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1), axis=0)
-    if len(loops) != 1 or len(V) - len(edges) + len(F) != 1:
-        raise MeshError("a region with holes, or a closed one, has no four sides; cut it by a crease to fit a NURBS surface")
-    centre = V.mean(axis=0)
-    scale = float(np.linalg.norm(np.ptp(V, axis=0)))
-    P = (V - centre) / scale
-    uv, sides = _square(P, F, np.asarray(loops[0]))
-    a, b = size or (_count(own) for own in sides)
-    knots = _knots(a), _knots(b)
-    loop = np.asarray(loops[0])
-    control = _fitted(P, uv, knots, (a, b))
+    centre, scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
+    loops = [np.asarray(loop) for loop in boundary_loops(F)]
+    return _Region((V - centre) / scale, F, loops, len(V) - len(edges) + len(F), used, centre, scale)
+
+
+def _settled(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], loop: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the control points of a smoothing spline, and the parameters (n, 2) of the points on it."""
+    control = _fitted(P, uv, knots, shape)
     for _ in range(CORRECTIONS):
         uv = _closest(P, uv, control, knots, loop)
-        control = _fitted(P, uv, knots, (a, b))
-    gap = np.linalg.norm(_at(control, knots, uv) - P, axis=1).max()
-    return FittedSurface(control * scale + centre, *knots, float(gap) * scale, _gaussian(control, knots) / scale**2)
+        control = _fitted(P, uv, knots, shape)
+    return control, uv
 
 
-def _count(edges: float) -> int:
-    """Return how many control points a side of so many edges gets."""
-    return int(np.clip(round(min(edges + 1, FREE + PER_EDGE * max(0.0, edges + 1 - FREE))), DEGREE + 1, MOST))
+def _curved(
+    region: _Region,
+    uv: FloatArray,
+    control: FloatArray,
+    knots: Knots,
+    places: FloatArray,
+    loop: IntArray,
+    K: float,
+    within: Optional[float],
+) -> tuple[FloatArray, FloatArray]:
+    """Return the control points of a surface with the K asked for, and the parameters (n, 2) of the points on it."""
+    weights = np.ones(len(uv))
+    weights[np.concatenate(region.loops)] = ON_EDGE
+    reach = WITHIN if within is None else within / region.scale
+    control = curvature_fitted(control, knots, region.points, uv, weights, places, K * region.scale**2, reach)
+    return control, _closest(region.points, uv, control, knots, loop)
+
+
+def _scaled(region: _Region, control: FloatArray, knots: Knots, uv: FloatArray, places: FloatArray) -> FittedSurface:
+    """Return a fit in the lengths of the model, its K read off at places (k, 2)."""
+    gap = float(np.linalg.norm(spline_points(control, knots, uv) - region.points, axis=1).max())
+    K = gaussian(control, knots, places) / region.scale**2
+    return FittedSurface(control * region.scale + region.centre, *knots, gap * region.scale, K)
+
+
+def _count(edges: float, fits_K: bool) -> int:
+    """Return how many control points a side of so many edges gets; without K more of them would only ripple."""
+    count = edges + 1 if fits_K else min(edges + 1, FREE + PER_EDGE * max(0.0, edges + 1 - FREE))
+    return int(np.clip(round(count), LEAST if fits_K else DEGREE + 1, MOST))
 
 
 def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tuple[float, float]]:
     """Return parameters (n, 2) in the unit square, and the mean numbers of vertices along its two pairs of sides."""
     rim = P[loop]
-    ahead, behind = np.roll(rim, -1, axis=0) - rim, rim - np.roll(rim, 1, axis=0)
-    turn = np.arctan2(np.linalg.norm(np.cross(behind, ahead), axis=1), np.einsum("ij,ij->i", behind, ahead))
+    turn = _turns(rim)
     corners: list[int] = []
     for k in np.argsort(-turn, kind="stable").tolist():
         if all(min(abs(k - other), len(loop) - abs(k - other)) >= max(2, len(loop) // 12) for other in corners):
@@ -116,6 +240,12 @@ def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tup
     return _harmonic(P, F, uv, loop), (0.5 * (counts[0] + counts[2]), 0.5 * (counts[1] + counts[3]))
 
 
+def _turns(rim: FloatArray) -> FloatArray:
+    """Return the angles (k,) by which a closed line turns at its points [rad]."""
+    ahead, behind = np.roll(rim, -1, axis=0) - rim, rim - np.roll(rim, 1, axis=0)
+    return np.arctan2(np.linalg.norm(np.cross(behind, ahead), axis=1), np.einsum("ij,ij->i", behind, ahead))
+
+
 def _harmonic(P: FloatArray, F: IntArray, uv: FloatArray, loop: IntArray) -> FloatArray:
     """Return parameters whose inner ones are means of their neighbours', weighted by nearness (n, 2)."""
     n = len(P)
@@ -131,45 +261,17 @@ def _harmonic(P: FloatArray, F: IntArray, uv: FloatArray, loop: IntArray) -> Flo
     return result
 
 
-def _knots(count: int) -> FloatArray:
-    inner = np.linspace(0.0, 1.0, count - DEGREE + 1)
-    return np.concatenate([np.zeros(DEGREE), inner, np.ones(DEGREE)])
-
-
-Knots = tuple[FloatArray, FloatArray]
-
-
-def _basis(uv: FloatArray, knots: Knots, order: tuple[int, int] = (0, 0)) -> sparse.csr_matrix:
-    """Return the values, or derivatives of an order in each direction, of all products of basis functions (k, a b)."""
-    parts = []
-    for axis in range(2):
-        count = len(knots[axis]) - DEGREE - 1
-        basis = BSpline(knots[axis], np.eye(count), DEGREE)
-        parts.append((basis.derivative(order[axis]) if order[axis] else basis)(np.clip(uv[:, axis], 0.0, 1.0)))
-    return sparse.csr_matrix((parts[0][:, :, None] * parts[1][:, None, :]).reshape(len(uv), -1))
-
-
 def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int]) -> FloatArray:
     """Return the control points (a, b, 3) of the smoothing spline."""
-    B = _basis(uv, knots)
-    t = (np.arange(2 * max(shape)) + 0.5) / (2 * max(shape))
-    grid = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
-    bending = sum(
-        factor * (D.T @ D)
-        for factor, D in ((1.0, _basis(grid, knots, (2, 0))), (2.0, _basis(grid, knots, (1, 1))), (1.0, _basis(grid, knots, (0, 2))))
-    )
-    normal = B.T @ B / len(P) + STIFF * bending / len(grid)
+    B = basis(uv, knots)
+    normal = B.T @ B / len(P) + STIFF * bending(knots, shape)
     return np.reshape(spsolve(normal.tocsc(), B.T @ P / len(P)), (*shape, 3))
-
-
-def _at(control: FloatArray, knots: Knots, uv: FloatArray, order: tuple[int, int] = (0, 0)) -> FloatArray:
-    return _basis(uv, knots, order) @ control.reshape(-1, 3)
 
 
 def _closest(P: FloatArray, uv: FloatArray, control: FloatArray, knots: Knots, loop: IntArray) -> FloatArray:
     """Return parameters (n, 2) moved to the closest points; those on the boundary stay on their side."""
-    off = P - _at(control, knots, uv)
-    a, b = _at(control, knots, uv, (1, 0)), _at(control, knots, uv, (0, 1))
+    off = P - spline_points(control, knots, uv)
+    a, b = spline_points(control, knots, uv, (1, 0)), spline_points(control, knots, uv, (0, 1))
     aa, ab, bb = ((x * y).sum(axis=1) for x, y in ((a, a), (a, b), (b, b)))
     p, q = (a * off).sum(axis=1), (b * off).sum(axis=1)
     det = np.maximum(aa * bb - ab * ab, 1e-300)
@@ -180,12 +282,8 @@ def _closest(P: FloatArray, uv: FloatArray, control: FloatArray, knots: Knots, l
     return np.where(held, uv, inner)
 
 
-def _gaussian(control: FloatArray, knots: Knots) -> FloatArray:
-    """Return K of the surface at places within its square (k,)."""
-    t = (np.arange(SAMPLES) + 0.5) / SAMPLES
-    uv = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
-    u, v, uu, uw, ww = (_at(control, knots, uv, order) for order in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)))
-    normal = np.cross(u, v)
-    square = (normal**2).sum(axis=1)
-    e, f, g = ((second * normal).sum(axis=1) for second in (uu, uw, ww))
-    return (e * g - f * f) / square**2
+def _places(count: int = SAMPLES, margin: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
+    """Return parameters (k, 2) spread over the square, none of them on its sides or in a margin along them."""
+    t = (np.arange(count) + 0.5) / count
+    grid = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
+    return np.array(margin) + (1.0 - 2.0 * np.array(margin)) * grid

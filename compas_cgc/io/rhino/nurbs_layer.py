@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Optional
+
 import numpy as np
 
-from ...analysis.nurbs import DEGREE
+from ...analysis._splines import DEGREE
 from ...analysis.nurbs import FittedSurface
+from ...analysis.nurbs import fit_overhanging
 from ...analysis.nurbs import fit_surface
+from ...analysis.nurbs import has_four_sides
+from ...discrete.arrays import IntArray
 from ...errors import MeshError
 from ...model.problem import CGCProblem
 from ._types import Geometry
@@ -16,6 +21,7 @@ from .write import LayerWriter
 __all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
 
 NURBS = "CGC::NURBS"
+OFF = 4e-5  # of the size of the mesh: what a surface may be off its vertices for the sake of its K
 
 
 def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]:
@@ -23,17 +29,31 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     layer = writer.layer(NURBS, (70, 100, 150))
     notes = []
     label = problem.regions()
+    within = OFF * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for region in range(label.max(initial=-1) + 1):
+        faces = problem.faces[label == region]
+        fitted = fit_surface if has_four_sides(problem.vertices, faces) else fit_overhanging
         try:
-            fit = fit_surface(problem.vertices, problem.faces[label == region])
+            fit = fitted(problem.vertices, faces, K=_target(problem, faces), within=within)
         except MeshError as error:
             notes.append(f"region {region} was not fitted: {error}")
             continue
         K = float(np.median(fit.gaussian))
         text = {"region": str(region), "K": repr(K), "deviation": repr(fit.deviation)}
         writer.archive.Objects.AddSurface(nurbs_surface(fit), writer.attributes(layer, f"region {region}", text))
-        notes.append(f"region {region} as NURBS: K {K:.4g} (median), within {fit.deviation:.2g}{unit} of the mesh")
+        for edge in fit.edges:
+            writer.polyline(edge, writer.attributes(layer, f"edge of region {region}", {"region": str(region)}))
+        cut = "; it overhangs, cut it along the edge curves beside it (Rhino: Split)" if fit.edges else ""
+        notes.append(f"region {region} as NURBS: K {K:.4g} (median), within {fit.deviation:.2g}{unit} of the mesh{cut}")
     return notes
+
+
+def _target(problem: CGCProblem, faces: IntArray) -> Optional[float]:
+    """Return the K asked for in a region, or None where it is not one number."""
+    used = np.unique(faces)
+    # On a crease a vertex has the target of another region, or none.
+    targets = np.unique(problem.targets[used[problem.asked[used]]])
+    return float(targets[0]) if len(targets) == 1 and np.isfinite(targets[0]) else None
 
 
 def nurbs_surface(fit: FittedSurface) -> Geometry:

@@ -12,7 +12,9 @@ from compas_cgc import CGCMesh
 from compas_cgc import read
 from compas_cgc import solve
 from compas_cgc import write
+from compas_cgc.analysis.nurbs import fit_overhanging
 from compas_cgc.analysis.nurbs import fit_surface
+from compas_cgc.analysis.nurbs import has_four_sides
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino.nurbs_layer import nurbs_surface
 
@@ -68,3 +70,64 @@ def test_nine_regions_are_written_side_by_side(tmp_path):
         assert float(one.Attributes.GetUserString("K")) == pytest.approx(wanted, rel=0.03)
     again = write(path, result, source=path, nurbs=True)
     assert len(again) == 9 and len(rhino3dm.File3dm.Read(str(path)).Objects) == len(archive.Objects)
+
+
+def test_the_k_of_the_surface_is_fitted_within_a_hairs_breadth_of_the_vertices():
+    V, F = cap(12)
+    V = V + 2e-4 * np.sin(5.0 * V[:, [1, 2, 0]])
+    loose, close = fit_surface(V, F), fit_surface(V, F, K=0.01, within=1e-3)
+    of_loose, of_close = (np.median(np.abs(fit.gaussian * 100 - 1)) for fit in (loose, close))
+    assert of_close < 0.3 * of_loose and of_close < 0.01 and close.deviation < 1e-3
+
+
+def test_nine_regions_have_the_k_asked_for():
+    problem = solve(read(ROOF)).problem
+    label, errors = problem.regions(), []
+    for region in range(9):
+        K = 0.04 if region == 4 else 0.01
+        fit = fit_surface(problem.vertices, problem.faces[label == region], K=K, within=1e-3)
+        assert has_four_sides(problem.vertices, problem.faces[label == region]) and fit.deviation < 1e-3
+        errors.append(np.abs(fit.gaussian / K - 1))
+    assert np.median(np.concatenate(errors)) < 0.01
+
+
+def polar(inner, n=10):
+    """Return a piece of a sphere of radius 10 around its pole: a ring, or a disc where the inner radius is 0."""
+    mesh = CGCMesh.from_meshgrid(dx=10.0, nx=2 * n)
+    V, F = mesh.arrays()
+    V = V - [5.0, 5.0, 0.0]
+    r = np.linalg.norm(V[F].mean(axis=1)[:, :2], axis=1)
+    F = F[(r < 4.6) & (r >= inner)]
+    used, F = np.unique(F, return_inverse=True)
+    V = V[used]
+    V[:, 2] = np.sqrt(100.0 - V[:, 0] ** 2 - V[:, 1] ** 2)
+    return V, F.reshape(-1, 3)
+
+
+@pytest.mark.parametrize("inner", [0.0, 1.5])
+def test_what_has_no_four_sides_overhangs_its_edges(inner):
+    V, F = polar(inner)
+    assert inner == 0.0 or not has_four_sides(V, F)
+    fit = fit_overhanging(V, F, K=0.01)
+    assert fit.deviation < 1e-3 and np.median(np.abs(fit.gaussian * 100 - 1)) < 0.005
+    assert len(fit.edges) == (2 if inner else 1) and all((edge[0] == edge[-1]).all() for edge in fit.edges)
+    assert nurbs_surface(fit).IsValid
+
+
+def test_a_closed_region_is_not_fitted():
+    sphere = CGCMesh.from_polyhedron(20)
+    with pytest.raises(MeshError, match="closed or turns over"):
+        fit_overhanging(*sphere.arrays())
+
+
+def test_a_disc_is_written_with_the_edge_that_cuts_it(tmp_path):
+    V, F = polar(1.5)
+    mesh = CGCMesh.from_vertices_and_faces(V.tolist(), F.tolist())
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    (note,) = write(tmp_path / "a.3dm", solve(mesh), nurbs=True)
+    assert "it overhangs, cut it along the edge curves" in note
+    archive = rhino3dm.File3dm.Read(str(tmp_path / "a.3dm"))
+    layers = {layer.Index: layer.FullPath for layer in archive.Layers}
+    names = sorted(one.Attributes.Name for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS")
+    assert names == ["edge of region 0", "edge of region 0", "region 0"]

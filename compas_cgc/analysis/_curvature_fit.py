@@ -1,0 +1,114 @@
+"""Spline surfaces whose own K is the one asked for: the curvature is fitted along with the points."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
+
+from ..discrete.arrays import FloatArray
+from ._splines import Knots
+from ._splines import Shape
+from ._splines import basis
+from ._splines import bending
+from ._splines import shape_of
+
+__all__ = ["curvature_fitted"]
+
+STEPS = 8
+TRIALS = 4  # of a step, each damped more
+ENOUGH = 0.01  # part of the cost, below which a step is the last
+NEAR = 0.5  # of the distance allowed, which weighs as much as ...
+MOST = 0.7  # of it, from where on they do
+CLOSE = 0.005  # ... this error of K, against the K asked for
+FLAT = 0.02  # least K that errors are measured against, where the size is 1
+# How much looser points are held, and times `CLOSE` from which on errors of K count less and less: no smooth surface has some corners.
+STAGES = ((16.0, 40.0), (8.0, 20.0), (4.0, 10.0), (2.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 10.0))
+STIFF = 1e-9  # weight of the bending
+DAMPED = 1e-6  # weight of a step, against the mean of the diagonal
+
+
+def curvature_fitted(
+    control: FloatArray, knots: Knots, points: FloatArray, uv: FloatArray, weights: FloatArray, places: FloatArray, K: float, within: float
+) -> FloatArray:
+    """Return control points (a, b, 3) of a surface that is near the points and has nearly the K asked for, by Gauss and Newton.
+
+    A mesh knows its K to its edge length squared, and of a spline through its vertices K is no better than second
+    differences are. Within a hair's breadth of the vertices there is a surface that has it.
+
+    Parameters
+    ----------
+    control
+        ``(a, b, 3)`` of a surface near the points.
+    knots
+        Of both directions.
+    points, uv, weights
+        ``(n, 3)`` points of a region of size 1, their parameters ``(n, 2)`` and weights ``(n,)``.
+    places
+        ``(k, 2)`` parameters at which K is asked for.
+    K
+        The K asked for, where the size is 1.
+    within
+        Distance that the points may have from the surface; those that are farther count more and more.
+    """
+    a, b, _ = control.shape
+    size = a * b
+    near = basis(uv, knots)
+    orders = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    parts = [basis(places, knots, order) for order in orders]
+    bends = bending(knots, (a, b))
+    whole, own = sparse.identity(3, format="csr"), np.ones(len(points))
+    scale = CLOSE * max(abs(K), FLAT)
+    x, damping = control.reshape(-1, 3), DAMPED
+
+    def cost(x: FloatArray, outlier: float, near_by: float) -> tuple[float, Shape]:
+        shape = shape_of(*(part @ x for part in parts))
+        off, error = points - near @ x, (shape.gaussian - K) / scale
+        far = float((weights * own) @ (off**2).sum(axis=1)) / (weights.sum() * near_by**2)
+        bent = STIFF / near_by**2 * float(np.einsum("ij,ij->", x, bends @ x))
+        return far + bent + outlier**2 * float(np.mean(np.log1p((error / outlier) ** 2))), shape
+
+    for looser, outlier in STAGES:
+        near_by = looser * NEAR * within
+        stiff = STIFF / near_by**2 * bends
+        far = np.linalg.norm(points - near @ x, axis=1)
+        own *= np.maximum(1.0, far / (looser * MOST * within)) ** 2
+        weighted = near.multiply((weights * own / weights.sum())[:, None]).T.tocsr() / near_by**2
+        by_points = weighted @ near
+        least, shape = cost(x, outlier, near_by)
+        for _ in range(STEPS):
+            error = (shape.gaussian - K) / scale
+            robust = 1.0 / (1.0 + (error / outlier) ** 2)
+            gradients = _gradients(shape)
+            J = (
+                sparse.hstack([sum(part.multiply(own[:, k, None]) for part, own in zip(parts, gradients)) for k in range(3)]).tocsr()
+                / scale
+            )
+            JW = J.multiply((robust / len(places))[:, None]).T.tocsr()
+            normal = (sparse.kron(whole, by_points + stiff) + JW @ J).tocsc()
+            right = (weighted @ (points - near @ x) - stiff @ x).T.ravel() - JW @ error
+            for _ in range(TRIALS):
+                step = spsolve(normal + damping * normal.diagonal().mean() * sparse.identity(3 * size, format="csc"), right)
+                new = x + np.reshape(step, (3, -1)).T
+                found, at = cost(new, outlier, near_by)
+                if found < least:
+                    break
+                damping *= 10.0
+            else:
+                break
+            damping = max(0.1 * damping, DAMPED)
+            gained, least, x, shape = least - found, found, new, at
+            if gained < ENOUGH * least:
+                break
+    return x.reshape(a, b, 3)
+
+
+def _gradients(shape: Shape) -> tuple[FloatArray, ...]:
+    """Return the derivatives (k, 3) of K by each of the five derivatives of the surface."""
+    u, v, uu, uv, vv, n, K = shape
+    q = np.maximum((n**2).sum(axis=1), 1e-300)
+    e, f, g = ((second * n).sum(axis=1)[:, None] / (q**2)[:, None] for second in (uu, uv, vv))
+    by_normal = g * uu + e * vv - 2.0 * f * uv - (4.0 * K / q)[:, None] * n
+    of_u: FloatArray = np.cross(v, by_normal)
+    of_v: FloatArray = np.cross(by_normal, u)
+    return of_u, of_v, g * n, -2.0 * f * n, e * n
