@@ -109,6 +109,5 @@ def _gradients(shape: Shape) -> tuple[FloatArray, ...]:
     q = np.maximum((n**2).sum(axis=1), 1e-300)
     e, f, g = ((second * n).sum(axis=1)[:, None] / (q**2)[:, None] for second in (uu, uv, vv))
     by_normal = g * uu + e * vv - 2.0 * f * uv - (4.0 * K / q)[:, None] * n
-    of_u: FloatArray = np.cross(v, by_normal)
-    of_v: FloatArray = np.cross(by_normal, u)
+    of_u, of_v = (np.asarray(np.cross(*pair), dtype=np.float64) for pair in ((v, by_normal), (by_normal, u)))
     return of_u, of_v, g * n, -2.0 * f * n, e * n

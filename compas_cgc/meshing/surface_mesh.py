@@ -29,6 +29,7 @@ SWEEPS = 60  # of edge flips at most
 SMOOTHINGS = 6
 SIDE = 512  # divisions of a side, by which its length is measured
 JOINED = 1e-6  # of the edge length, within which points of two sides are one
+ON_KINK = 1e-6  # of the range of a parameter, within which a point is on a kink
 WHOLE = 0.98  # of an area that its largest part has to be
 
 Evaluate = Callable[[FloatArray], FloatArray]
@@ -40,9 +41,16 @@ class FaceMesh(NamedTuple):
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3), anticlockwise in the parameters
     deviation: float  # largest distance between a triangle's centre and the surface there [L]
+    kinks: tuple[FloatArray, ...] = ()  # (k, 3) lines along edges of the mesh where the surface bends sharply [L]
 
 
-def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[FloatArray], edge_length: float) -> FaceMesh:
+def mesh_face(
+    evaluate: Evaluate,
+    loops: Sequence[FloatArray],
+    points: Sequence[FloatArray],
+    edge_length: float,
+    kinks: Sequence[tuple[int, float]] = (),
+) -> FaceMesh:
     """Fill the loops of a trimmed surface with triangles that are even in space.
 
     Points of a triangular lattice, measured along the surface, are taken where they keep their distance in space; they are
@@ -58,6 +66,9 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
         ``(k, 3)`` places of the loops, which are kept [L].
     edge_length
         Length of edges aimed at [L].
+    kinks
+        Where the surface bends sharply: which parameter, 0 or 1, has which value there. Edges of the mesh run along them where
+        the loops have points on both of their ends.
 
     Raises
     ------
@@ -68,6 +79,7 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
         import shapely
 
         from .curve_sampling import Cell
+        from .curve_sampling import cells
         from .curve_sampling import lattice
         from .outline import fill
     except ImportError as error:
@@ -79,10 +91,18 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
     corners = shapely.get_coordinates(domain)
     strange = corners[cKDTree(rim).query(corners)[0] > 0.0]
     rim, places = np.concatenate([rim, strange]), np.concatenate([places, evaluate(to_parameters(strange))])
+    lines = _kink_lines(evaluate, domain, loops, kinks, edge_length) if not len(strange) else []
+    flat = [to_lengths(line) for line in lines]
+    ends = np.array([line[k] for line in lines for k in (0, -1)]).reshape(-1, 2)
+    # Where kinks cross lines end that no loop has a point at.
+    crossings = np.unique(ends[cKDTree(np.concatenate(loops)).query(ends)[0] > 0.0], axis=0)
+    within = [*(line[1:-1] for line in lines), crossings]
+    rim = np.concatenate([rim, *(to_lengths(line) for line in within)])
+    places = np.concatenate([places, *(evaluate(line) for line in within)])
     seeds = np.concatenate([lattice(domain, edge_length / finer) for finer in (1, FINE)])
     spots = evaluate(to_parameters(seeds)) if len(seeds) else np.empty((0, 3))
     chosen = _apart(spots, places, NEAR * edge_length)
-    plan, faces = fill([Cell(domain, [])], seeds[chosen])
+    plan, faces = fill(cells(domain, rings, flat) if flat else [Cell(domain, [])], seeds[chosen])
     # The triangulation puts points in an order of its own.
     known = np.concatenate([rim, seeds[chosen]])
     order = cKDTree(known).query(plan)[1]
@@ -91,14 +111,45 @@ def mesh_face(evaluate: Evaluate, loops: Sequence[FloatArray], points: Sequence[
     a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
     faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
     held = len(rim)
+    paths = [cKDTree(known).query(line)[1] for line in flat]
+    kept = _edge_keys(len(plan), paths)
     for _ in range(SMOOTHINGS):
-        faces = _flipped(plan, place, faces)
+        faces = _flipped(plan, place, faces, kept)
         plan, place = _smoothed(plan, place, faces, held, lambda new: evaluate(to_parameters(new)))
-    faces = _flipped(plan, place, faces)
+    faces = _flipped(plan, place, faces, kept)
     # Along the normals: towards a pole the means of parameters and of places part along the surface.
     gap = evaluate(to_parameters(plan[faces].mean(axis=1))) - place[faces].mean(axis=1)
     deviation = float(np.abs(np.einsum("ij,ij->i", gap, face_normals(place, faces))).max(initial=0.0))
-    return FaceMesh(place, faces, deviation)
+    return FaceMesh(place, faces, deviation, tuple(place[path] for path in paths))
+
+
+def _kink_lines(
+    evaluate: Evaluate, domain: shapely.Polygon, loops: Sequence[FloatArray], kinks: Sequence[tuple[int, float]], edge_length: float
+) -> list[FloatArray]:
+    """Return the parameters (k, 2) along kinks between points of the loops that lie on them, at even distances in space."""
+    import shapely
+
+    rim = np.concatenate(loops)
+    size = np.ptp(rim, axis=0)
+    area = shapely.Polygon(loops[0], loops[1:])
+    found = []
+    for axis, value in kinks:
+        on = rim[np.abs(rim[:, axis] - value) <= ON_KINK * size[axis]]
+        crossing = np.array([[value, other] if axis == 0 else [other, value] for way, other in kinks if way != axis]).reshape(-1, 2)
+        inside = shapely.contains_xy(area, crossing) & (cKDTree(rim).query(crossing)[0] > ON_KINK * float(size.max()))
+        on = np.concatenate([on, crossing[inside]])
+        on = on[np.argsort(on[:, 1 - axis], kind="stable")]
+        for first, last in zip(on[:-1], on[1:]):
+            middle = shapely.Point(0.5 * (first + last))
+            if area.contains(middle) and area.boundary.distance(middle) > ON_KINK * float(size.min()):
+                found.append(_divided_side(evaluate, first, last, edge_length))
+    return found
+
+
+def _edge_keys(count: int, paths: Sequence[IntArray]) -> IntArray:
+    """Return a number for every edge along paths of vertices."""
+    ends = np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
+    return ends.min(axis=1, initial=count) * count + ends.max(axis=1, initial=0)
 
 
 def _repaired(domain: shapely.Polygon) -> shapely.Polygon:
@@ -150,8 +201,11 @@ def _apart(spots: FloatArray, taken: FloatArray, distance: float) -> IntArray:
     return np.flatnonzero(free)
 
 
-def _flipped(plan: FloatArray, place: FloatArray, faces: IntArray) -> IntArray:
-    """Return the triangles (m, 3) after flips of edges whose opposite angles in space add up to more than a straight one."""
+def _flipped(plan: FloatArray, place: FloatArray, faces: IntArray, kept: IntArray) -> IntArray:
+    """Return the triangles (m, 3) after flips of edges whose opposite angles in space add up to more than a straight one.
+
+    Edges with the numbers in `kept` stay.
+    """
     faces = faces.copy()
     for _ in range(SWEEPS):
         u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
@@ -159,6 +213,7 @@ def _flipped(plan: FloatArray, place: FloatArray, faces: IntArray) -> IntArray:
         key = np.minimum(u, v) * len(plan) + np.maximum(u, v)
         order = np.argsort(key, kind="stable")
         pair = np.flatnonzero(key[order[1:]] == key[order[:-1]])
+        pair = pair[~np.isin(key[order[pair]], kept)]
         e, f = order[pair], order[pair + 1]
         a, b, c, d = u[e], v[e], w[e], w[f]
         gain = _angle(place, c, a, b) + _angle(place, d, a, b) - np.pi

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
@@ -29,6 +30,8 @@ __all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_pa
 
 EDGES = 30  # along the diagonal of a surface, where no edge length is asked for
 JOINT = np.radians(10.0)  # angle between the normals of two faces from which their joint is a crease
+KINK = np.radians(20.0)  # turn of an edge from which it has a vertex there
+SNAP = 1e-3  # of the range of a parameter, within which a vertex of an edge is put on a kink
 GRID = 16  # divisions of a surface in which the parameters of a point are looked for first
 STEPS = 30  # of Newton's method towards them
 LEVELS = 5  # of subdivision at most
@@ -132,6 +135,7 @@ def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Mesh
     fine = max(0.25 * tolerance, 1e-6 * edge_length)
     edges = [_divided(curve_points(brep.Edges[i], min(fine, 0.02 * edge_length)), edge_length) for i in range(len(brep.Edges))]
     vertices, faces, count, deviation = [], [], 0, 0.0
+    kinks: list[FloatArray] = []
     normals: dict[int, list[FloatArray]] = {}
     for i in range(len(brep.Faces)):
         made, ends = _face(brep.Faces[i], brep, edges, edge_length)
@@ -139,10 +143,11 @@ def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Mesh
         faces.append(made.faces + count)
         count += len(made.vertices)
         deviation = max(deviation, made.deviation)
+        kinks.extend(made.kinks)
         for edge, normal in ends.items():
             normals.setdefault(edge, []).append(normal)
     sharp = [edge for edge, found in normals.items() if len(found) == 2 and _angle_between(*found) > JOINT]
-    return np.concatenate(vertices), np.concatenate(faces), [edges[edge] for edge in sorted(sharp)], deviation
+    return np.concatenate(vertices), np.concatenate(faces), [edges[edge] for edge in sorted(sharp)] + kinks, deviation
 
 
 def _face(face: Any, brep: Geometry, edges: Sequence[FloatArray], edge_length: float) -> tuple[FaceMesh, dict[int, FloatArray]]:
@@ -167,7 +172,7 @@ def _face(face: Any, brep: Geometry, edges: Sequence[FloatArray], edge_length: f
             points.append(place)
     if not loops:
         raise MeshError("it has a face without edges")
-    made = mesh_face(surface.at, loops, points, edge_length)
+    made = mesh_face(surface.at, *surface.snapped_to_kinks(loops, points), edge_length, surface.kinks)
     return (made._replace(faces=made.faces[:, ::-1]) if sense < 0 else made), normals
 
 
@@ -186,6 +191,46 @@ class _Surface:
         self.domain = np.array([[surface.Domain(k).T0, surface.Domain(k).T1] for k in range(2)])
         self._grid: Optional[tuple[FloatArray, FloatArray]] = None
         self._sides = self._natural_sides()
+        self.kinks = self._sharp_knots()
+
+    def snapped_to_kinks(self, loops: Sequence[FloatArray], points: Sequence[FloatArray]) -> tuple[list[FloatArray], Sequence[FloatArray]]:
+        """Return loops (k, 2) whose points that all but lie on a kink do."""
+        snapped = [loop.copy() for loop in loops]
+        for axis, value in self.kinks:
+            for loop in snapped:
+                near = np.abs(loop[:, axis] - value) <= SNAP * np.ptp(self.domain[axis])
+                loop[near, axis] = value
+        return snapped, points
+
+    def _sharp_knots(self) -> list[tuple[int, float]]:
+        """Return the knots of full multiplicity inside at which the normal turns: the parameter, 0 or 1, and its value."""
+        # Other surfaces (planes, sums, revolutions of arcs) have parameters of their own, and are smooth or fall into faces.
+        nurbs = self._surface.ToNurbsSurface()
+        if nurbs is None or any(
+            abs(nurbs.Domain(k).T0 - self.domain[k, 0]) + abs(nurbs.Domain(k).T1 - self.domain[k, 1]) > 0.0 for k in range(2)
+        ):
+            return []
+        found = []
+        for axis, knots, degree in ((0, nurbs.KnotsU, nurbs.Degree(0)), (1, nurbs.KnotsV, nurbs.Degree(1))):
+            values, count = np.unique([knots[i] for i in range(len(knots))], return_counts=True)
+            low, high = self.domain[axis]
+            inside = (values > low) & (values < high) & (count >= degree)
+            found += [(axis, float(value)) for value in values[inside] if self._turns_at(axis, float(value)) > JOINT]
+        return found
+
+    def _turns_at(self, axis: int, value: float) -> float:
+        """Return the angle by which the normal turns across a line of constant parameter, at most [rad]."""
+        low, high = self.domain[1 - axis]
+        step = 1e-5 * float(np.ptp(self.domain[axis]))
+        most = 0.0
+        for other in np.linspace(low, high, 7)[1:-1]:
+            normals = []
+            for side in (-step, step):
+                uv = np.empty(2)
+                uv[axis], uv[1 - axis] = value + side, other
+                normals.append(self.normal(uv))
+            most = max(most, _angle_between(*normals))
+        return most
 
     def at(self, parameters: FloatArray) -> FloatArray:
         """Return the places (k, 3) of parameters (k, 2), brought into the domain."""
@@ -284,13 +329,16 @@ class _Surface:
 
 
 def _divided(line: FloatArray, edge_length: float) -> FloatArray:
-    """Return points spread evenly along a curve, its ends among them; three pieces at least where it is closed."""
+    """Return points spread evenly along a curve between its kinks and ends; three pieces at least where it is closed."""
     at = arc_lengths(line)
     closed = bool((line[0] == line[-1]).all()) or np.linalg.norm(line[0] - line[-1]) <= 1e-9 * at[-1]
-    number = max(3 if closed else 1, round(float(at[-1]) / edge_length))
-    if closed and float(at[-1]) < 3 * edge_length:
-        number = 6
-    t = np.linspace(0.0, at[-1], number + 1)
+    ahead = np.diff(line, axis=0)
+    turn = np.arctan2(np.linalg.norm(np.cross(ahead[:-1], ahead[1:]), axis=1), np.einsum("ij,ij->i", ahead[:-1], ahead[1:]))
+    stops = np.concatenate([[0], np.flatnonzero(turn > KINK) + 1, [len(line) - 1]])
+    least = (6 if float(at[-1]) < 3 * edge_length else 3) if closed and len(stops) == 2 else 1
+    t = [at[0]]
+    for first, last in zip(at[stops[:-1]], at[stops[1:]]):
+        t.extend(np.linspace(first, last, max(least, round(float(last - first) / edge_length)) + 1)[1:])
     return np.column_stack([np.interp(t, at, line[:, k]) for k in range(3)])
 
 
@@ -309,19 +357,22 @@ def _subdivided(subd: Geometry, edge_length: float) -> Meshed:
         if longest <= 1.5 * edge_length or not fine.Subdivide(1):
             break
     V, F = _control_net(rhino3dm, fine)
+    sharp = [edge for edge in fine.Edges if edge.IsCrease and edge.FaceCount == 2]
     limit = np.array([(p.X, p.Y, p.Z) for p in (vertex.SurfacePoint for vertex in fine.Vertices)]).reshape(-1, 3)
     net = np.array([(p.X, p.Y, p.Z) for p in (vertex.ControlNetPoint for vertex in fine.Vertices)]).reshape(-1, 3)
-    creases = [
-        np.array([(p.X, p.Y, p.Z) for p in (edge.Vertex(0).SurfacePoint, edge.Vertex(1).SurfacePoint)])
-        for edge in fine.Edges
-        if edge.IsCrease and edge.FaceCount == 2
-    ]
     if len(limit) == len(V) and np.array_equal(net, V) and np.isfinite(limit).all():
         V = limit
+    # Along edges of the mesh that is made, wherever its vertices have been put.
+    ends = np.array([[_place(edge.Vertex(k).ControlNetPoint) for k in range(2)] for edge in sharp]).reshape(-1, 3)
+    creases = list(V[cKDTree(net).query(ends)[1]].reshape(-1, 2, 3)) if len(net) == len(V) else []
     triangles = np.concatenate([F[:, :3], F[F[:, 2] != F[:, 3]][:, [0, 2, 3]]])
     sides = V[triangles]
     sagitta = np.linalg.norm(net - limit, axis=1).max(initial=0.0) if len(limit) == len(net) else np.linalg.norm(np.ptp(sides, axis=1))
     return V, triangles, creases, float(sagitta)
+
+
+def _place(point: Any) -> tuple[float, float, float]:
+    return point.X, point.Y, point.Z
 
 
 def _control_net(rhino3dm: Any, subd: Geometry) -> tuple[FloatArray, IntArray]:

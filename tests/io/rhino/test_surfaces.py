@@ -117,6 +117,40 @@ def test_a_surface_is_meshed_evenly_and_its_sharp_joints_are_creases(tmp_path, n
     assert not [said for said in check(model.problem.with_targets(0.01)) if said.fatal and "support" not in said]
 
 
+def folded(heights):
+    """Return a surface of flat pieces over a grid of squares of 3 by 3, with kinks between."""
+    rows, columns = np.shape(heights)
+    surface = rhino3dm.NurbsSurface.Create(3, False, 2, 2, rows, columns)
+    for i in range(rows):
+        for j in range(columns):
+            surface.Points[i, j] = rhino3dm.Point4d(3.0 * i, 3.0 * j, heights[i][j], 1.0)
+    for knots, count in ((surface.KnotsU, rows), (surface.KnotsV, columns)):
+        for k in range(count):
+            knots[k] = float(k)
+    return surface
+
+
+@pytest.mark.parametrize(
+    "heights, folds, regions, length",
+    [
+        ([[0, 0], [2, 2], [2, 2], [0, 0]], 2, 3, 6.0),
+        ([[0, 0, 0], [2, 3, 2], [0, 0, 0]], 4, 4, 4 * 3.0),
+        ([[0, 0], [0.1, 0.1], [0, 0]], 0, 1, 0.0),
+    ],
+    ids=["two folds", "folds that cross", "all but flat"],
+)
+def test_a_kink_inside_a_face_is_a_crease(tmp_path, heights, folds, regions, length):
+    model = read_3dm(saved(tmp_path, folded(heights)), edge_length=0.5)
+    V, F, sharp = model.problem.vertices, model.problem.faces, model.problem.creases
+    assert any(f"{folds} joints" in note for note in model.notes) == (folds > 0) and model.problem.regions().max() + 1 == regions
+    plan = np.linalg.norm((V[sharp[:, 0]] - V[sharp[:, 1]])[:, :2], axis=1).sum()
+    assert plan == pytest.approx(length)
+    # The vertices of creases lie on the lines between the squares.
+    on = V[np.unique(sharp)][:, :2]
+    assert not len(on) or np.abs(on / 3.0 - np.round(on / 3.0)).min(axis=1).max() < 1e-9
+    assert smallest_angles(V, F).min() >= 20
+
+
 def test_vertices_lie_on_the_surface_within_what_is_said(tmp_path):
     model = read_3dm(saved(tmp_path, sphere()), edge_length=0.5)
     radius = np.linalg.norm(model.problem.vertices - [1, 2, 3], axis=1)
