@@ -137,6 +137,14 @@ def quadric_curvatures(
     References
     ----------
     Cazals and Pouget, doi:10.1016/j.cagd.2004.09.004.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> vertices, faces = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))).mesh.arrays()
+    >>> found = quadric_curvatures(vertices, faces)
+    >>> len(found.gaussian) == len(vertices)
+    True
     """
     V, F = mesh_arrays(vertices, faces)
     n = len(V)

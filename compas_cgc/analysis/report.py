@@ -35,7 +35,46 @@ __all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
 
 @dataclass(frozen=True)
 class RegionReport:
-    """One region; figures are ``None`` where K is asked at no vertex."""
+    """One region; figures are ``None`` where K is asked at no vertex.
+
+    Parameters
+    ----------
+    region
+        Its number.
+    faces
+        How many.
+    area
+        [L^2].
+    asked
+        Vertices where K is asked.
+    target
+        K̄, None where it is not one number [1/L^2].
+    max_error
+        Largest |K - K̄| [1/L^2].
+    rms_error
+        Root of the mean square of K - K̄ [1/L^2].
+    total_curvature
+        Sum of defects over sum of cells [1/L^2].
+    quadric_median
+        K of local quadric fits [1/L^2].
+    quadric_low
+        First decile of the same [1/L^2].
+    quadric_high
+        Last decile of the same [1/L^2].
+    principal_max
+        Largest principal curvature of the fits [1/L].
+    principal_min
+        Smallest principal curvature of the fits [1/L].
+    concave_edges
+        Edges inside the region that fold inwards.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> report = compas_cgc.analyse(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))))
+    >>> report.regions[0].target, report.regions[0].faces
+    (0.02, 432)
+    """
 
     region: int
     faces: int
@@ -55,7 +94,34 @@ class RegionReport:
 
 @dataclass(frozen=True)
 class MeshQuality:
-    """The mesh that all this was measured on."""
+    """The mesh that all this was measured on.
+
+    Parameters
+    ----------
+    vertices
+        How many.
+    faces
+        How many.
+    regular
+        Part of the inner vertices with valence 6.
+    smallest_angle
+        [degree].
+    largest_angle
+        [degree].
+    shortest_edge
+        [L].
+    longest_edge
+        [L].
+    rounding_floor
+        Machine epsilon over the smallest cell: K cannot be known better [1/L^2].
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> report = compas_cgc.analyse(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> report.quality.faces, round(report.quality.regular, 2)
+    (432, 1.0)
+    """
 
     vertices: int
     faces: int
@@ -69,7 +135,34 @@ class MeshQuality:
 
 @dataclass(frozen=True)
 class SurfaceReport:
-    """A surface beside what was asked of it."""
+    """A surface beside what was asked of it.
+
+    Parameters
+    ----------
+    verdict
+        Whether it is fair or rough.
+    measure
+        Of K, by which the errors are told.
+    other_measures
+        Largest |K - K̄| by other measures [1/L^2].
+    regions
+        Of every region, in their order.
+    quality
+        Of the mesh.
+    max_error
+        Largest |K - K̄| of all regions [1/L^2].
+    moved_max
+        Farthest that a vertex moved from the input [L].
+    moved_mean
+        [L].
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> report = compas_cgc.analyse(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))))
+    >>> str(report).splitlines()[0]
+    'the surface is fair'
+    """
 
     verdict: Verdict  # whether it is fair or rough
     measure: str  # of K, by which the errors are told
@@ -135,6 +228,13 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
     ------
     ValueError
         If the reference has another number of vertices.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> report = compas_cgc.analyse(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))))
+    >>> report.verdict.fair, len(report.regions), report.max_error < 1e-9
+    (True, 1, True)
     """
     problem = surface.to_problem().without_dummies()
     measure = getattr(surface, "measure", "defect")

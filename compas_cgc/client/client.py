@@ -62,6 +62,12 @@ class Client:
         How often a lost connection or a busy server is tried again, with growing pauses.
     timeout
         Seconds to wait for an answer; a solve may take any time.
+
+    Examples
+    --------
+    >>> from compas_cgc.client import Client
+    >>> Client("http://127.0.0.1:7331", key="a key").url
+    'http://127.0.0.1:7331'
     """
 
     def __init__(self, url: str = "http://127.0.0.1:7331", key: Optional[str] = None, retries: int = 5, timeout: float = 30.0):

@@ -20,6 +20,8 @@ class Refused(ClientError):
     ----------
     status
         HTTP status code.
+    message
+        What the server said.
     """
 
     def __init__(self, message: str, status: int):
@@ -34,6 +36,8 @@ class Failed(ClientError):
     ----------
     state
         ``failed`` or ``cancelled``.
+    message
+        What the server or the solver said.
     """
 
     def __init__(self, message: str, state: str = "failed"):

@@ -60,10 +60,19 @@ def ensure_server(
     say
         Called with a sentence on what was done.
 
+    Returns
+    -------
+    Client
+        Of the server that answers at the address.
+
     Raises
     ------
     ServerUnavailable
         If there is none and none can be started; it names the log.
+
+    Examples
+    --------
+    >>> client = ensure_server()  # doctest: +SKIP
     """
     client = Client(url, key, retries=0, timeout=5.0)
     found = find_server(client)

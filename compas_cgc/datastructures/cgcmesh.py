@@ -67,6 +67,17 @@ class CGCMesh(Mesh):
     override the settings of the flow. The normals of the faces point to the side to
     which a surface of positive K rises; :meth:`flip` turns them.
 
+    Parameters
+    ----------
+    default_vertex_attributes
+        Beyond role, target, s and e.
+    default_edge_attributes
+        Beyond ``is_crease``.
+    default_face_attributes
+        As of a COMPAS mesh.
+    name
+        Of the mesh.
+
     Examples
     --------
     >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)

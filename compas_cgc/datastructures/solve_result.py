@@ -63,6 +63,13 @@ class SolveResult:
         ``(n, 3)`` where the vertices were before [L]; None where that is not known.
     measure
         How K is read off the mesh in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> result.converged, str(result.verdict), result.mesh.number_of_vertices()
+    (True, 'fair', 247)
     """
 
     problem: CGCProblem

@@ -36,6 +36,11 @@ def face_areas(vertices: ArrayLike, faces: ArrayLike) -> PerFace:
     -------
     (m,) float64
         Areas [L^2].
+
+    Examples
+    --------
+    >>> face_areas(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])).tolist()
+    [1.0]
     """
     V, F = mesh_arrays(vertices, faces)
     return 0.5 * np.linalg.norm(_kernels.cross_vectors(V, F), axis=1)
@@ -72,6 +77,12 @@ def vertex_areas(vertices: ArrayLike, faces: ArrayLike, kind: str = "mixed") -> 
     ----------
     Paper, Section 3.1, ``A_i`` of Eq. 10. Mixed cells: Meyer, Desbrun, Schroeder, Barr,
     doi:10.1007/978-3-662-05105-4_2.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> float(round(vertex_areas(square, np.array([[0, 1, 2], [0, 2, 3]])).sum(), 9))
+    4.0
     """
     code = area_code(kind)
     V, F = mesh_arrays(vertices, faces)

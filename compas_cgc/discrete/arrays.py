@@ -62,10 +62,21 @@ def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]
     faces
         ``(m, 3)`` vertex indices, anticlockwise seen from outside.
 
+    Returns
+    -------
+    vertices, faces
+        ``(n, 3)`` float64 and ``(m, 3)`` int64, contiguous.
+
     Raises
     ------
     MeshError
         If a shape is wrong, a coordinate is not finite, or an index does not exist.
+
+    Examples
+    --------
+    >>> vertices, faces = mesh_arrays([[0, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> vertices.dtype.name, faces.shape
+    ('float64', (1, 3))
     """
     try:
         V = np.ascontiguousarray(vertices, dtype=np.float64)

@@ -41,6 +41,13 @@ def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> PerVertex:
     References
     ----------
     Paper, Eq. 10 (the bracket).
+
+    Examples
+    --------
+    >>> pyramid = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 1, 1]], dtype=float)
+    >>> sides = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    >>> np.round(angle_defects(pyramid, sides), 6).tolist()[4]
+    1.359348
     """
     V, F = mesh_arrays(vertices, faces)
     angle, _ = _kernels.angle_sums_and_areas(V, F, _kernels.BARYCENTRIC)

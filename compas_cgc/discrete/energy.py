@@ -51,6 +51,13 @@ def energy(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike, kind: str 
     References
     ----------
     Paper, Eq. 2 and Eq. 8.
+
+    Examples
+    --------
+    >>> tetrahedron = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    >>> round(energy(tetrahedron, faces, np.ones(4)), 6)
+    6.82732
     """
     V, F = mesh_arrays(vertices, faces)
     weight = face_targets(targets, len(F))
@@ -78,6 +85,13 @@ def energy_gradient(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike) -
     -------
     (n, 3) float64
         Dimensionless; close to ``(K - K̄) A n`` on a smooth mesh (Eq. 8).
+
+    Examples
+    --------
+    >>> tetrahedron = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    >>> energy_gradient(tetrahedron, faces, np.ones(4)).shape
+    (4, 3)
     """
     V, F = mesh_arrays(vertices, faces)
     weight = face_targets(targets, len(F))

@@ -49,6 +49,12 @@ def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") 
     References
     ----------
     Paper, Eq. 14.
+
+    Examples
+    --------
+    >>> pyramid = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 1, 1]], dtype=float)
+    >>> float(round(mean_curvature(pyramid, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]))[4], 4))
+    0.6667
     """
     code = area_code(areas)
     V, F = mesh_arrays(vertices, faces)
@@ -89,6 +95,12 @@ def total_mean_curvature(vertices: ArrayLike, faces: ArrayLike, kind: str = "ste
     ----------
     Paper, Eq. 15. Steiner's formula: Bobenko, Schroeder, Sullivan, Ziegler,
     *Discrete Differential Geometry*, doi:10.1007/978-3-7643-8621-4.
+
+    Examples
+    --------
+    >>> cube = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    >>> round(total_mean_curvature(cube, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])), 4)
+    6.994
     """
     V, F = mesh_arrays(vertices, faces)
     if kind == "steiner":

@@ -32,6 +32,11 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     -------
     (m, 3) float64
         Unit vectors; zero where a face has no area.
+
+    Examples
+    --------
+    >>> face_normals(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])).tolist()
+    [[0.0, 0.0, 1.0]]
     """
     V, F = mesh_arrays(vertices, faces)
     return unit_vectors(_kernels.cross_vectors(V, F))
@@ -51,6 +56,11 @@ def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     -------
     (n, 3) float64
         Unit vectors; zero where the faces cancel or where there are none.
+
+    Examples
+    --------
+    >>> vertex_normals(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))[0].tolist()
+    [0.0, 0.0, 1.0]
     """
     V, F = mesh_arrays(vertices, faces)
     return unit_vectors(_kernels.sum_at_vertices(len(V), F, _kernels.cross_vectors(V, F)))

@@ -57,6 +57,11 @@ def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
     Returns
     -------
     (n,) bool
+
+    Examples
+    --------
+    >>> boundary_vertices(np.eye(3), np.array([[0, 1, 2]])).tolist()
+    [True, True, True]
     """
     V, F = mesh_arrays(vertices, faces)
     return boundary_mask(len(V), F)
@@ -80,6 +85,11 @@ def edge_faces(faces: ArrayLike) -> Edges:
     ------
     MeshError
         If an edge belongs to more than two faces, or to two of the same orientation.
+
+    Examples
+    --------
+    >>> edge_faces(np.array([[0, 1, 2], [2, 1, 3]])).tolist()
+    [[0, 1, 0, -1], [1, 2, 0, 1], [2, 0, 0, -1], [1, 3, 1, -1], [3, 2, 1, -1]]
     """
     return _edge_faces(np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3))
 

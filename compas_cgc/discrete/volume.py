@@ -32,6 +32,12 @@ def enclosed_volume(vertices: ArrayLike, faces: ArrayLike) -> float:
     References
     ----------
     Paper, Eq. 19, the sum of Eq. 16.
+
+    Examples
+    --------
+    >>> tetrahedron = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    >>> round(enclosed_volume(tetrahedron, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])), 6)
+    0.166667
     """
     V, F = mesh_arrays(vertices, faces)
     return float(_kernels.pyramids(V, F, np.ones(len(F))))

@@ -71,6 +71,19 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         Angle between two faces from which on their edge is drawn as a fold [rad].
     nodes
         Whether the nodes along outlines are numbered.
+
+    Returns
+    -------
+    Drawing
+        Lines and texts by layer, all sheets in a grid [L].
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import unroll
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> sorted({line.layer for line in draw_sheets(patterns).lines})
+    ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
     """
     length, width = patterns.sheet or _extent(patterns)
     step = (1.0 + GAP) * np.array([length, width])

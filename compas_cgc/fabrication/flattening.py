@@ -58,6 +58,11 @@ def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> flo
     -------
     float
         Infinite where K is 0.
+
+    Examples
+    --------
+    >>> round(widest_panel(0.01, 0.001), 3)
+    1.549
     """
     k = SQUARE if aspect is None else flattening_constant(aspect)
     return math.sqrt(k * strain / abs(K)) if K else math.inf
@@ -115,6 +120,12 @@ def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
     References
     ----------
     Levy, Petitjean, Ray, Maillot, doi:10.1145/566654.566590.
+
+    Examples
+    --------
+    >>> bent = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]])
+    >>> len(flatten(bent, np.array([[0, 1, 2], [0, 2, 3]]))) > 1
+    True
     """
     V, F = mesh_arrays(vertices, faces)
     used, corners = np.unique(F, return_inverse=True)

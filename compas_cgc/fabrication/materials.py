@@ -14,7 +14,24 @@ METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers":
 
 
 class Material(NamedTuple):
-    """A sheet material, elastic and the same in all directions."""
+    """A sheet material, elastic and the same in all directions.
+
+    Parameters
+    ----------
+    name
+        Of the material.
+    modulus
+        E [Pa].
+    poisson
+        Ratio of Poisson.
+    strength
+        Characteristic bending strength, to compare with and without any factor of safety [Pa].
+
+    Examples
+    --------
+    >>> Material("plywood", 9000.0, 0.1, 40.0).name
+    'plywood'
+    """
 
     name: str
     modulus: float  # E [Pa]

@@ -55,7 +55,45 @@ class EdgeLoads(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MembraneState:
-    """Forces in a surface under a load, tension positive."""
+    """Forces in a surface under a load, tension positive.
+
+    Parameters
+    ----------
+    problem
+        The surface.
+    pressure
+        Along the normals [F/L^2].
+    weight
+        Downwards, for each area of the surface [F/L^2].
+    forces
+        (m, 2) N1 and N2 of every face, N1 the larger [F/L].
+    directions
+        (m, 2, 3) unit vectors of N1 and N2.
+    edges
+        (b, 2) edges inside of regions.
+    edge_forces
+        (b,) force in each, in balance [F].
+    reactions
+        (n, 3) force on the surface at vertices around regions, 0 elsewhere [F].
+    edge_loads
+        What lines around regions have to carry.
+    out_of_balance
+        Of the forces by the formula, median over the vertices, against the load; NaN with weight.
+    correction
+        Change of the edge forces that brings balance, against them; NaN with weight.
+    imbalance
+        Of the balanced state, against the load.
+    remarks
+        What is to be said of it, in sentences.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import membrane
+    >>> state = membrane(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), pressure=0.3)
+    >>> state.imbalance < 1e-9
+    True
+    """
 
     problem: CGCProblem
     pressure: float  # along the normals [F/L^2]
@@ -121,6 +159,13 @@ def membrane(
     CGCError
         If the surface is rough, or there is no such state: no load, a region of K = 0, no support or beam around a region, a free edge that
         cannot be left unloaded.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> state = membrane(compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))), pressure=0.3)
+    >>> state.pressure, state.imbalance < 1e-9
+    (0.3, True)
     """
     problem = solved_problem(surface, rough)
     if pressure == 0.0 and weight == 0.0:

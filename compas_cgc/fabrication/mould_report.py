@@ -72,7 +72,31 @@ class PanelFit:
 
 @dataclass(frozen=True)
 class MouldReport:
-    """Moulds and panels of a surface."""
+    """Moulds and panels of a surface.
+
+    Parameters
+    ----------
+    moulds
+        One for each K, or for those near each other.
+    panels
+        How each panel fits its mould.
+    material
+        What the panels are of.
+    thickness
+        Of the sheets [mm].
+    unit
+        Of the model [m].
+    arc
+        Edges are lengths along the moulds, not chords.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import moulds, panels
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    >>> len(moulds(result, panels(result, 3.0)).moulds)
+    1
+    """
 
     moulds: list[Mould]
     panels: list[PanelFit]

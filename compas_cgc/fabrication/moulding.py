@@ -97,6 +97,14 @@ def moulds(
     ----------
     Jiang et al., *Using isometries for computational design and fabrication*, doi:10.1145/3450626.3459839. Bending stress of a plate:
     ``E t Δκ / 2 (1 - ν²)``.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import panels
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    >>> len(moulds(result, panels(result, 3.0), material="timber").panels)
+    6
     """
     problem = mesh.to_problem().without_dummies()
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)

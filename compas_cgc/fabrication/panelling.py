@@ -37,7 +37,22 @@ JUST = 1e-6  # part of a panel by which it may be larger than asked
 
 
 class Panel(NamedTuple):
-    """A group of faces of one region."""
+    """A group of faces of one region.
+
+    Parameters
+    ----------
+    name
+        Such as 3-07, region and number.
+    region
+        Its number.
+    faces
+        (f,) of the mesh, by their positions.
+
+    Examples
+    --------
+    >>> Panel("A1", 0, np.array([0, 1])).name
+    'A1'
+    """
 
     name: str  # such as 3-07, region and number
     region: int
@@ -80,6 +95,13 @@ def panels(
     ------
     CGCError
         If not exactly one of `size`, `count` and `curves` is given, or it makes no sense.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> divided = panels(compas_cgc.read(compas_cgc.get("facade.3dm")), 4.0)
+    >>> len(divided), divided[0].name
+    (6, '0-1')
     """
     if sum(given is not None for given in (size, count, curves)) != 1:
         raise CGCError("say how to divide the regions by one of size, count and curves")

@@ -90,6 +90,37 @@ class Patterns:
     """A surface as flat pieces on sheets.
 
     Every number refers to the mesh: nodes by the names of its vertices, those that cuts have made by higher numbers.
+
+    Parameters
+    ----------
+    problem
+        The surface.
+    patchwork
+        Faces with their places on the sheets.
+    pieces
+        Flat pieces on their sheets.
+    seams
+        Where pieces meet.
+    unrollings
+        By region, where K = 0.
+    strains
+        (m, 2) principal strains of the faces.
+    folds
+        (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0.
+    rulings
+        Where a region is ruled.
+    straightness
+        Of the rulings, by region.
+    sheet
+        Length and width [L]; None where there is no end of it.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import unroll
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> patterns.sheets
+    18
     """
 
     problem: CGCProblem
@@ -196,6 +227,13 @@ def unroll(
     ------
     CGCError
         If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, or the sheet is no sheet.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> len(patterns.pieces), patterns.sheets
+    (18, 18)
     """
     problem = solved_problem(surface, rough)
     sheet = _checked_sheet(sheet)

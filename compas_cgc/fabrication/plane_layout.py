@@ -62,6 +62,12 @@ def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = N
     ------
     MeshError
         If the arrays are no oriented manifold.
+
+    Examples
+    --------
+    >>> roof = np.array([[0, 0, 0], [3, 0, 0], [3, 1, 1], [0, 1, 1.0]])
+    >>> type(unfold(roof, np.array([[0, 1, 2], [0, 2, 3]]))).__name__
+    'PlaneLayout'
     """
     V, F = mesh_arrays(vertices, faces)
     edges = edge_faces(F)

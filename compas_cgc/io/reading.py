@@ -17,7 +17,24 @@ __all__ = ["ReadProblem"]
 
 
 class ReadProblem(NamedTuple):
-    """What reading gives."""
+    """What reading gives.
+
+    Parameters
+    ----------
+    problem
+        What is asked of which mesh.
+    notes
+        Sentences on what was found and done.
+    diagnostics
+        Sentences on what could not be used, each with object and mend.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.io import read_problem
+    >>> read_problem(compas_cgc.get("nine_regions.3dm")).diagnostics
+    ()
+    """
 
     problem: CGCProblem
     notes: tuple[str, ...] = ()  # sentences on what was found and done

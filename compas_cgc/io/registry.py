@@ -70,6 +70,13 @@ def read_problem(
     ------
     FileError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> found = read_problem(compas_cgc.get("nine_regions.3dm"))
+    >>> found.checked().region_targets()[4]
+    0.04
     """
     source = Path(path)
     suffix = known_suffix(source)
@@ -92,12 +99,31 @@ def read_mesh(
 ) -> tuple[CGCMesh, list[str]]:
     """Read a mesh, and notes on what was found and done, see :func:`read_problem`.
 
+    Parameters
+    ----------
+    path
+        A .3dm, .json, .obj, .off, .ply or .stl file.
+    layers, crease, tolerance, edge_length
+        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
+
+    Returns
+    -------
+    mesh, notes
+        The mesh, and in sentences what was found and done.
+
     Raises
     ------
     FileError
         If the file cannot be read.
     ProblemError
         If supports, creases, targets or constraints of a .3dm do not fit the mesh.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> mesh, notes = read_mesh(compas_cgc.get("nine_regions.3dm"))
+    >>> notes[0]
+    '225 quads and polygons were split into triangles'
     """
     from ..datastructures import CGCMesh
 
@@ -115,7 +141,27 @@ def read(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
 ) -> CGCMesh:
-    """Read a mesh with supports, creases, targets and constraints, see :func:`read_mesh`."""
+    """Read a mesh with supports, creases, targets and constraints, see :func:`read_mesh`.
+
+    Parameters
+    ----------
+    path
+        A .3dm, .json, .obj, .off, .ply or .stl file.
+    layers, crease, tolerance, edge_length
+        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
+
+    Returns
+    -------
+    CGCMesh
+        With supports, creases, targets and constraints, as far as the format holds them.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> mesh = compas_cgc.read(compas_cgc.get("nine_regions.3dm"))
+    >>> mesh.number_of_faces(), mesh.region_target(4)
+    (450, 0.04)
+    """
     return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)[0]
 
 
@@ -157,6 +203,15 @@ def write(
     ------
     FileError
         If it cannot be written.
+
+    Examples
+    --------
+    >>> import compas_cgc, os, tempfile
+    >>> mesh = compas_cgc.CGCMesh.from_meshgrid(dx=4.0, nx=4)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = compas_cgc.write(os.path.join(folder, "plan.obj"), mesh)
+    ...     print(os.listdir(folder))
+    ['plan.obj']
     """
     suffix = known_suffix(path)
     target = Path(path)
@@ -190,10 +245,25 @@ def _write_3dm(
 def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     """Return the suffix of a file that can be read and written, in small letters.
 
+    Parameters
+    ----------
+    path
+        Of a file, which need not exist.
+
+    Returns
+    -------
+    str
+        Such as ``".3dm"``.
+
     Raises
     ------
     FileError
         If files of that kind are not known.
+
+    Examples
+    --------
+    >>> known_suffix("Roof.3DM")
+    '.3dm'
     """
     if not isinstance(path, (str, os.PathLike)):
         raise FileError(f"a file is named first, then what goes into it, as write('roof.3dm', mesh); {type(path).__name__} is no name")

@@ -28,6 +28,14 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     text, diagnostics
         Those of the file, then those of :func:`compas_cgc.check`, of which some do not keep
         it from being solved.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.io import read_problem
+    >>> text, problems = describe(read_problem(compas_cgc.get("vault.3dm")))
+    >>> problems
+    []
     """
     problem = read.problem
     targets = problem.region_targets()

@@ -78,6 +78,13 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     References
     ----------
     George, doi:10.1137/0710032.
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> path = sparse.diags([np.ones(8), np.ones(9), np.ones(8)], [-1, 0, 1]).tocsr()
+    >>> sorted(nested_dissection(path).tolist())
+    [0, 1, 2, 3, 4, 5, 6, 7, 8]
     """
     places = _distances(matrix.indptr, matrix.indices) if points is None else np.ascontiguousarray(np.transpose(points), dtype=np.float64)
     return _dissect(matrix.indptr, matrix.indices, places, leaf)

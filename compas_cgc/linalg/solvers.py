@@ -22,7 +22,16 @@ AMG_FROM = 2_000_000
 
 
 class LinearSolver(Protocol):
-    """What every backend offers."""
+    """What every backend offers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy import sparse
+    >>> from compas_cgc.linalg import factorise
+    >>> factorise(sparse.identity(3, format="csr") * 2.0).solve(np.ones(3)).tolist()
+    [0.5, 0.5, 0.5]
+    """
 
     def factorise(self, matrix: sparse.csr_matrix) -> LinearSolver:
         """Take a matrix in; what depends on the sparsity only is kept from the last matrix where that was the same.
@@ -63,12 +72,23 @@ def linear_solver(
         ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso), ``"amg"`` (package pyamg;
         symmetric matrices only), or ``"auto"``: by size, among those that are installed.
 
+    Returns
+    -------
+    LinearSolver
+        That takes in matrices of one sparsity, one after another.
+
     Raises
     ------
     ValueError
         If the backend is unknown or does not fit the matrices.
     ImportError
         If the package of the backend is missing.
+
+    Examples
+    --------
+    >>> solver = linear_solver(3)
+    >>> type(solver).__name__.startswith("_")
+    False
     """
     if backend == "auto":
         backend = _choose(size, symmetric, refine)
@@ -98,6 +118,18 @@ def factorise(
     backend: str = "auto",
 ) -> LinearSolver:
     """Return a solver that has taken in one matrix; see :func:`linear_solver`.
+
+    Parameters
+    ----------
+    matrix
+        ``(n, n)``.
+    symmetric, points, refine, backend
+        As for :func:`linear_solver`.
+
+    Returns
+    -------
+    LinearSolver
+        Ready to solve with this matrix.
 
     Examples
     --------

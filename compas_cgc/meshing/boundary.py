@@ -26,6 +26,11 @@ def boundary_loops(faces: IntArray) -> list[IntArray]:
     -------
     list of (b,) int64
         The longest first; each starts at its smallest vertex.
+
+    Examples
+    --------
+    >>> [loop.tolist() for loop in boundary_loops(np.array([[0, 1, 2], [0, 2, 3]]))]
+    [[0, 1, 2, 3]]
     """
     return _boundary_loops(np.ascontiguousarray(faces, dtype=np.int64).reshape(-1, 3))
 
@@ -62,10 +67,21 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     name
         ``"boundary"`` for all of them, ``"corners"`` for those where an open edge turns by more than 30 degrees.
 
+    Returns
+    -------
+    (k,) int64
+        Vertices.
+
     Raises
     ------
     ValueError
         If the name is another.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> sorted(named_supports(square, np.array([[0, 1, 2], [0, 2, 3]]), "corners").tolist())
+    [0, 1, 2, 3]
     """
     if name not in ("boundary", "corners"):
         raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")

@@ -22,6 +22,13 @@ class Diagnostic(str):
     ----------
     fatal
         Whether a solve is refused because of it.
+    text
+        The sentence.
+
+    Examples
+    --------
+    >>> Diagnostic("the mesh is closed", fatal=False).fatal
+    False
     """
 
     fatal: bool
@@ -48,6 +55,17 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
         ``(n, 3)`` coordinates and ``(m, 3)`` indices.
     vertex_names, face_names
         ``(n,)`` and ``(m,)``: what the user calls them.
+
+    Returns
+    -------
+    list of Diagnostic
+        Sentences, none where the mesh is sound.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> mesh_problems(square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), np.arange(2))
+    []
     """
     if not len(faces):
         return [Diagnostic("the mesh has no faces; give a mesh with faces")]

@@ -15,7 +15,23 @@ __all__ = ["crease_paths", "lost_edges", "path_edges"]
 
 
 def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
-    """Return the edges along vertex paths, each once, in order (a plain edge is a path of two)."""
+    """Return the edges along vertex paths, each once, in order (a plain edge is a path of two).
+
+    Parameters
+    ----------
+    paths
+        Vertices in their order.
+
+    Returns
+    -------
+    list of tuple
+        Pairs of vertices.
+
+    Examples
+    --------
+    >>> path_edges([[0, 1, 2], [2, 1]])
+    [(0, 1), (1, 2)]
+    """
     edges: dict[tuple[int, int], None] = {}
     for path in paths:
         for u, v in zip(path[:-1], path[1:]):
@@ -37,6 +53,11 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     -------
     list of list of int
         Vertex paths, numbered by their smallest edge; a closed one ends where it begins.
+
+    Examples
+    --------
+    >>> crease_paths([(0, 1), (1, 2), (5, 6)])
+    [[0, 1, 2], [5, 6]]
     """
     around: dict[int, list[int]] = {}
     for u, v in edges:
@@ -66,7 +87,25 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
 
 
 def lost_edges(faces: Faces, pairs: Edges) -> Mask:
-    """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool."""
+    """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool.
+
+    Parameters
+    ----------
+    faces
+        ``(m, 3)`` triangles.
+    pairs
+        ``(c, 2)`` vertices.
+
+    Returns
+    -------
+    (c,) bool
+        True where a pair is no edge.
+
+    Examples
+    --------
+    >>> lost_edges(np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 2], [1, 3]])).tolist()
+    [False, True]
+    """
     n = int(max(faces.max(initial=0), pairs.max(initial=0))) + 1
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     return ~np.isin(np.sort(pairs, axis=1) @ [n, 1], np.minimum(u, v) * n + np.maximum(u, v))

@@ -40,6 +40,13 @@ def dummy_ring(vertices: FloatArray, faces: IntArray, free: Mask) -> tuple[Float
     References
     ----------
     Paper, Sections 3.1 and 5.2.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> vertices, faces, added = dummy_ring(square, np.array([[0, 1, 2], [0, 2, 3]]), np.ones(4, bool))
+    >>> len(vertices) > 4
+    True
     """
     edges = edge_faces(faces)
     rim = edges[edges[:, 3] < 0, :2]

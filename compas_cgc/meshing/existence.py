@@ -174,6 +174,20 @@ def existence_problems(
         ``(n,)`` K̄ [1/L^2].
     asked
         ``(n,)`` vertices of the piece where K is asked for.
+
+    Returns
+    -------
+    list of Diagnostic
+        Sentences, none where nothing speaks against it.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.meshing import boundary_loops
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> edge = boundary_loops(plan.faces)[0]
+    >>> [said[:19] for said in existence_problems(plan.vertices, plan.faces, edge, 100 * plan.targets, plan.asked)]
+    ['the target 2 is mor']
     """
     target = float(targets[asked].min())
     axes, reach = plane_of(vertices[boundary])

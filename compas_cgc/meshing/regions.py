@@ -40,6 +40,11 @@ def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
     (m,) int64
         Region of every face, from 0 in the order of each region's first face: the
         numbers stay the same as long as faces and creases do.
+
+    Examples
+    --------
+    >>> face_regions(np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 2]])).tolist()
+    [0, 1]
     """
     return _face_regions(np.asarray(faces, dtype=np.int64).reshape(-1, 3), np.asarray(creases, dtype=np.int64).reshape(-1, 2))
 
@@ -70,6 +75,16 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
         ``(m, 3)`` vertex indices.
     labels
         ``(m,)`` of the faces, such as their regions.
+
+    Returns
+    -------
+    (n,) int64
+        Labels of vertices.
+
+    Examples
+    --------
+    >>> vertex_labels(4, np.array([[0, 1, 2]]), np.array([7])).tolist()
+    [7, 7, 7, -1]
     """
     result = np.full(count, -1)
     result[faces.ravel()] = np.repeat(labels, 3)
@@ -89,6 +104,16 @@ def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
         ``(n,)`` vertices whose value counts.
     values
         ``(n,)`` of the vertices.
+
+    Returns
+    -------
+    (m,) float64
+        NaN where no value of a face is known.
+
+    Examples
+    --------
+    >>> face_means(np.array([[0, 1, 2]]), np.array([True, True, False]), np.array([1.0, 3.0, 9.0])).tolist()
+    [2.0]
     """
     corners = np.arange(3 * len(faces)) // 3
     incidence = sparse.csr_matrix((np.ones(len(corners)), (corners, faces.ravel())), shape=(len(faces), len(values)))

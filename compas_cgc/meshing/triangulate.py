@@ -36,6 +36,12 @@ def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices
     triangles (k, 3), owner (k,)
         The triangles in the order of their polygons, and the position of each one's polygon; polygons with fewer than
         three different corners have none.
+
+    Examples
+    --------
+    >>> triangles, owner = triangles_of([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
+    >>> triangles.shape, owner.tolist()
+    ((2, 3), [0, 0])
     """
     if isinstance(faces, np.ndarray) or all(len(face) == 3 for face in faces):
         F = np.array(faces, dtype=np.int64).reshape(-1, 3)
@@ -70,6 +76,11 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     -------
     list of [int, int, int]
         In the same orientation; empty when fewer than three different corners are left.
+
+    Examples
+    --------
+    >>> len(triangulate([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [0, 1, 2, 3]))
+    2
     """
     corners = distinct_corners(face)
     if len(set(corners)) < 3:

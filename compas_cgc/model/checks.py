@@ -43,6 +43,14 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     -------
     list of Diagnostic
         Sentences; those with ``fatal`` set make a solve refuse with the same text.
+
+    Examples
+    --------
+    >>> from compas_cgc import CGCMesh, check
+    >>> mesh = CGCMesh.from_meshgrid(dx=4.0, nx=4)
+    >>> mesh.set_target(0.01)
+    >>> [said.split(",")[0] for said in check(mesh)]
+    ['the mesh has no support']
     """
     try:
         problem = posed.to_problem()

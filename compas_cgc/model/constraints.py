@@ -53,7 +53,14 @@ Triple = Union[Sequence[float], FloatArray]  # three numbers
 
 @dataclass(frozen=True)
 class Constraint:
-    """Base of all constraints; vertices are indices, lengths in model units."""
+    """Base of all constraints; vertices are indices, lengths in model units.
+
+    Examples
+    --------
+    >>> from compas_cgc import AtHeight, Constraint
+    >>> isinstance(AtHeight("crown", 4.0), Constraint)
+    True
+    """
 
     def local(self, frame: Frame) -> Constraint:
         """Return the same constraint in a local frame."""
@@ -82,7 +89,23 @@ class PositionConstraint(Constraint):
 
 @dataclass(frozen=True)
 class OnPlane(PositionConstraint):
-    """Vertices on the plane through a point [L] with a normal."""
+    """Vertices on the plane through a point [L] with a normal.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that stay on the plane.
+    point
+        On the plane [L].
+    normal
+        Of the plane, of any length.
+
+    Examples
+    --------
+    >>> from compas_cgc import OnPlane
+    >>> OnPlane([4, 5], (0, 0, 0), (1, 0, 0)).vertices
+    [4, 5]
+    """
 
     vertices: Sequence[int]
     point: Triple
@@ -100,7 +123,21 @@ class OnPlane(PositionConstraint):
 
 @dataclass(frozen=True)
 class AtHeight(PositionConstraint):
-    """Vertices at a height z [L]: those named, or the ``"crown"``, the highest vertex of the surface, wherever it comes to be."""
+    """Vertices at a height z [L]: those named, or the ``"crown"``, the highest vertex of the surface, wherever it comes to be.
+
+    Parameters
+    ----------
+    vertices
+        Positions of vertices, or ``"crown"``.
+    height
+        Their z [L].
+
+    Examples
+    --------
+    >>> from compas_cgc import AtHeight
+    >>> AtHeight("crown", 4.0)
+    AtHeight(vertices='crown', height=4.0)
+    """
 
     vertices: Union[str, Sequence[int]]
     height: float
@@ -122,7 +159,23 @@ class AtHeight(PositionConstraint):
 
 @dataclass(frozen=True)
 class OnLine(PositionConstraint):
-    """Vertices on the endless line through a point [L] with a direction."""
+    """Vertices on the endless line through a point [L] with a direction.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that stay on the line.
+    point
+        On the line [L].
+    direction
+        Of the line, of any length.
+
+    Examples
+    --------
+    >>> from compas_cgc import OnLine
+    >>> OnLine([4], (0, 0, 0), (0, 0, 1)).direction
+    (0, 0, 1)
+    """
 
     vertices: Sequence[int]
     point: Triple
@@ -144,6 +197,21 @@ class OnCurve(PositionConstraint):
     """Vertices on a curve, given as the points ``(p, 3)`` of a polyline [L].
 
     The vertices slide along the curve and stop at the ends of an open one.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that stay on the curve.
+    points
+        ``(p, 3)`` points along it [L].
+    closed
+        Whether it returns to its first point.
+
+    Examples
+    --------
+    >>> from compas_cgc import OnCurve
+    >>> OnCurve([0, 1], [[0, 0, 0], [1, 0, 0], [1, 1, 0]]).closed
+    False
     """
 
     vertices: Sequence[int]
@@ -167,7 +235,19 @@ class OnCurve(PositionConstraint):
 
 @dataclass(frozen=True)
 class Fixed(Constraint):
-    """Vertices that stay where they are, such as a crease that is to be kept."""
+    """Vertices that stay where they are, such as a crease that is to be kept.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that stay.
+
+    Examples
+    --------
+    >>> from compas_cgc import Fixed
+    >>> Fixed([0, 8]).vertices
+    [0, 8]
+    """
 
     vertices: Sequence[int]
 
@@ -178,6 +258,19 @@ class Mirror(Constraint):
 
     Every vertex needs a mirror image among the vertices of the input, within half of the mean
     edge; the faces need not be symmetric.
+
+    Parameters
+    ----------
+    point
+        On the plane of symmetry [L].
+    normal
+        Of the plane of symmetry, of any length.
+
+    Examples
+    --------
+    >>> from compas_cgc import Mirror
+    >>> Mirror((7.5, 0, 0), (1, 0, 0)).normal
+    (1, 0, 0)
     """
 
     point: Triple
@@ -190,7 +283,21 @@ class Mirror(Constraint):
 
 @dataclass(frozen=True)
 class Proximity(Constraint):
-    """Vertices that stay nearer to the input than others: a factor on ``nearness`` for them."""
+    """Vertices that stay nearer to the input than others: a factor on ``nearness`` for them.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that shall stay near their places.
+    weight
+        How strongly, 1 as much as the rest of the surface.
+
+    Examples
+    --------
+    >>> from compas_cgc import Proximity
+    >>> Proximity([4], weight=10.0).weight
+    10.0
+    """
 
     vertices: Sequence[int]
     weight: float = 10.0

@@ -44,7 +44,40 @@ ENOUGH = 12  # vertices that tell a median
 
 @dataclass(frozen=True)
 class Verdict:
-    """How fair a surface is; lists no reasons where it is."""
+    """How fair a surface is; lists no reasons where it is.
+
+    Parameters
+    ----------
+    fair
+        Whether nothing speaks against it.
+    reasons
+        One sentence each.
+    fit_median
+        |K - K̄| / |K̄| of polynomials fitted away from edges, the median; None without any.
+    fit_most
+        The same, of nine in ten of the vertices.
+    waviness
+        Distance of vertices from the fits against the bending of these, of nineteen in twenty.
+    bulging_both_ways
+        Part of the vertices with K > 0 that bulge to the other side than the rest of their region.
+    sharpest_fold
+        Between two faces, creases apart [degree].
+    folds_too_sharp
+        Part of the inner edges that fold more than curvature and edge length call for.
+    smallest_angle
+        Of a triangle [degree].
+    area_kept
+        Area against that of the input, None without one.
+    places
+        Vertices where a rough surface is rough, dummies left out.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> found = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))).verdict
+    >>> found.fair, found.reasons
+    (True, [])
+    """
 
     fair: bool
     reasons: list[str]  # one sentence each
@@ -90,6 +123,18 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         Vertices, faces, roles, targets and creases.
     before
         ``(n, 3)`` where its vertices were before [L].
+
+    Returns
+    -------
+    Verdict
+        Fair or rough, with numbers, reasons and places.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> flat = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> verdict(flat).fair, verdict(compas_cgc.solve(flat).problem).fair
+    (False, True)
     """
     if before is not None:
         problem, before = problem.without_dummies(), before[problem.roles != DUMMY]

@@ -36,7 +36,26 @@ ARROW = "#2b7bba"
 
 
 class Curve(NamedTuple):
-    """One picture of :func:`curve_figure`."""
+    """One picture of :func:`curve_figure`.
+
+    Parameters
+    ----------
+    title
+        Caption, such as "S1 with s = 0.8".
+    points
+        (n, 2) [L].
+    gradient
+        (n, 2).
+    fixed
+        Vertices that stay.
+    breaks
+        Vertices of the internal boundary.
+
+    Examples
+    --------
+    >>> Curve("C1", np.zeros((3, 2))).title
+    'C1'
+    """
 
     title: str  # caption, such as "S1 with s = 0.8"
     points: FloatArray  # (n, 2) [L]
@@ -85,6 +104,11 @@ def draw_curve(
     References
     ----------
     Paper, Figures 4-6.
+
+    Examples
+    --------
+    >>> type(draw_curve(np.array([[0.0, 0], [1, 1], [2, 0]]))).__name__
+    'Axes'
     """
     P, arrows = curve_arrays(points, gradient)
     shown = frame or curve_frame(P, arrows)
@@ -125,12 +149,22 @@ def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optiona
     unit
         Unit of length for the scale bar.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     ValueError
         If there is no curve, or a shape is wrong.
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> len(curve_figure([("an arch", np.array([[0.0, 0], [1, 1], [2, 0]]))]).axes)
+    1
     """
     drawn = [curve if isinstance(curve, Curve) else Curve(*curve) for curve in curves]
     if not drawn:

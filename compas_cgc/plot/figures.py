@@ -38,7 +38,30 @@ HEAD = 0.28  # room for a title above a panel [in]
 
 
 class Shape(NamedTuple):
-    """One shape of a figure."""
+    """One shape of a figure.
+
+    Parameters
+    ----------
+    title
+        Such as "Initial shape", or a caption.
+    vertices
+        (n, 3) [L].
+    faces
+        (m, 3).
+    roles
+        (n,) index into ROLES.
+    creases
+        (e, 2) edges to draw as thick lines.
+    errors
+        (n,) K - K̄ [1/L^2], for error_figure.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> Shape("plan", plan.vertices, plan.faces, plan.roles).title
+    'plan'
+    """
 
     title: str  # such as "Initial shape", or a caption
     vertices: Vertices  # (n, 3) [L]
@@ -68,6 +91,11 @@ def shape_figure(
     dummies
         Whether to show dummy faces.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     ValueError
@@ -80,6 +108,13 @@ def shape_figure(
     References
     ----------
     Paper, Figures 7, 8, 11, 12, 15, 16, 19, 20, 23, 24, 27, 28.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> len(shape_figure([("a plan", plan.vertices, plan.faces, plan.roles)]).axes)
+    2
     """
     shapes = checked(shapes, "shape_figure")
     rows = [[look(*shape[1:4], view, dummies).frame for view in views] for shape in shapes]
@@ -116,6 +151,11 @@ def comparison_figure(
     dummies
         Whether to show dummy faces.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     ValueError
@@ -128,6 +168,13 @@ def comparison_figure(
     References
     ----------
     Paper, Figure 18.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> len(comparison_figure([("a plan", plan.vertices, plan.faces, plan.roles)]).axes)
+    1
     """
     shapes = checked(shapes, "comparison_figure")
     frames = [look(*shape[1:4], view, dummies).frame for shape in shapes]
@@ -160,6 +207,11 @@ def error_figure(
     label
         Of the colour bars. Default: K - K̄ with its unit.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     ValueError
@@ -172,6 +224,14 @@ def error_figure(
     References
     ----------
     Paper, Figures 22 and 26.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> errors = dome.curvature - dome.problem.targets
+    >>> type(error_figure([("final", dome.vertices, dome.faces, dome.problem.roles, None, errors)])).__name__
+    'Figure'
     """
     shapes = checked(shapes, "error_figure")
     errors = [given_errors(shape) for shape in shapes]

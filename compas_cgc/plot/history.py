@@ -61,6 +61,13 @@ def draw_history(
     References
     ----------
     Paper, Eq. 30, Figures 9, 13, 17, 21, 25, 29, 30.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> len(draw_history(dome.history))
+    2
     """
     left, right = axes or plain_axes()
     in_unit = f" [{unit}]" if unit else ""
@@ -81,10 +88,22 @@ def history_figure(history: History, title: Optional[str] = None, *, unit: Optio
     unit
         Unit of length for the labels, such as ``"m"``.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> len(history_figure(dome.history).axes)
+    2
     """
     axes = plain_axes(title)
     draw_history(history, axes=axes, unit=unit)

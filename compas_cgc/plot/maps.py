@@ -95,6 +95,13 @@ def draw_error(
     References
     ----------
     Paper, Figures 22 and 26.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> type(draw_error(dome.vertices, dome.faces, dome.problem.roles, dome.curvature - dome.problem.targets)).__name__
+    'Axes'
     """
     roles = np.asarray(roles)
     values = vertex_values(errors, len(roles), "errors")
@@ -143,6 +150,13 @@ def draw_curvature(
         If the arrays are not a triangle mesh with a role for every vertex.
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> type(draw_curvature(dome.vertices, dome.faces, dome.problem.roles, dome.curvature)).__name__
+    'Axes'
     """
     values = vertex_values(curvature, len(np.asarray(roles)), "curvature")
     return draw_values(vertices, faces, roles, values, view, ax, creases, limit, label or f"$K${per_area(unit)}", frame)

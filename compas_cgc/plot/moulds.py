@@ -46,10 +46,23 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     title
         Above it all.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import moulds, panels
+    >>> vault = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    >>> type(moulds_figure(vault, moulds(vault, panels(vault, 3.0)))).__name__
+    'Figure'
     """
     problem = mesh.to_problem().without_dummies()
     figure = new_figure(*PAGE)

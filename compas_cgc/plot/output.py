@@ -78,6 +78,14 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     ------
     FileError
         If the suffix is another, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import compas_cgc, os, tempfile
+    >>> from compas_cgc.plot import curve_figure
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print(save(curve_figure([("a line", [[0.0, 0], [1, 1]])]), os.path.join(folder, "line.svg")).name)
+    line.svg
     """
     path = Path(path)
     kind = path.suffix.lower()

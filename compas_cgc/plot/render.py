@@ -81,6 +81,11 @@ def hero(
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`save`.
+
     Raises
     ------
     ValueError
@@ -89,6 +94,13 @@ def hero(
         If the arrays are not a triangle mesh with a role for every vertex.
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("vault.3dm")).to_problem()
+    >>> hero(plan.vertices, plan.faces, plan.roles).get_size_inches().tolist()[0]
+    7.999999999999999
     """
     view = view_named(view)
     seen = look(vertices, faces, roles, view, dummies=False)

@@ -87,6 +87,13 @@ def draw_shape(
     References
     ----------
     Paper, Figures 7, 8, 10-12, 14-16, 18-20, 23, 24, 27, 28.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> type(draw_shape(plan.vertices, plan.faces, plan.roles, view="plan")).__name__
+    'Axes'
     """
     view = view_named(view)
     seen = look(vertices, faces, roles, view, dummies)

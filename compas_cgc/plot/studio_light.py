@@ -154,7 +154,7 @@ def studio_image(
     F = F[real_faces(F, roles)]
     edges = edge_array(creases, np.ones(len(V), bool))
     scene = _scene(V, F, edges, curvature, colours)
-    ground = _ground(V[F].reshape(-1, 3))
+    ground = _ground(V[F].reshape(-1, 3), int(np.clip(width // 4, 20, 220)))
     corners = np.concatenate([scene.points, ground])
     about = V[np.unique(F)]
     camera = _camera(V[F].reshape(-1, 3), view, about, width * oversampling)
@@ -205,8 +205,8 @@ def _corner_angles(points: FloatArray) -> FloatArray:
     return np.arctan2(np.linalg.norm(np.cross(after, before), axis=2), (after * before).sum(axis=2))
 
 
-def _ground(points: FloatArray, n: int = 220) -> FloatArray:
-    """Return the triangles of the floor under a model (g, 3, 3), as far as its shadow goes."""
+def _ground(points: FloatArray, n: int) -> FloatArray:
+    """Return the triangles of the floor under a model (g, 3, 3), n squares along a side, as far as its shadow goes."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
     t = FLOOR * reach * np.linspace(-1.0, 1.0, n + 1)

@@ -16,7 +16,22 @@ __all__ = ["VIEWS", "Frame", "View", "frame_of", "project", "used_vertices", "vi
 
 
 class View(NamedTuple):
-    """Where one looks from."""
+    """Where one looks from.
+
+    Parameters
+    ----------
+    azimuth
+        Of the eye about z, from the x-axis [deg].
+    elevation
+        Of the eye above the horizon [deg].
+    distance
+        Of the eye from the middle, in diagonals of the model; infinite: orthographic.
+
+    Examples
+    --------
+    >>> View(-60.0, 30.0).distance
+    inf
+    """
 
     azimuth: float  # of the eye about z, from the x-axis [deg]
     elevation: float  # of the eye above the horizon [deg]

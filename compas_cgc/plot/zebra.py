@@ -77,6 +77,13 @@ def draw_zebra(
         If the arrays are not a triangle mesh.
     CGCError
         If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> dome = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm"))).problem
+    >>> type(draw_zebra(dome.vertices, dome.faces, dome.roles)).__name__
+    'Axes'
     """
     V, F = mesh_arrays(vertices, faces)
     view = view_named(view)

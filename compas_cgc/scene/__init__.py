@@ -13,7 +13,12 @@ __all__ = ["register_grasshopper", "register_rhino", "register_viewer"]
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["Rhino"])
 def register_rhino() -> None:
-    """Register how a CGC mesh is drawn in Rhino."""
+    """Register how a CGC mesh is drawn in Rhino.
+
+    Examples
+    --------
+    >>> register_rhino()  # doctest: +SKIP
+    """
     from ..datastructures import CGCMesh
     from .rhino import CGCMeshObject
 
@@ -22,7 +27,12 @@ def register_rhino() -> None:
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["Grasshopper"])
 def register_grasshopper() -> None:
-    """Register how a CGC mesh is drawn in Grasshopper."""
+    """Register how a CGC mesh is drawn in Grasshopper.
+
+    Examples
+    --------
+    >>> register_grasshopper()  # doctest: +SKIP
+    """
     from ..datastructures import CGCMesh
     from .grasshopper import CGCMeshObject
 
@@ -31,7 +41,12 @@ def register_grasshopper() -> None:
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["compas_viewer"])
 def register_viewer() -> None:
-    """Register how a CGC mesh is drawn in compas_viewer."""
+    """Register how a CGC mesh is drawn in compas_viewer.
+
+    Examples
+    --------
+    >>> register_viewer()  # doctest: +SKIP
+    """
     from ..datastructures import CGCMesh
     from .viewer import CGCMeshObject
 

@@ -80,6 +80,16 @@ def create_app(
     executor
         Runs the solves instead of worker processes, see :mod:`compas_cgc.execution.protocol`. Any
         :class:`concurrent.futures.Executor` does, but its jobs are not shown as running and cannot be stopped.
+
+    Returns
+    -------
+    flask.Flask
+        A WSGI application.
+
+    Examples
+    --------
+    >>> from compas_cgc.server import create_app
+    >>> app = create_app(":memory:", workers=1)  # doctest: +SKIP
     """
     limits = limits or Limits()
     app = Flask("compas_cgc.server", static_folder=None)

@@ -58,6 +58,12 @@ class Limits:
         Longest time that the head of a request may take to arrive.
     conversions
         Most files that are read or written at once; each holds a thread.
+
+    Examples
+    --------
+    >>> from compas_cgc.server import Limits
+    >>> isinstance(Limits(), Limits)
+    True
     """
 
     body: int = 64 * 2**20

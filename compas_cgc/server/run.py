@@ -83,6 +83,10 @@ def serve(
     ------
     CGCError
         If there is no key where one is needed, the port is taken, or there is no such kind of executor.
+
+    Examples
+    --------
+    >>> serve(port=7331)  # doctest: +SKIP
     """
     keys = keys_of(key)
     if not is_loopback(host) and not keys:

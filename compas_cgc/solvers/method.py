@@ -18,7 +18,29 @@ __all__ = ["Method"]
 
 
 class Method(NamedTuple):
-    """A way to solve."""
+    """A way to solve.
+
+    Parameters
+    ----------
+    name
+        By which doors ask for it.
+    text
+        What it does and what for, in a sentence.
+    settings
+        Its class of settings.
+    solve
+        Its vertices are those of the problem, in its order.
+    holds_constraints
+        It holds what is asked besides K.
+    any_sign
+        It reaches negative K̄.
+
+    Examples
+    --------
+    >>> from compas_cgc.solvers import METHODS
+    >>> METHODS["newton"].any_sign
+    False
+    """
 
     name: str
     text: str  # what it does and what for, in a sentence

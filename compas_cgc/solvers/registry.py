@@ -23,10 +23,24 @@ METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, P
 def register(method: Method) -> Method:
     """Make a method known to every door.
 
+    Parameters
+    ----------
+    method
+        Of a name that is not taken.
+
+    Returns
+    -------
+    Method
+        The same.
+
     Raises
     ------
     ValueError
         If the name is taken by another.
+
+    Examples
+    --------
+    >>> register(METHODS["newton"]).name  # doctest: +SKIP
     """
     if METHODS.setdefault(method.name, method) != method or method.name == "auto":
         raise ValueError(f"there is a method {method.name!r} already; take another name")
@@ -34,12 +48,34 @@ def register(method: Method) -> Method:
 
 
 def method_names() -> tuple[str, ...]:
-    """Return what a door may ask for: ``auto``, and the methods by name."""
+    """Return what a door may ask for: ``auto``, and the methods by name.
+
+    Returns
+    -------
+    tuple of str
+        Names.
+
+    Examples
+    --------
+    >>> method_names()
+    ('auto', 'flow', 'newton', 'projection')
+    """
     return ("auto", *METHODS)
 
 
 def options() -> dict[str, Option]:
-    """Return every option by the name that doors for designers use; of options of one name that with the most choices stands for all."""
+    """Return every option by the name that doors for designers use; of options of one name that with the most choices stands for all.
+
+    Returns
+    -------
+    dict
+        Options by name.
+
+    Examples
+    --------
+    >>> "tolerance" in options()
+    True
+    """
     found: dict[str, Option] = {}
     kinds: list[type[Settings]] = [AutoSettings, *(method.settings for method in METHODS.values())]
     for kind in kinds:
@@ -90,6 +126,12 @@ def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None
     ------
     ValueError
         If there is no such method or option, it belongs to another method, or a value is out of its range.
+
+    Examples
+    --------
+    >>> from compas_cgc import settings_for
+    >>> type(settings_for("auto", {"s": 0.5})).__name__
+    'FlowSettings'
     """
     if method not in method_names():
         raise ValueError(f"method must be one of {', '.join(method_names())}, not {method!r}")

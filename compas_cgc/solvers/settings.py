@@ -21,7 +21,38 @@ INFINITE = "infinite"
 
 
 class Option(NamedTuple):
-    """One option of a method."""
+    """One option of a method.
+
+    Parameters
+    ----------
+    name
+        By which doors ask for it.
+    kind
+        Int, float, str or bool.
+    default
+        None where it follows from the mesh.
+    text
+        What it does, in the first sentence on its own.
+    low
+        Least value, or None.
+    high
+        Largest value, or None.
+    above
+        As low, but itself not in the range.
+    below
+        As high, but itself not in the range.
+    choices
+        What a word may be; empty for numbers.
+    infinite
+        May be infinite, which JSON calls "infinite".
+    alias
+        What doors for designers call it.
+
+    Examples
+    --------
+    >>> from compas_cgc.solvers import options
+    >>> options()["s"].default
+    """
 
     name: str
     kind: type  # int, float, str or bool
@@ -100,7 +131,14 @@ def option(default: Any, text: str, kind: type, **rules: Any) -> Any:
 
 @dataclass(frozen=True)
 class Settings:
-    """What all methods have in common."""
+    """What all methods have in common.
+
+    Examples
+    --------
+    >>> from compas_cgc import FlowSettings
+    >>> FlowSettings(s=0.5).to_dict()["s"]
+    0.5
+    """
 
     def __post_init__(self) -> None:
         for name, own in self.options().items():
@@ -147,7 +185,14 @@ EXACT_TEXT = (
 @documented
 @dataclass(frozen=True)
 class AutoSettings(Settings):
-    """Settings that mean the same in every method, for the one that is picked."""
+    """Settings that mean the same in every method, for the one that is picked.
+
+    Examples
+    --------
+    >>> from compas_cgc import AutoSettings
+    >>> AutoSettings(steps=50).steps
+    50
+    """
 
     steps: Optional[int] = option(None, "Most steps of the method that is picked.", int, low=1)
     tolerance: Optional[float] = option(None, TOLERANCE_TEXT, float, low=0)

@@ -55,10 +55,19 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
     ranking
         What is wanted. Default: what the study says.
 
+    Returns
+    -------
+    (k,) int64
+        Numbers of variants.
+
     Raises
     ------
     CGCError
         If nothing is wanted, or there is no such column.
+
+    Examples
+    --------
+    >>> pareto_front(results)  # doctest: +SKIP
     """
     ranking = ranking or results.study.pareto
     if not ranking.columns:
@@ -76,10 +85,26 @@ def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure
 
     A third column colours the front.
 
+    Parameters
+    ----------
+    results
+        Of a study.
+    ranking
+        What is wanted. Default: that of the study.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`compas_cgc.plot.save`.
+
     Raises
     ------
     CGCError
         If fewer than two columns are wanted, there is no such column, or matplotlib is not installed.
+
+    Examples
+    --------
+    >>> pareto_figure(results)  # doctest: +SKIP
     """
     ranking = ranking or results.study.pareto
     if len(ranking.columns) < 2:

@@ -46,6 +46,10 @@ class Results:
     ------
     FileError
         If there is no study.
+
+    Examples
+    --------
+    >>> Results.load("roofs").table  # doctest: +SKIP
     """
 
     def __init__(self, folder: Union[str, os.PathLike[str]]):

@@ -96,6 +96,10 @@ def run_study(
         If the folder holds another study, or the drawing has not what a parameter changes.
     FileError
         If the folder cannot be written to.
+
+    Examples
+    --------
+    >>> run_study(problem, study, "roofs")  # doctest: +SKIP
     """
     problem = drawing.to_problem().without_dummies()
     plan = Plan(study, problem)

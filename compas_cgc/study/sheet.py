@@ -46,10 +46,19 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     show
         Columns under the pictures. Default: the parameters, or the first two of them.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        For :func:`compas_cgc.plot.save`.
+
     Raises
     ------
     CGCError
         If matplotlib is not installed, or there is no such column or variant.
+
+    Examples
+    --------
+    >>> contact_sheet(results)  # doctest: +SKIP
     """
     chosen = _chosen(len(results)) if variants is None else list(variants)
     shown = list(show or results.plan.inputs[: LETTERS - 1])

@@ -67,6 +67,39 @@ class Ranking:
 class Study:
     """Variants of a drawing: made of plain data by :meth:`from_dict`, or of a file by :func:`read_study`.
 
+    Parameters
+    ----------
+    parameters
+        What is varied, by name: values, or a range.
+    sample
+        How values are taken from the ranges.
+    count
+        Of random samples.
+    seed
+        Of what is taken at random.
+    supports
+        Other supports than those of the drawing.
+    target
+        K of all regions, or by region.
+    goals
+        As for :func:`compas_cgc.solve`.
+    unknown
+        As for :func:`compas_cgc.solve`.
+    method
+        As for :func:`compas_cgc.solve`.
+    settings
+        As for :func:`compas_cgc.solve`.
+    panels
+        How surfaces are divided, where panels are asked for.
+    membrane
+        Load, where forces are asked for.
+    pareto
+        Columns that are wanted small or large.
+    best
+        How many of the best are written as files.
+    data
+        That it was made of.
+
     Examples
     --------
     >>> study = Study.from_dict({"parameters": {"K": {"from": 0.002, "to": 0.004, "count": 3}, "s": [0.0, 0.5]}})
@@ -191,12 +224,26 @@ class Study:
 def read_study(path: Union[str, os.PathLike[str]]) -> Study:
     """Return the study that a TOML file describes.
 
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    Study
+        Checked.
+
     Raises
     ------
     FileError
         If the file cannot be read or is no TOML.
     CGCError
         If it is not understood.
+
+    Examples
+    --------
+    >>> read_study("study.toml")  # doctest: +SKIP
     """
     try:
         import tomllib

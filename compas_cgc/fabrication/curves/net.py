@@ -42,12 +42,54 @@ MOST = 2000  # curves of a region
 
 
 def plural(kind: str) -> str:
-    """Return the name of several curves of a kind."""
+    """Return the name of several curves of a kind.
+
+    Parameters
+    ----------
+    kind
+        Such as ``"ruling"``.
+
+    Returns
+    -------
+    str
+        The name of several.
+
+    Examples
+    --------
+    >>> plural("ruling")
+    'rulings'
+    """
     return kind.replace("line ", "lines ") if kind.startswith("line ") else f"{kind}s"
 
 
 class NetCurve(NamedTuple):
-    """A curve to build along."""
+    """A curve to build along.
+
+    Parameters
+    ----------
+    region
+        That it runs in.
+    kind
+        Line of curvature, asymptotic curve or ruling.
+    family
+        0 or 1.
+    points
+        (k, 3) [L].
+    faces
+        (k-1,) face of every segment.
+    length
+        [L].
+    straightness
+        Largest distance from its chord, against the chord.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import curve_net
+    >>> curve = curve_net(compas_cgc.solve(compas_cgc.read(compas_cgc.get("canopy.3dm"))), 2.5).curves[0]
+    >>> curve.kind, curve.points.shape[1]
+    ('asymptotic curve', 3)
+    """
 
     region: int
     kind: str  # line of curvature, asymptotic curve or ruling
@@ -60,7 +102,33 @@ class NetCurve(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class CurveNet:
-    """Curves of all regions, and the net that two families make."""
+    """Curves of all regions, and the net that two families make.
+
+    Parameters
+    ----------
+    problem
+        The surface.
+    spacing
+        Distance asked for [L]; None where points are given.
+    curves
+        All curves, by region and family.
+    nodes
+        (k, 3) where curves of two families cross [L].
+    sides
+        (s, 2) nodes that follow each other along a curve.
+    lengths
+        (s,) of the sides, along the curve [L].
+    notes
+        Sentences on regions without curves.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import curve_net
+    >>> net = curve_net(compas_cgc.solve(compas_cgc.read(compas_cgc.get("canopy.3dm"))), 2.5)
+    >>> len(net.nodes) > 0
+    True
+    """
 
     problem: CGCProblem
     spacing: Optional[float]
@@ -126,6 +194,12 @@ def curve_net(
     ------
     CGCError
         If the surface is rough, a region has no one target K or no direction of the kind, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> print(curve_net(compas_cgc.solve(compas_cgc.read(compas_cgc.get("canopy.3dm"))), 2.5).curves[0].kind)
+    asymptotic curve
     """
     problem = solved_problem(surface, rough)
     if spacing is not None and not (np.isfinite(spacing) and spacing > 0):

@@ -44,6 +44,12 @@ class LayerNames:
         height that the vertex under or over them shall come to.
     goals
         Points and curves with user text such as ``rise`` or ``clearance``; closed curves with a name are places.
+
+    Examples
+    --------
+    >>> from compas_cgc.io.rhino import layer_names
+    >>> layer_names().mesh
+    ('CGC::Mesh',)
     """
 
     mesh: tuple[str, ...] = ("CGC::Mesh",)
@@ -79,10 +85,20 @@ def layer_names(path: Union[str, os.PathLike, None] = None, given: Optional[Mapp
     given
         Names by role, as in the TOML table; they come before those of the TOML file.
 
+    Returns
+    -------
+    LayerNames
+        Names of layers by what lies on them.
+
     Raises
     ------
     FileError
         If the TOML file cannot be read, or names something else than roles and layers.
+
+    Examples
+    --------
+    >>> layer_names(given={"mesh": "Shell"}).mesh
+    ('Shell',)
     """
     merged: dict[str, tuple[str, ...]] = {}
     beside = Path(path).with_suffix(".toml") if path is not None else None

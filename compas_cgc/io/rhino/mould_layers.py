@@ -68,6 +68,16 @@ def write_moulds(
     ------
     FileError
         If the source cannot be read or the file cannot be written.
+
+    Examples
+    --------
+    >>> import compas_cgc, os, tempfile
+    >>> from compas_cgc.fabrication import moulds, panels
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_moulds(os.path.join(folder, "moulds.3dm"), result, moulds(result, panels(result, 3.0)))
+    ...     print(os.listdir(folder))
+    ['moulds.3dm']
     """
     problem = mesh.to_problem().without_dummies()
     writer = LayerWriter(new_archive(problem) if source is None else read_archive(source))

@@ -76,6 +76,13 @@ def read_3dm(
     ------
     FileError
         If the file cannot be read or holds no usable mesh.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> found = read_3dm(compas_cgc.get("nine_regions.3dm"))
+    >>> len(found.problem.vertices), len(found.problem.supports)
+    (256, 4)
     """
     names = layer_names(path, layers)
     archive = read_archive(path)

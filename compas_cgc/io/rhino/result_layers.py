@@ -79,6 +79,15 @@ def write_result(
     ------
     FileError
         If the source cannot be read or the file cannot be written.
+
+    Examples
+    --------
+    >>> import compas_cgc, os, tempfile
+    >>> result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     notes = write_result(os.path.join(folder, "roof.3dm"), result)
+    ...     print(os.listdir(folder))
+    ['roof.3dm']
     """
     problem = result.problem
     archive = new_archive(problem) if source is None else read_archive(source)

@@ -142,6 +142,14 @@ def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version:
     ------
     FileError
         If it cannot be written.
+
+    Examples
+    --------
+    >>> import compas_cgc, os, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_problem(os.path.join(folder, "plan.3dm"), compas_cgc.CGCMesh.from_meshgrid(dx=4.0, nx=4))
+    ...     print(os.listdir(folder))
+    ['plan.3dm']
     """
     own = problem.to_problem().without_dummies()
     writer = LayerWriter(new_archive(own))

@@ -62,7 +62,21 @@ class Whole(Constraint):
 
 @dataclass(frozen=True)
 class Rise(Whole):
-    """Height of the crown over the mean height of the supports [L]; negative where the surface hangs."""
+    """Height of the crown over the mean height of the supports [L]; negative where the surface hangs.
+
+    Parameters
+    ----------
+    rise
+        Of the crown over the supports [L]; not 0.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> mesh = compas_cgc.read(compas_cgc.get("cushion.3dm"))
+    >>> result = compas_cgc.solve(mesh, goals=[compas_cgc.Rise(0.6)], unknown="all")
+    >>> float(round(result.vertices[:, 2].max(), 6))
+    0.6
+    """
 
     rise: float
 
@@ -78,7 +92,21 @@ class Rise(Whole):
 
 @dataclass(frozen=True)
 class Volume(Whole):
-    """Volume between the surface and a level z [L^3]; default: the mean height of the supports."""
+    """Volume between the surface and a level z [L^3]; default: the mean height of the supports.
+
+    Parameters
+    ----------
+    volume
+        Above zero [L^3].
+    level
+        z that it counts from [L]. Default: the mean height of the supports.
+
+    Examples
+    --------
+    >>> from compas_cgc import Volume
+    >>> Volume(300.0).level is None
+    True
+    """
 
     volume: float
     level: Optional[float] = None
@@ -96,7 +124,19 @@ class Volume(Whole):
 
 @dataclass(frozen=True)
 class Area(Whole):
-    """Area of the surface [L^2]."""
+    """Area of the surface [L^2].
+
+    Parameters
+    ----------
+    area
+        Of the surface [L^2].
+
+    Examples
+    --------
+    >>> from compas_cgc import Area
+    >>> Area(240.0)
+    Area(area=240.0)
+    """
 
     area: float
 
@@ -110,7 +150,21 @@ class Area(Whole):
 
 @dataclass(frozen=True)
 class Length(Whole):
-    """Length of a path of vertices, in their order [L]."""
+    """Length of a path of vertices, in their order [L].
+
+    Parameters
+    ----------
+    vertices
+        A path of two or more, in their order.
+    length
+        Of the path on the surface [L].
+
+    Examples
+    --------
+    >>> from compas_cgc import Length
+    >>> Length([0, 1, 2], 2.5).length
+    2.5
+    """
 
     vertices: Sequence[int]
     length: float
@@ -131,6 +185,21 @@ class EdgeInPlan(PositionConstraint):
 
     `vertices` are a path along an edge, or ``"free"`` for all free edges. The line is that of the drawing, unless
     its points ``(p, 2)`` or ``(p, 3)`` [L] are given.
+
+    Parameters
+    ----------
+    vertices
+        A path along an edge, or ``"free"`` for all free edges.
+    points
+        ``(p, 3)`` line to stay over [L]. Default: that of the drawing.
+    closed
+        Whether the line closes.
+
+    Examples
+    --------
+    >>> from compas_cgc import EdgeInPlan
+    >>> EdgeInPlan().vertices
+    'free'
     """
 
     vertices: Vertices = FREE_EDGES
@@ -159,6 +228,19 @@ class Level(PositionConstraint):
 
     `vertices` are those of the edge, or ``"free"`` for every free edge, each at a height of its own. The plan is that of the
     drawing, unless points ``(k, 2)`` or ``(k, 3)`` [L] are given, one for every vertex.
+
+    Parameters
+    ----------
+    vertices
+        Of the edge; by default those of the free edges.
+    points
+        ``(p, 3)`` line in plan to stay over [L]. Default: that of the drawing.
+
+    Examples
+    --------
+    >>> from compas_cgc import Level
+    >>> Level([5, 6, 7]).vertices
+    [5, 6, 7]
     """
 
     vertices: Vertices = FREE_EDGES
@@ -181,7 +263,23 @@ class Level(PositionConstraint):
 
 @dataclass(frozen=True)
 class OnSurface(PositionConstraint):
-    """Vertices on a surface, given as a mesh of points ``(p, 3)`` [L] and triangles ``(q, 3)``; they slide on it."""
+    """Vertices on a surface, given as a mesh of points ``(p, 3)`` [L] and triangles ``(q, 3)``; they slide on it.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that slide on the mesh.
+    points
+        ``(p, 3)`` vertices of that mesh [L].
+    faces
+        ``(q, 3)`` triangles of it.
+
+    Examples
+    --------
+    >>> from compas_cgc import OnSurface
+    >>> OnSurface([4], [[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[0, 1, 2]]).vertices
+    [4]
+    """
 
     vertices: Sequence[int]
     points: Union[Sequence[Triple], FloatArray]
@@ -219,7 +317,21 @@ class Bound(Constraint):
 
 @dataclass(frozen=True)
 class Above(Bound):
-    """Vertices nowhere below a height z [L]; default: all that may move."""
+    """Vertices nowhere below a height z [L]; default: all that may move.
+
+    Parameters
+    ----------
+    height
+        No vertex is lower than this z [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Above
+    >>> Above(2.5).height
+    2.5
+    """
 
     height: float
     vertices: Vertices = ALL
@@ -238,7 +350,21 @@ class Above(Bound):
 
 @dataclass(frozen=True)
 class Below(Bound):
-    """Vertices nowhere above a height z [L]; default: all that may move."""
+    """Vertices nowhere above a height z [L]; default: all that may move.
+
+    Parameters
+    ----------
+    height
+        No vertex is higher than this z [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Below
+    >>> Below(6.0, vertices=[3, 4]).vertices
+    [3, 4]
+    """
 
     height: float
     vertices: Vertices = ALL
@@ -261,6 +387,19 @@ class Clearance(Bound):
 
     `where` is the number of a region, a box ``(x0, y0, x1, y1)`` or a closed line of points ``(p, 2)`` or ``(p, 3)``. All
     corners of the faces over it are kept above, so that the faces themselves are.
+
+    Parameters
+    ----------
+    where
+        Number of a region, a box ``x0, y0, x1, y1`` in plan, or ``(p, 2)`` or ``(p, 3)`` points of a closed line.
+    height
+        Nothing over that place is lower than this z [L].
+
+    Examples
+    --------
+    >>> from compas_cgc import Clearance
+    >>> Clearance((5.5, 0.0, 9.5, 3.0), 2.5).outline().shape
+    (4, 3)
     """
 
     where: Where
@@ -301,7 +440,21 @@ class Clearance(Bound):
 
 @dataclass(frozen=True)
 class Within(Bound):
-    """Vertices within a closed line in plan, of points ``(p, 2)`` or ``(p, 3)`` [L]; default: all that may move."""
+    """Vertices within a closed line in plan, of points ``(p, 2)`` or ``(p, 3)`` [L]; default: all that may move.
+
+    Parameters
+    ----------
+    points
+        ``(p, 2)`` or ``(p, 3)`` points of a closed line in plan [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Within
+    >>> len(Within([[0, 0], [9, 0], [9, 9], [0, 9]]).points)
+    4
+    """
 
     points: Union[Sequence[Sequence[float]], FloatArray]
     vertices: Vertices = ALL
@@ -331,7 +484,25 @@ class Within(Bound):
 
 @dataclass(frozen=True)
 class NearPlane(Bound):
-    """Vertices no further than a distance [L] from the plane through a point with a normal; default: all that may move."""
+    """Vertices no further than a distance [L] from the plane through a point with a normal; default: all that may move.
+
+    Parameters
+    ----------
+    point
+        On the plane [L].
+    normal
+        Of the plane, of any length.
+    distance
+        None of the vertices is further from the plane [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import NearPlane
+    >>> NearPlane((0, 0, 0), (0, 0, 1), 3.5).distance
+    3.5
+    """
 
     point: Triple
     normal: Triple
@@ -355,7 +526,19 @@ class NearPlane(Bound):
 
 @dataclass(frozen=True)
 class Unknown(Constraint):
-    """Regions whose K is not given but found, together with the surface: those numbered, or ``"all"``."""
+    """Regions whose K is not given but found, together with the surface: those numbered, or ``"all"``.
+
+    Parameters
+    ----------
+    regions
+        Numbers of regions, or ``"all"``.
+
+    Examples
+    --------
+    >>> from compas_cgc import Unknown
+    >>> Unknown([0, 2]).regions
+    [0, 2]
+    """
 
     regions: Union[str, Sequence[int]] = ALL
 

@@ -42,6 +42,15 @@ def server_overhead(sizes: tuple[int, ...] = (1_024, 10_000)) -> list[dict]:
     ----------
     sizes
         Numbers of vertices, roughly.
+
+    Returns
+    -------
+    list of dict
+        Figures by name, one dict for each size.
+
+    Examples
+    --------
+    >>> server_overhead((1024,))[0]["job_overhead"]  # doctest: +SKIP
     """
     with _server() as (client, process):
         return [_row(client, process, square(round(size**0.5) - 1)) for size in sizes]

@@ -51,6 +51,15 @@ def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backen
         Numbers of vertices, roughly.
     backend
         Linear solver.
+
+    Returns
+    -------
+    list of dict
+        Figures by name, one dict for each size.
+
+    Examples
+    --------
+    >>> newton_growth((100, 1000))[0]["seconds"]  # doctest: +SKIP
     """
     rows = []
     for size in sizes:
@@ -103,7 +112,25 @@ def _peak_memory() -> Optional[int]:
 
 
 def fitted_exponent(rows: list[dict], name: str) -> float:
-    """Return the power of the number of vertices with which a figure grows over the larger half of the rows."""
+    """Return the power of the number of vertices with which a figure grows over the larger half of the rows.
+
+    Parameters
+    ----------
+    rows
+        Figures by name, with ``vertices``.
+    name
+        Of the figure that grows.
+
+    Returns
+    -------
+    float
+        The power.
+
+    Examples
+    --------
+    >>> round(fitted_exponent([{"vertices": n, "seconds": n**1.5} for n in (10, 100, 1000, 10000)], "seconds"), 6)
+    1.5
+    """
     rows = [row for row in rows if row[name]][-3:]
     return float(np.polyfit(np.log([row["vertices"] for row in rows]), np.log([row[name] for row in rows]), 1)[0])
 
@@ -112,6 +139,22 @@ def against_optimisers(cells: int = 30, lbfgs_cells: int = 9) -> list[dict]:
     """Return the time of SciPy's least squares and L-BFGS over that of Newton's method, on the same residual.
 
     All move vertices along the vertical from the same low dome, with the exact Jacobian.
+
+    Parameters
+    ----------
+    cells
+        Squares along a side, for least squares.
+    lbfgs_cells
+        The same for L-BFGS.
+
+    Returns
+    -------
+    list of dict
+        Figures by name, one dict for each method.
+
+    Examples
+    --------
+    >>> against_optimisers(cells=10)[0]["times_slower"]  # doctest: +SKIP
     """
     return [_against("least_squares", cells), _against("L-BFGS", lbfgs_cells)]
 
@@ -163,7 +206,22 @@ def _against(name: str, cells: int) -> dict:
 
 
 def interactive(cells: int = 44) -> dict:
-    """Return the time to solve a roof on four corners again from its last shape after K̄ has changed by 5 %."""
+    """Return the time to solve a roof on four corners again from its last shape after K̄ has changed by 5 %.
+
+    Parameters
+    ----------
+    cells
+        Squares along a side.
+
+    Returns
+    -------
+    dict
+        Figures by name.
+
+    Examples
+    --------
+    >>> interactive(20)["seconds"]  # doctest: +SKIP
+    """
     flat = square(cells)
     x, y, _ = flat.vertices.T
     corner = (np.minimum(x, 1 - x) + np.minimum(y, 1 - y)) < 1e-9

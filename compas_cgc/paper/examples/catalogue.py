@@ -24,7 +24,25 @@ __all__ = ["CATALOGUE", "CurveExample", "SurfaceExample", "examples_of"]
 
 @dataclass(frozen=True)
 class CurveExample:
-    """A variant of Example 1."""
+    """A variant of Example 1.
+
+    Parameters
+    ----------
+    number
+        Of the paper's example.
+    variant
+        Its letter or name.
+    title
+        In words.
+    build
+        Makes the points and the arguments of the flow.
+
+    Examples
+    --------
+    >>> from compas_cgc.paper.examples import examples_of
+    >>> examples_of(1)[0].number
+    1
+    """
 
     number: int
     variant: str
@@ -39,7 +57,37 @@ class CurveExample:
 
 @dataclass(frozen=True)
 class SurfaceExample:
-    """A variant of Examples 2 to 7."""
+    """A variant of Examples 2 to 7.
+
+    Parameters
+    ----------
+    number
+        Of the paper's example.
+    variant
+        Empty for an example with one variant only.
+    title
+        In words.
+    build
+        Makes the mesh and the settings of the flow.
+    paper_size
+        Vertices and faces with dummies.
+    paper_seconds
+        On a Core i7-8850H.
+    paper_error
+        Largest |K - K̄|.
+    paper_start_error
+        The same of the start.
+    counterpart
+        The paper's mesh is known from a picture only.
+    error_map
+        The paper shows one.
+
+    Examples
+    --------
+    >>> from compas_cgc.paper.examples import examples_of
+    >>> examples_of(6)[0].counterpart
+    True
+    """
 
     number: int
     variant: str  # empty for an example with one variant only
@@ -102,10 +150,27 @@ CATALOGUE: list[Union[CurveExample, SurfaceExample]] = [*_curves(), *_grids(), *
 def examples_of(number: int, variant: Optional[str] = None) -> list[Union[CurveExample, SurfaceExample]]:
     """Return the variants of an example, or the one that is named.
 
+    Parameters
+    ----------
+    number
+        From 1 to 7.
+    variant
+        Its name. Default: all of them.
+
+    Returns
+    -------
+    list
+        Of examples.
+
     Raises
     ------
     ValueError
         If there is no such example or variant.
+
+    Examples
+    --------
+    >>> [example.variant for example in examples_of(4)]
+    ['', 'a', 'b', 'c', 'd']
     """
     found = [example for example in CATALOGUE if example.number == number]
     if not found:

@@ -41,6 +41,16 @@ def example5() -> tuple[CGCMesh, FlowSettings]:
     """Return the counterpart of Example 5: K̄ = 0 between two fixed circles, 220 vertices with dummies.
 
     The paper shows its mesh (226 vertices) in a picture only.
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> example5()[0].number_of_vertices()
+    220
     """
     mesh = waisted_ring(bottom=3.0, top=1.5, height=3.0, waist=0.3, rows=8, around=22)
     mesh.set_supports("boundary")

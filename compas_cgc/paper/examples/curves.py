@@ -22,6 +22,17 @@ def example1(kind: str = "C1", s: float = 1.0, e: int = 0, crease: bool = True) 
         Strategy S1 or S2 at the vertex in the centre.
     crease
         Whether the curve may break there.
+
+    Returns
+    -------
+    points, arguments
+        ``(21, 2)`` and a dict.
+
+    Examples
+    --------
+    >>> points, arguments = example1()
+    >>> points.shape
+    (21, 2)
     """
     points = np.column_stack([np.linspace(0.0, 2.0, 21), np.zeros(21)])
     pace = dict(target=0.2, mu=0.05, steps=500) if kind == "C1" else dict(target=1.0, mu=0.0045, steps=6000)

@@ -43,7 +43,23 @@ def lattice_vertex(n: int, i: int, j: int) -> int:
 
 
 def example2(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
-    """Return Example 2: 9 x 9 squares of 0.1 with a fixed boundary, K̄ = 1."""
+    """Return Example 2: 9 x 9 squares of 0.1 with a fixed boundary, K̄ = 1.
+
+    Parameters
+    ----------
+    filtered
+        With the filter; without, the flow diverges as in the paper.
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> example2()[0].number_of_faces()
+    242
+    """
     mesh = grid_with_ring(9, 0.1)
     mesh.set_supports([lattice_vertex(9, i, j) for i in range(10) for j in range(10) if {i, j} & {0, 9}])
     mesh.set_target(1.0)
@@ -51,7 +67,23 @@ def example2(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
 
 
 def example3(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
-    """Return Example 3: the same grid, fixed at its four corners only."""
+    """Return Example 3: the same grid, fixed at its four corners only.
+
+    Parameters
+    ----------
+    filtered
+        With the filter; without, the flow diverges as in the paper.
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> len(example3()[0].supports())
+    4
+    """
     mesh = grid_with_ring(9, 0.1)
     mesh.set_supports([lattice_vertex(9, i, j) for i in (0, 9) for j in (0, 9)])
     mesh.set_target(1.0)
@@ -67,6 +99,16 @@ def example4(s: float = 0.8, e: int = 0, centre: float = 4.0, around: float = 4.
         Strategy S1 (``e`` zero) or S2 (``s`` one).
     centre, around
         Targets of the region in the centre and of the other eight [1/L^2].
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> len(example4()[0].regions())
+    9
     """
     n = 15
     mesh = grid_with_ring(n, 0.1)
@@ -84,6 +126,21 @@ def table2(n: int) -> tuple[CGCMesh, FlowSettings]:
 
     The paper gives μ0 = 100 and d̄ = 5, which belong to a mesh ten times larger than
     that of Example 2, and with it to a target a hundred times smaller.
+
+    Parameters
+    ----------
+    n
+        Squares along a side.
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> table2(5)[1].steps
+    200
     """
     mesh = grid_with_ring(n, 10.0 / n)
     mesh.set_supports([lattice_vertex(n, i, j) for i in range(n + 1) for j in range(n + 1) if {i, j} & {0, n}])

@@ -79,6 +79,16 @@ def example7(target: float = 0.05) -> tuple[CGCMesh, FlowSettings]:
     ----------
     target
         0.05 or 0 in the paper [1/L^2].
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> example7()[0].number_of_vertices()
+    353
     """
     vertices, faces = mirrored(8)
     mesh = CGCMesh.from_vertices_and_faces(vertices, faces)

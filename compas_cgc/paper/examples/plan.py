@@ -101,6 +101,16 @@ def example6() -> tuple[CGCMesh, FlowSettings]:
     The paper shows the control points and the start (648 vertices) in a picture only. The
     dome of the start is as high as the solution: with so small a filter the flow carries
     curvature over a few edges per hundred steps, too slowly for a flat start.
+
+    Returns
+    -------
+    mesh, settings
+        For :func:`compas_cgc.solve`.
+
+    Examples
+    --------
+    >>> example6()[0].number_of_vertices()
+    625
     """
     mesh = plan_dome(np.array(CONTROL_POINTS), rings=13, height=2.4)
     mesh.set_target(0.03)

@@ -31,7 +31,30 @@ __all__ = ["CurveRun", "SurfaceRun", "run_example", "run_table2", "warm_up"]
 
 @dataclass(frozen=True)
 class CurveRun:
-    """A run of a variant of Example 1."""
+    """A run of a variant of Example 1.
+
+    Parameters
+    ----------
+    example
+        What was run.
+    points
+        (n, 2) start.
+    options
+        Arguments of the flow.
+    result
+        What it gave.
+    seconds
+        Of the run, after compilation.
+    early
+        After 3 steps, as in Fig. 6.
+
+    Examples
+    --------
+    >>> from compas_cgc.paper.examples import examples_of
+    >>> from compas_cgc.paper.reproduction import run_example
+    >>> run_example(examples_of(1)[1]).result.max_error < 1e-6
+    True
+    """
 
     example: CurveExample
     points: FloatArray  # (n, 2) start
@@ -61,7 +84,28 @@ class CurveRun:
 
 @dataclass(frozen=True)
 class SurfaceRun:
-    """A run of a variant of Examples 2 to 7."""
+    """A run of a variant of Examples 2 to 7.
+
+    Parameters
+    ----------
+    example
+        What was run.
+    mesh
+        Start, with dummies.
+    settings
+        Of the flow.
+    result
+        What it gave.
+    before_divergence
+        Last shape that is still one, when the run diverged.
+
+    Examples
+    --------
+    >>> from compas_cgc.paper.examples import examples_of
+    >>> from compas_cgc.paper.reproduction import run_example
+    >>> run_example(examples_of(2)[0]).result.iterations
+    200
+    """
 
     example: SurfaceExample
     mesh: CGCMesh  # start, with dummies
@@ -125,7 +169,24 @@ class SurfaceRun:
 
 
 def run_example(example: Union[CurveExample, SurfaceExample]) -> Union[CurveRun, SurfaceRun]:
-    """Solve an example as the paper does."""
+    """Solve an example as the paper does.
+
+    Parameters
+    ----------
+    example
+        Of the catalogue.
+
+    Returns
+    -------
+    CurveRun or SurfaceRun
+        With the result and the time it took.
+
+    Examples
+    --------
+    >>> from compas_cgc.paper.examples import examples_of
+    >>> run_example(examples_of(2)[0]).result.status
+    'step_limit'
+    """
     if isinstance(example, CurveExample):
         points, options = example.build()
         started = time.perf_counter()
@@ -155,7 +216,23 @@ def _shape_before(mesh: CGCMesh, settings: FlowSettings) -> Optional[SolveState]
 
 
 def run_table2(sizes: tuple[int, ...] = (5, 10, 15, 20)) -> dict[int, dict]:
-    """Return the figures of Table 2 by the number of squares along a side."""
+    """Return the figures of Table 2 by the number of squares along a side.
+
+    Parameters
+    ----------
+    sizes
+        Squares along a side.
+
+    Returns
+    -------
+    dict
+        Records by size.
+
+    Examples
+    --------
+    >>> list(run_table2((5,)))
+    [5]
+    """
     rows = {}
     for n in sizes:
         mesh, settings = table2(n)
@@ -172,6 +249,11 @@ def run_table2(sizes: tuple[int, ...] = (5, 10, 15, 20)) -> dict[int, dict]:
 
 
 def warm_up() -> None:
-    """Load the compiled kernels, so that the first run is not timed with them."""
+    """Load the compiled kernels, so that the first run is not timed with them.
+
+    Examples
+    --------
+    >>> warm_up()
+    """
     mesh, settings = example2()
     solve(mesh, settings=replace(settings, steps=1))

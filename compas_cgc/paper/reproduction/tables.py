@@ -50,6 +50,15 @@ def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, di
         Records of the runs of Example 1 and of Examples 2 to 7.
     grids
         Records of the rows of Table 2 by the number of squares.
+
+    Returns
+    -------
+    str
+        Markdown.
+
+    Examples
+    --------
+    >>> print(report(curves, surfaces, run_table2()))  # doctest: +SKIP
     """
     by_name = {record["example"]: record for record in surfaces}
     parts = [

@@ -38,6 +38,15 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
         Made when it is missing.
     pictures
         Draw too, which needs the extra ``plot``.
+
+    Returns
+    -------
+    list of Path
+        Of the files.
+
+    Examples
+    --------
+    >>> write_run(run_example(CATALOGUE[0]), "out")  # doctest: +SKIP
     """
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
@@ -58,7 +67,24 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
 
 
 def comparison_figures(runs: Sequence[Union[CurveRun, SurfaceRun]], directory: Union[str, Path]) -> list[Path]:
-    """Draw what the paper shows side by side, Figs. 4 to 6, 18 and 28, and return the paths."""
+    """Draw what the paper shows side by side, Figs. 4 to 6, 18 and 28, and return the paths.
+
+    Parameters
+    ----------
+    runs
+        Of which those that belong together are drawn together.
+    directory
+        Where the pictures go.
+
+    Returns
+    -------
+    list of Path
+        Of the pictures.
+
+    Examples
+    --------
+    >>> comparison_figures([run_example(example) for example in CATALOGUE], "out")  # doctest: +SKIP
+    """
     plane = {run.example.name: run for run in runs if isinstance(run, CurveRun)}
     surfaces = {run.example.name: run for run in runs if isinstance(run, SurfaceRun)}
     figures = {}

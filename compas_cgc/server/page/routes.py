@@ -40,13 +40,33 @@ _examples: dict[str, bytes] = {}
 
 
 def wants_page() -> bool:
-    """Tell whether a client would rather have HTML than JSON; one that takes anything would not."""
+    """Tell whether a client would rather have HTML than JSON; one that takes anything would not.
+
+    Returns
+    -------
+    bool
+        True for a browser.
+
+    Examples
+    --------
+    >>> wants_page()  # doctest: +SKIP
+    """
     accepted = request.accept_mimetypes
     return accepted["text/html"] > accepted["application/json"]
 
 
 def index() -> Response:
-    """Return the page."""
+    """Return the page.
+
+    Returns
+    -------
+    flask.Response
+        HTML.
+
+    Examples
+    --------
+    >>> index()  # doctest: +SKIP
+    """
     answer = _file("index.html")
     answer.headers["Content-Security-Policy"] = POLICY
     answer.headers["Referrer-Policy"] = "no-referrer"

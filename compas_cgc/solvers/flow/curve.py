@@ -15,7 +15,28 @@ __all__ = ["CurveResult", "curve_curvature", "curve_flow"]
 
 
 class CurveResult(NamedTuple):
-    """A curve after the flow."""
+    """A curve after the flow.
+
+    Parameters
+    ----------
+    points
+        (n, 2) [L].
+    gradient
+        (n, 2) last gradient (k - k̄) n, zero at the ends.
+    curvature
+        (n,) k, NaN at the ends.
+    max_error
+        Largest |k - k̄| away from the ends and the break.
+    history
+        (steps,) largest |k - k̄| after every step.
+
+    Examples
+    --------
+    >>> from compas_cgc.solvers.flow import curve_flow
+    >>> arch = np.column_stack([np.linspace(0, 2, 21), np.zeros(21)])
+    >>> curve_flow(arch, 0.5, steps=5).points.shape
+    (21, 2)
+    """
 
     points: FloatArray  # (n, 2) [L]
     gradient: FloatArray  # (n, 2) last gradient (k - k̄) n, zero at the ends
@@ -95,9 +116,20 @@ def curve_flow(
     e
         Strategy S2: first steps in which it waits.
 
+    Returns
+    -------
+    CurveResult
+        The curve, and how far it is from the target.
+
     References
     ----------
     Paper, Example 1.
+
+    Examples
+    --------
+    >>> arch = np.column_stack([np.linspace(0, 2, 21), np.zeros(21)])
+    >>> curve_flow(arch, 0.5, steps=5).points.shape
+    (21, 2)
     """
     P = np.array(points, dtype=np.float64)
     if P.ndim != 2 or P.shape[1] != 2 or len(P) < 3:

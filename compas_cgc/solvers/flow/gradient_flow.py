@@ -56,6 +56,13 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
     References
     ----------
     Paper, Sections 3 and 4.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> flow(plan).status
+    'converged'
     """
     local, frame = problem.local()
     settings = settings or FlowSettings()

@@ -21,6 +21,12 @@ class FlowSettings(Settings):
     Lengths are in model units, so ``filter_radius`` is a length and ``mu0`` a length
     cubed; both come from the mesh when they are ``None``. The other defaults are the
     values that the paper uses throughout (Section 5.8).
+
+    Examples
+    --------
+    >>> from compas_cgc import FlowSettings
+    >>> FlowSettings(s=0.5, steps=200).s
+    0.5
     """
 
     steps: int = option(3000, "Most steps to take.", int, low=1)

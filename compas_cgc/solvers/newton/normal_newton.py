@@ -69,6 +69,13 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
         If K is asked for where no closed ring of faces measures it.
     ProblemError
         If K is asked for, but no target given.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
+    >>> newton(plan).status
+    'converged'
     """
     settings = settings or NewtonSettings()
     posed, problem = problem, guessed(problem)

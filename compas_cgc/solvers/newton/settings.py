@@ -18,7 +18,14 @@ __all__ = ["NewtonSettings"]
 @documented
 @dataclass(frozen=True)
 class NewtonSettings(Settings):
-    """Parameters of Newton's method; none has a unit."""
+    """Parameters of Newton's method; none has a unit.
+
+    Examples
+    --------
+    >>> from compas_cgc import NewtonSettings
+    >>> NewtonSettings(tolerance=1e-9).tolerance
+    1e-09
+    """
 
     steps: int = option(100, "Most steps to take, those of the elliptic start included.", int, low=1)
     tolerance: float = option(1e-12, TOLERANCE_TEXT + " The result is then polished until rounding stops it.", float, above=0)

@@ -281,6 +281,13 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     Tang, Sun, Gomes, Wallner, Pottmann, *Form-finding with polyhedral meshes made simple*,
     doi:10.1145/2601097.2601213. Bergou, Wardetzky, Harmon, Zorin, Grinspun, *A quadratic bending model for
     inextensible surfaces*, doi:10.2312/SGP/SGP06/227-230.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> plan = compas_cgc.read(compas_cgc.get("canopy.3dm")).to_problem()
+    >>> project(plan).status
+    'converged'
     """
     solution = Projector(problem, settings=settings).solve(callback=callback)
     if solution.status != "stalled" or not bind(problem).whole:

@@ -22,7 +22,14 @@ AUTO = "auto"
 @documented
 @dataclass(frozen=True)
 class ProjectionSettings(Settings):
-    """Parameters of the projection; none of them has a unit, so they fit any model."""
+    """Parameters of the projection; none of them has a unit, so they fit any model.
+
+    Examples
+    --------
+    >>> from compas_cgc import ProjectionSettings
+    >>> ProjectionSettings(measure="exact").measure
+    'exact'
+    """
 
     steps: int = option(300, "Most steps to take.", int, low=1)
     tolerance: float = option(1e-12, TOLERANCE_TEXT, float, low=0)

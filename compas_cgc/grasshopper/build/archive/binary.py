@@ -27,7 +27,24 @@ SMALLEST_ITEM = 10
 
 
 def to_bytes(root: Chunk) -> bytes:
-    """Return a chunk as the bytes of a .gh or .ghuser file; the same chunk gives the same bytes."""
+    """Return a chunk as the bytes of a .gh or .ghuser file; the same chunk gives the same bytes.
+
+    Parameters
+    ----------
+    root
+        What the file holds.
+
+    Returns
+    -------
+    bytes
+        Of the file.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk
+    >>> to_bytes(chunk("Root")) == to_bytes(chunk("Root"))
+    True
+    """
     deflate = zlib.compressobj(6, zlib.DEFLATED, -15)
     return deflate.compress(b"".join(_chunk_parts(root))) + deflate.flush()
 
@@ -35,10 +52,26 @@ def to_bytes(root: Chunk) -> bytes:
 def from_bytes(data: bytes) -> Chunk:
     """Read a chunk from the bytes of a .gh or .ghuser file.
 
+    Parameters
+    ----------
+    data
+        Of the file.
+
+    Returns
+    -------
+    Chunk
+        The root.
+
     Raises
     ------
     FileError
         If they are cut off, damaged or of another kind.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk, to_bytes
+    >>> from_bytes(to_bytes(chunk("Root"))).name
+    'Root'
     """
     inflate = zlib.decompressobj(-15)
     try:

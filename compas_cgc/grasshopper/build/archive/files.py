@@ -22,10 +22,29 @@ _FORMS = {".gh": (from_bytes, to_bytes), ".ghuser": (from_bytes, to_bytes), ".gh
 def read_archive(path: Union[str, os.PathLike]) -> Chunk:
     """Read a .gh, .ghx or .ghuser file.
 
+    Parameters
+    ----------
+    path
+        Of the file.
+
+    Returns
+    -------
+    Chunk
+        The root.
+
     Raises
     ------
     FileError
         If it cannot be read.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> from compas_cgc.grasshopper.build.archive import chunk, write_archive
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_archive(os.path.join(folder, "a.gh"), chunk("Root"))
+    ...     print(read_archive(os.path.join(folder, "a.gh")).name)
+    Root
     """
     read, _ = _form(Path(path))
     try:
@@ -37,10 +56,26 @@ def read_archive(path: Union[str, os.PathLike]) -> Chunk:
 def write_archive(path: Union[str, os.PathLike], root: Chunk) -> None:
     """Write a .gh, .ghx or .ghuser file, whole or not at all.
 
+    Parameters
+    ----------
+    path
+        Of the file, which is replaced when the new one is complete.
+    root
+        What it shall hold.
+
     Raises
     ------
     FileError
         If the suffix is another, or a text cannot be written in XML.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> from compas_cgc.grasshopper.build.archive import chunk
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_archive(os.path.join(folder, "a.ghx"), chunk("Root"))
+    ...     print(os.listdir(folder))
+    ['a.ghx']
     """
     _, write = _form(Path(path))
     data = write(root)

@@ -23,6 +23,12 @@ def definition_problems(root: Chunk) -> list[str]:
     -------
     list of str
         Empty for a definition as Grasshopper writes it.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk
+    >>> len(definition_problems(chunk("Root"))) > 0
+    True
     """
     if root.name != "Root" or root.get("ArchiveVersion") is None:
         return ["the archive is no definition: its root is not called 'Root' or has no ArchiveVersion"]

@@ -16,7 +16,25 @@ __all__ = ["Chunk", "Item", "chunk", "item"]
 
 
 class Item(NamedTuple):
-    """A named value."""
+    """A named value.
+
+    Parameters
+    ----------
+    name
+        Of the item.
+    index
+        Of a numbered list such as ``InputId``; hides that of tuples.
+    type
+        A name of :data:`compas_cgc.grasshopper.build.archive.TYPES`.
+    value
+        As it is read back.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import item
+    >>> item("Count", "gh_int32", 3).value
+    3
+    """
 
     name: str
     index: Optional[int]  # type: ignore[assignment]  # of a numbered list such as ``InputId``; hides that of tuples
@@ -43,6 +61,12 @@ class Chunk:
     ------
     FileError
         If a name and index occur twice.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk, item
+    >>> chunk("Header", [item("Name", "gh_string", "dome")]).name
+    'Header'
     """
 
     name: str
@@ -93,10 +117,31 @@ class Chunk:
 def item(name: str, type: str, value: object, index: Optional[int] = None) -> Item:
     """Make an item, with its value in the form in which it is read back.
 
+    Parameters
+    ----------
+    name
+        Of the item.
+    type
+        Such as ``"gh_int32"``.
+    value
+        What it holds.
+    index
+        Where there are several of one name.
+
+    Returns
+    -------
+    Item
+        With the value as it is read back.
+
     Raises
     ------
     FileError
         If the value does not fit the type.
+
+    Examples
+    --------
+    >>> item("Name", "gh_string", "dome").value
+    'dome'
     """
     if type not in TYPES:
         raise FileError(f"{type!r} is no type of a Grasshopper file")
@@ -107,7 +152,29 @@ def item(name: str, type: str, value: object, index: Optional[int] = None) -> It
 
 
 def chunk(name: str, items: Iterable[Item] = (), chunks: Iterable[Chunk] = (), index: Optional[int] = None) -> Chunk:
-    """Make a chunk of any iterables."""
+    """Make a chunk of any iterables.
+
+    Parameters
+    ----------
+    name
+        Of the chunk.
+    items
+        What it holds itself.
+    chunks
+        What lies in it.
+    index
+        Where there are several of one name.
+
+    Returns
+    -------
+    Chunk
+        With tuples of both.
+
+    Examples
+    --------
+    >>> chunk("Header", index=2).index
+    2
+    """
     return Chunk(name, tuple(items), tuple(chunks), index)
 
 

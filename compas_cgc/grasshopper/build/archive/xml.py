@@ -35,10 +35,26 @@ SINGLE_LIMIT = float.fromhex("0x1.ffffffp+127")
 def to_xml(root: Chunk) -> bytes:
     """Return a chunk as the bytes of a .ghx file.
 
+    Parameters
+    ----------
+    root
+        What the file holds.
+
+    Returns
+    -------
+    bytes
+        Of the file, UTF-8.
+
     Raises
     ------
     FileError
         If a text holds a character that XML has no way to write.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk
+    >>> to_xml(chunk("Root"))[:5]
+    b'<?xml'
     """
     lines = ['<?xml version="1.0" encoding="utf-8" standalone="yes"?>', f"<Archive name={quoteattr(root.name)}>"]
     lines += [*_inside(root, "  "), "</Archive>", ""]
@@ -51,10 +67,26 @@ def to_xml(root: Chunk) -> bytes:
 def from_xml(data: bytes) -> Chunk:
     """Read a chunk from the bytes of a .ghx file.
 
+    Parameters
+    ----------
+    data
+        Of the file.
+
+    Returns
+    -------
+    Chunk
+        The root.
+
     Raises
     ------
     FileError
         If they are cut off, damaged or of another kind.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.archive import chunk, to_xml
+    >>> from_xml(to_xml(chunk("Root"))).name
+    'Root'
     """
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise FileError("the Grasshopper file declares XML entities, which no Grasshopper file does")

@@ -135,6 +135,11 @@ class Definition:
         Objects; those that share a column are stacked in this order.
     rhino
         Oldest Rhino that it is for.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.definition import EXAMPLES
+    >>> definition = EXAMPLES[0]
     """
 
     name: str

@@ -27,6 +27,15 @@ def definition_svg(root: Chunk) -> str:
     ----------
     root
         What :func:`compas_cgc.grasshopper.build.archive.read_archive` returns for a definition.
+
+    Returns
+    -------
+    str
+        The text of the picture.
+
+    Examples
+    --------
+    >>> definition_svg(read_archive("first_dome.gh"))  # doctest: +SKIP
     """
     objects = [(KINDS.get(part.get("GUID"), "parameter"), part.part("Container")) for part in _objects(root)]
     places: dict[UUID, tuple] = {}

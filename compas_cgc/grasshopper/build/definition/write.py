@@ -42,10 +42,29 @@ PAPER = (150, 255, 255, 255)
 def definition_archive(definition: Definition, bundles: Mapping[str, Bundle]) -> Chunk:
     """Return a definition for Rhino 8, laid out, with every component's source in it.
 
+    Parameters
+    ----------
+    definition
+        Objects and wires.
+    bundles
+        Components by their keys.
+
+    Returns
+    -------
+    Chunk
+        The root of the file.
+
     Raises
     ------
     FileError
         If a wire begins or ends nowhere.
+
+    Examples
+    --------
+    >>> from compas_cgc.grasshopper.build.component_manifest import read_bundles
+    >>> from compas_cgc.grasshopper.build.definition import EXAMPLES
+    >>> bundles = {bundle.key: bundle for bundle in read_bundles()}
+    >>> definition_archive(EXAMPLES["first_dome"], bundles).name  # doctest: +SKIP
     """
     check_wires(definition, bundles)
     boxes = layout(definition, bundles)
