@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from .console import Parts
 from .exits import DONE
 
 __all__ = ["add_arguments", "run"]
@@ -29,38 +30,46 @@ def run(arguments: argparse.Namespace) -> int:
     from ..paper import benchmarks
 
     figures = {}
+    parts = Parts(7)
     print("The paper's examples by the paper's flow, solve only", flush=True)
-    figures["examples"] = benchmarks.example_times()
+    with parts.part("the paper's examples"):
+        figures["examples"] = benchmarks.example_times()
     _print(figures["examples"], "example vertices steps seconds paper_seconds times_faster microseconds_per_vertex_and_step")
 
     print("\nThe flow on finer grids, with a filter radius of five edges", flush=True)
-    figures["flow_growth"] = benchmarks.growth()
+    with parts.part("the flow on finer grids"):
+        figures["flow_growth"] = benchmarks.growth()
     _print(figures["flow_growth"], "vertices microseconds_per_vertex_and_step")
     print(f"the time of a step grows as vertices to the power {figures['flow_growth'][0]['exponent']:.2f}")
 
     print("\nNewton's method on a square with a fixed edge and K̄ w² = 1, from a flat start, against one SuperLU")
     print("factorisation of the Laplacian of the same mesh", flush=True)
     sizes = (*_SIZES, 1_000_000) if arguments.large else _SIZES
-    figures["newton"] = benchmarks.newton_growth(sizes, arguments.backend)
+    with parts.part("Newton's method"):
+        figures["newton"] = benchmarks.newton_growth(sizes, arguments.backend)
     _print(figures["newton"], "vertices status steps seconds ratio residual max_error rounding_floor peak_memory_bytes")
     print(f"the time grows as vertices to the power {benchmarks.fitted_exponent(figures['newton'], 'seconds'):.2f}")
 
     print("\nGeneral optimisers on the same residual, with the exact Jacobian", flush=True)
-    figures["optimisers"] = benchmarks.against_optimisers()
+    with parts.part("general optimisers"):
+        figures["optimisers"] = benchmarks.against_optimisers()
     _print(figures["optimisers"], "method vertices seconds newton_seconds times_slower max_error")
 
     print("\nA roof on four corners, solved again by projection after K̄ has changed by 5 %", flush=True)
-    figures["interactive"] = [benchmarks.interactive()]
+    with parts.part("a roof solved again"):
+        figures["interactive"] = [benchmarks.interactive()]
     _print(figures["interactive"], "vertices seconds status max_error")
 
     print("\nA dome by a server of this machine: a job against a solve and its analysis, Hops against the solve of a mesh", flush=True)
-    figures["server"] = benchmarks.server_overhead((1_024, 10_000, 100_000) if arguments.large else (1_024, 10_000))
+    with parts.part("the server"):
+        figures["server"] = benchmarks.server_overhead((1_024, 10_000, 100_000) if arguments.large else (1_024, 10_000))
     _print(figures["server"], "vertices solve_seconds analysed_seconds job_seconds job_ratio job_cpu_ratio")
     _print(figures["server"], "vertices hops_seconds hops_ratio hops_cpu_ratio cancel_seconds hang_up_seconds")
 
     print("\nThe curvature kernel against libigl (angle defects and mixed areas)", flush=True)
     try:
-        figures["kernel"] = benchmarks.kernel_ratio()
+        with parts.part("the curvature kernel"):
+            figures["kernel"] = benchmarks.kernel_ratio()
     except ImportError:
         print("left out: libigl is not installed")
     else:

@@ -14,6 +14,7 @@ from ..fabrication.tasks import read_settings
 from .arguments import add_reading
 from .arguments import reading
 from .arguments import with_targets
+from .console import Parts
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -104,9 +105,12 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     problem = read_solved(arguments)
     if supports:
         problem = problem.with_supports(supports)
-    report = build(task, problem, settings)
+    parts = Parts(1 + len(arguments.output))
+    with parts.part(f"working out the {task}"):
+        report = build(task, problem, settings)
     print(report)
     for output in arguments.output:
-        write_build(output, task, problem, report, nodes=settings.get("nodes", True))
+        with parts.part(f"writing {output}"):
+            write_build(output, task, problem, report, nodes=settings.get("nodes", True))
         print(f"wrote {output}")
     return DONE

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .._compiled import Compilation
     from ..model.result import SolveState
 
-__all__ = ["ProgressBar", "compiling", "interruptible"]
+__all__ = ["Parts", "ProgressBar", "compiling", "interruptible"]
 
 _WIDTH = 24
 _INTERVAL = 0.1  # seconds between two pictures
@@ -97,6 +97,51 @@ class ProgressBar:
             self.stream.write("\r" + " " * self.length + "\r")
             self.stream.flush()
             self.length = 0
+
+
+class Parts:
+    """Shows on one line which part of a command is at work, and for how long.
+
+    Parameters
+    ----------
+    count
+        How many parts there are.
+    stream
+        Where to; nothing is shown when it is not a terminal. Default: standard error.
+    quiet
+        Show nothing.
+    """
+
+    def __init__(self, count: int, stream: Optional[TextIO] = None, quiet: bool = False):
+        self.count, self.done, self.quiet = count, 0, quiet
+        self.stream = sys.stderr if stream is None else stream
+
+    @contextmanager
+    def part(self, text: str) -> Iterator[None]:
+        """Show a part while it is at work, and take the line away again."""
+        if self.quiet or not self.stream.isatty():
+            yield
+            return
+        over = threading.Event()
+        watch = threading.Thread(target=self._watch, args=(text, over), daemon=True)
+        watch.start()
+        try:
+            yield
+        finally:
+            over.set()
+            watch.join()
+            self.done += 1
+
+    def _watch(self, text: str, over: threading.Event) -> None:
+        started, length = time.monotonic(), 0
+        while not over.wait(_INTERVAL if length else 3 * _INTERVAL):
+            line = f"{bar(self.done / self.count)} {text}: {time.monotonic() - started:.0f} s"
+            self.stream.write("\r" + line.ljust(length))
+            self.stream.flush()
+            length = len(line)
+        if length:
+            self.stream.write("\r" + " " * length + "\r")
+            self.stream.flush()
 
 
 @contextmanager

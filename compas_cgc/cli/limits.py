@@ -7,6 +7,7 @@ import json
 
 from .arguments import add_reading
 from .arguments import reading
+from .console import Parts
 from .exits import DONE
 from .exits import NOT_CONVERGED
 
@@ -42,6 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         problem = problem.with_supports(arguments.supports)
     if arguments.target is not None:
         problem = problem.with_targets(arguments.target)
-    limit = largest_target(problem, tolerance=arguments.tolerance)
+    with Parts(1).part("looking for the largest curvature, solve by solve"):
+        limit = largest_target(problem, tolerance=arguments.tolerance)
     print(json.dumps(limit.to_dict(), indent=1, ensure_ascii=False) if arguments.json else limit.message)
     return NOT_CONVERGED if limit.status == "none" else DONE

@@ -14,6 +14,7 @@ from ..errors import FileError
 from .building import add_task
 from .building import read_solved
 from .building import settings_of
+from .console import Parts
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -66,16 +67,20 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
     curves = _curves(arguments)
-    report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
+    parts = Parts(3, quiet=arguments.quiet)
+    with parts.part("laying panels onto their moulds"):
+        report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
     say(str(report))
-    page = _drawn(problem, report, arguments)
+    with parts.part("drawing the page"):
+        page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-    write_moulds(output, problem, report, source=source)
-    written = [output]
-    if page is not None:
-        from ..plot import save
+    with parts.part(f"writing {output}"):
+        write_moulds(output, problem, report, source=source)
+        written = [output]
+        if page is not None:
+            from ..plot import save
 
-        written.append(save(page, output.with_suffix(".pdf")))
+            written.append(save(page, output.with_suffix(".pdf")))
     if arguments.report:
         written.append(_write_report(arguments, report))
     for path in written:

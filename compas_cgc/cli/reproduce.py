@@ -6,6 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
+from .console import Parts
 from .exits import DONE
 
 __all__ = ["add_arguments", "run"]
@@ -34,11 +35,14 @@ def run(arguments: argparse.Namespace) -> int:
     directory = Path(arguments.out)
     warm_up()
     runs = []
+    parts = Parts(len(CATALOGUE) + 2)
     for example in CATALOGUE:
         print(f"{example.name}: {example.title}", flush=True)
-        runs.append(run_example(example))
-        write_run(runs[-1], directory, pictures=not arguments.no_pictures)
-    grids = run_table2()
+        with parts.part(example.name):
+            runs.append(run_example(example))
+            write_run(runs[-1], directory, pictures=not arguments.no_pictures)
+    with parts.part("Table 2"):
+        grids = run_table2()
     curves = [done.record() for done in runs if isinstance(done.example, CurveExample)]
     surfaces = [done.record() for done in runs if not isinstance(done.example, CurveExample)]
     page = report(curves, surfaces, grids)
@@ -50,7 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
         record.pop("points", None)
     write_text(directory / "tables.json", json.dumps(tables, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     if not arguments.no_pictures:
-        comparison_figures(runs, directory)
+        with parts.part("pictures of several examples"):
+            comparison_figures(runs, directory)
     print("\n" + page)
     print(f"wrote {directory / 'tables.md'} and {directory / 'tables.json'}")
     return DONE

@@ -1,4 +1,4 @@
-"""Scene objects of COMPAS: CGC meshes in Rhino, Grasshopper and compas_viewer, in curvature colours, with supports and creases.
+"""Scene objects of COMPAS: CGC meshes in Rhino, Grasshopper, notebooks and compas_viewer, in curvature colours, with supports and creases.
 
 COMPAS finds the functions of this module through ``compas_cgc.__all_plugins__``.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from compas.plugins import plugin
 from compas.scene import register
 
-__all__ = ["register_grasshopper", "register_rhino", "register_viewer"]
+__all__ = ["register_grasshopper", "register_notebook", "register_rhino", "register_viewer"]
 
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["Rhino"])
@@ -51,3 +51,17 @@ def register_viewer() -> None:
     from .viewer import CGCMeshObject
 
     register(CGCMesh, CGCMeshObject, context="Viewer")
+
+
+@plugin(category="factories", pluggable_name="register_scene_objects", requires=["compas_notebook"])
+def register_notebook() -> None:
+    """Register how a CGC mesh is drawn in a notebook.
+
+    Examples
+    --------
+    >>> register_notebook()  # doctest: +SKIP
+    """
+    from ..datastructures import CGCMesh
+    from .notebook import CGCMeshObject
+
+    register(CGCMesh, CGCMeshObject, context="Notebook")

@@ -44,7 +44,7 @@ def registered(monkeypatch):
     yield
     context.ITEM_SCENEOBJECT.clear()
     context.ITEM_SCENEOBJECT.update(kept)
-    for name in ("rhino", "grasshopper", "viewer"):
+    for name in ("rhino", "grasshopper", "notebook", "viewer"):
         sys.modules.pop(f"compas_cgc.scene.{name}", None)
 
 
@@ -124,11 +124,44 @@ def test_in_the_viewer(registered, monkeypatch):
     assert len(elements) == 4 + 16 and len(points) == len(colours) == 40 and elements[-1] == [38, 39]
 
 
+def test_in_a_notebook(registered):
+    pytest.importorskip("compas_notebook", reason="compas_notebook is not installed")
+    three = pytest.importorskip("pythreejs")
+    compas_cgc.scene.register_notebook()
+    roof = folded_roof()
+    drawn = added(roof, "Notebook", show_figure="error").draw()
+    surface, *rest = drawn
+    assert isinstance(surface, three.Mesh) and [type(own) for own in rest] == [three.LineSegments, three.LineSegments, three.Points]
+
+    def array(thing, name):
+        return thing.geometry.attributes[name].array
+
+    assert len(array(surface, "position")) == 3 * 32, "no dummies"
+    inner = np.linalg.norm(array(surface, "position")[:, :2] - 2.0, axis=1) < 0.1
+    assert len(array(rest[0], "position")) == 2 * 4 and len(array(rest[1], "position")) == 2 * 16 and len(array(rest[2], "position")) == 2
+    by_error, by_K = array(surface, "color"), array(added(roof, "Notebook", show_figure="k_max").draw()[0], "color")
+    assert inner.any() and not np.array_equal(by_error, by_K), "the figure asked for is shown"
+    with pytest.raises(ValueError, match="show must be one of"):
+        added(roof, "Notebook", show_figure="slope").draw()
+
+
+def test_in_the_viewer_itself():
+    """Not with stand-ins: compas_viewer as it is, without a window."""
+    pytest.importorskip("compas_viewer", reason="compas_viewer is not installed")
+    scene = pytest.importorskip("compas_viewer.scene", exc_type=ImportError, reason="compas_viewer cannot be loaded here")
+    from compas_cgc.scene.viewer import CGCMeshObject
+
+    assert issubclass(CGCMeshObject, scene.MeshObject)
+    for name in ("_read_points_data", "_read_lines_data"):
+        assert callable(getattr(scene.MeshObject, name)), "what ours takes the place of is there"
+
+
 def test_compas_is_told_what_each_registration_needs():
     for function, name in (
         (compas_cgc.scene.register_rhino, "Rhino"),
         (compas_cgc.scene.register_grasshopper, "Grasshopper"),
         (compas_cgc.scene.register_viewer, "compas_viewer"),
+        (compas_cgc.scene.register_notebook, "compas_notebook"),
     ):
         found = function.__plugin_spec__
         assert found["extension_point_url"].endswith("/factories/register_scene_objects") and found["requires"] == [name]
