@@ -20,6 +20,7 @@ from .schemas import PAGE
 from .schemas import PROBLEM
 from .schemas import TASKS
 from .schemas import build_schema
+from .schemas import drawing_schema
 from .schemas import request_schema
 
 __all__ = ["description"]
@@ -40,6 +41,7 @@ OPERATIONS = {
     ("get", "/api/v1/jobs/{id}/surface"): "getSurface",
     ("get", "/api/v1/jobs/{id}/events"): "followJob",
     ("post", "/api/v1/models"): "readModel",
+    ("post", "/api/v1/drawings"): "meshDrawing",
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
 }
@@ -166,6 +168,12 @@ def _description() -> dict:
                 "parameters": [
                     {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(KINDS)}},
                     {"name": "name", "in": "query", "schema": {"type": "string"}, "description": "what to call the mesh"},
+                    {
+                        "name": "edge_length",
+                        "in": "query",
+                        "schema": {"type": "number", "exclusiveMinimum": 0},
+                        "description": "of a mesh that is made of curves or surfaces",
+                    },
                 ],
                 "post": {
                     **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
@@ -173,6 +181,12 @@ def _description() -> dict:
                         "required": True,
                         "content": {"application/octet-stream": {"schema": BYTES}},
                     },
+                },
+            },
+            "/api/v1/drawings": {
+                "post": {
+                    **_operation("Mesh a drawing", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
+                    "requestBody": {"required": True, "content": {"application/json": {"schema": drawing_schema()}}},
                 },
             },
             "/api/v1/examples": {

@@ -190,6 +190,27 @@ def request_schema() -> dict:
     }
 
 
+def drawing_schema() -> dict:
+    """Return the schema of a drawing in plan."""
+    line = {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}}
+    lines = {"type": "array", "items": line}
+    return {
+        "type": "object",
+        "required": ["outline", "edge_length"],
+        "additionalProperties": False,
+        "properties": {
+            "name": {"type": "string"},
+            "unit": {"enum": list(UNITS)},
+            "edge_length": {"type": "number", "exclusiveMinimum": 0, "description": "of the mesh [L]"},
+            "outline": {**line, "minItems": 3},
+            "holes": lines,
+            "creases": {**lines, "description": "lines along which the surface may fold"},
+            "points": {**line, "description": "columns"},
+            "held": {**lines, "description": "lines whose vertices are held"},
+        },
+    }
+
+
 def build_schema() -> dict:
     """Return the schema of a request for another task than a solve: of the surface that it is made of, or of the job that solved it."""
     properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live")}

@@ -137,3 +137,44 @@ def test_a_region_that_is_divided_keeps_name_colour_and_K(hands):
     share = one["names"].index("Hall")
     assert one["regions"].count(share) > len(faces) / 2 and one["colours"][share] == "#112233"
     assert none["regions"] == [0] * len(faces) and none["names"] == ["Hall"] and none["creases"] == []
+
+
+def test_sentences_have_no_words_for_scripts(hands):
+    from compas_cgc.model.checks import check
+    from compas_cgc.server.api.wording import in_request_words
+
+    mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
+    sentences = [in_request_words(said) for said in check(mesh.to_problem())]
+    mesh.set_supports("boundary")
+    sentences += [in_request_words(said) for said in check(mesh.to_problem())]
+    sentences += ["take another mesh; unify them (mesh.unify() does)", "give an edge length (--edge-length) to mesh the outline"]
+    said = hands.read("const { capital } = await import('/page/words.js'); return args[0].map(capital)", sentences)
+    assert len(said) >= 4 and all(text[0].isupper() and text.endswith(".") for text in said)
+    for text in said:
+        assert not any(sign in text for sign in ("mesh.", "--", "set_", "()", " as targets")), text
+
+
+def test_many_regions_are_grouped(hands):
+    """Seventy-two regions with three kinds of K are a handful of sliders, and each can still be set alone."""
+    nx = 12
+    mesh = CGCMesh.from_meshgrid(dx=12, nx=nx)
+    vertices, faces = mesh.arrays()
+    middle = vertices[faces].mean(axis=1)
+    regions = (6 * (middle[:, 0] // 1) + middle[:, 1] // 2).astype(int)
+    targets = [(0.01, 0.02, -0.01)[k % 3] for k in range(72)]
+    none = {"file": [], "boundary": [], "corners": []}
+    data = {
+        **{"name": "Many", "unit": "m", "vertices": vertices.tolist(), "faces": faces.tolist(), "regions": regions.tolist()},
+        **{"supports": none, "support_choice": "file", "creases": [], "constraints": [], "notes": [], "problems": [], "targets": targets},
+    }
+    top, single, changed = hands.read(
+        "const [{ Regions }, { Model }] = await Promise.all([import('/page/regions.js'), import('/page/model.js')]);"
+        "const room = document.createElement('div'); let told = 0;"
+        "const regions = new Regions(room, { change: () => (told += 1), over() {}, name() {}, colour() {} });"
+        "regions.show(new Model(args[0]));"
+        "const rows = [...room.querySelectorAll('.region')]; const top = rows.filter((row) => !row.closest('details'));"
+        "const field = top[1].querySelector('[type=number]'); field.value = 0.03; field.dispatchEvent(new Event('change'));"
+        "return [top.length, rows.length - top.length, [told, regions.targets.filter((K) => K === 0.03).length]]",
+        data,
+    )
+    assert top == 4 and single == 72 and changed == [1, 24]

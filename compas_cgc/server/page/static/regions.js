@@ -58,15 +58,16 @@ export class Regions {
     this.refresh();
   }
 
-  /** Return regions of the same K and nearly the same size together. */
+  /** Return regions that are alike together: of the same K and nearly the same size, or else of the same K, or else all. */
   groups() {
-    const found = new Map();
-    this.targets.forEach((K, region) => {
-      const key = `${K} ${this.model.areas[region].toPrecision(2)}`;
-      found.set(key, [...(found.get(key) ?? []), region]);
-    });
-    // Where all differ, by K alone, and then all at once.
-    return found.size <= MANY ? [...found.values()] : [...Map.groupBy?.(this.targets.keys(), (region) => this.targets[region])?.values() ?? [this.targets.map((_, region) => region)]];
+    const { areas } = this.model;
+    const keys = [(K, region) => `${K} ${areas[region].toPrecision(2)}`, (K) => String(K), () => ''];
+    for (const key of keys) {
+      const found = new Map();
+      this.targets.forEach((K, region) => found.set(key(K, region), [...(found.get(key(K, region)) ?? []), region]));
+      if (found.size <= MANY) return [...found.values()];
+    }
+    return [];
   }
 
   /**

@@ -122,7 +122,7 @@ export class Welcome {
     const kept = kind === '3dm' ? file : null;
     try {
       const data = await this.api.model(file, kind, edge);
-      const again = !edge && data.notes.some((note) => note.includes('edge length')) ? () => this.again(file, kind) : null;
+      const again = !edge && data.notes.some((note) => /edge length|meshed with edges/.test(note)) ? () => this.again(file, kind) : null;
       this.listener.open({ ...data, file: edge ? null : kept }, again);
     } catch (error) {
       if (edge || kind !== '3dm' || !/no mesh/.test(error.message)) throw error;

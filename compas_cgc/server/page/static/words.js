@@ -1,5 +1,24 @@
 /** Sentences. */
 
+// What says a thing for scripts, in the words of the page.
+const SAID = [
+  [/ ?\((?:mesh\.|--|CGCMesh|compas)[^()]*(?:\([^()]*\)[^()]*)*\)/g, ''],
+  [/supports "boundary" fixes the whole edge/g, 'choose “Whole edge” under Supports'],
+  [/mesh\.set_supports\('boundary'\) or --supports boundary fixes the whole edge/g, 'choose “Whole edge” under Supports'],
+  [/a list of vertices as supports/g, 'with the tools Point and Side'],
+  [/, as targets\b/g, ' with the sliders'],
+  [/; install it: pip install '[^']*'/g, '; whoever runs the server can install it'],
+];
+
+/**
+ * Return a sentence without words for scripts and command lines.
+ * @param {string} text
+ * @returns {string}
+ */
+export function plain(text) {
+  return SAID.reduce((said, [pattern, word]) => said.replace(pattern, word), text);
+}
+
 /**
  * Return a text with a capital.
  * @param {string} text
@@ -10,11 +29,11 @@ export function capitalised(text) {
 }
 
 /**
- * Return a sentence with a capital and a full stop.
+ * Return a sentence with a capital and a full stop, in the words of the page.
  * @param {string} text
  * @returns {string}
  */
 export function capital(text) {
-  const trimmed = text.trim();
-  return capitalised(trimmed) + (/[.!?]$/.test(trimmed) ? '' : '.');
+  const trimmed = plain(text).trim();
+  return capitalised(trimmed) + (/[.!?…]$/.test(trimmed) ? '' : '.');
 }
