@@ -12,7 +12,20 @@ from .options import USER_ROLES
 from .result_schemas import PACKED
 from .units import UNITS
 
-__all__ = ["BYTES", "JOB", "JOB_LIST", "METHODS", "MODEL", "PAGE", "PROBLEM", "STATES", "TASKS", "build_schema", "request_schema"]
+__all__ = [
+    "BYTES",
+    "JOB",
+    "JOB_LIST",
+    "METHODS",
+    "MODEL",
+    "PAGE",
+    "PROBLEM",
+    "STATES",
+    "TASKS",
+    "build_schema",
+    "drawing_schema",
+    "request_schema",
+]
 
 # Generators of clients go by the format, which is OpenAPI 3.0's.
 BYTES = {"type": "string", "contentEncoding": "binary", "format": "binary"}
