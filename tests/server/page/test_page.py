@@ -5,9 +5,13 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import os
 import re
+import shutil
+import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,6 +128,20 @@ def test_scripts_import_what_is_there_and_keep_to_themselves():
         assert not re.search(r"\beval\b|new Function|innerHTML|https?://|console\.|localStorage", text), path.name
         for kind, name in re.findall(r"(?<!\*/\n)^export (?:async )?(class|function\*?) (\w+)", text, re.MULTILINE):
             raise AssertionError(f"{kind} {name} in {path.name} is not described")
+
+
+def test_types_of_the_scripts_agree():
+    """``npm install typescript`` in the root, or the path of tsc in TSC."""
+    root = Path(__file__).parents[3]
+    tsc = os.environ.get("TSC") or shutil.which(str(root / "node_modules" / ".bin" / "tsc")) or shutil.which("tsc")
+    if not tsc:
+        pytest.skip("there is no tsc to check types with (npm install typescript)")
+    said = subprocess.run(
+        [tsc, "-p", str(root / "tests" / "support" / "tsconfig.json"), "--pretty", "false"], capture_output=True, text=True
+    )
+    # Those of others are as they came.
+    wrong = [line for line in said.stdout.splitlines() if ": error " in line and "/vendor/" not in line]
+    assert not wrong, "\n".join(wrong)
 
 
 def test_what_is_taken_from_others_is_what_its_list_says():

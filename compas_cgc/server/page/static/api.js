@@ -25,7 +25,7 @@ export class Api {
     this.asking = null;
   }
 
-  /** @returns {Promise<{name: string, text: string, options: object[]}[]>} the methods, each option as a JSON schema */
+  /** @returns {Promise<import('./types.js').Method[]>} the methods, each option as a JSON schema */
   async methods() {
     return (await this.json('/api/v1/methods')).methods;
   }
@@ -59,7 +59,7 @@ export class Api {
     return this.json('/api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
   }
 
-  /** @returns {Promise<{name: string, text: string, options: object[], formats: string[]}[]>} what is built of solved surfaces */
+  /** @returns {Promise<import('./types.js').Method[]>} what is built of solved surfaces */
   async tasks() {
     return (await this.json('/api/v1/tasks')).tasks;
   }
@@ -68,7 +68,7 @@ export class Api {
    * Run a job to its end and return its result; who aborts stops it.
    * @param {object} job
    * @param {AbortSignal} signal
-   * @returns {Promise<object>}
+   * @returns {Promise<any>}
    */
   async build(job, signal) {
     const { id } = await this.submit(job, signal);
@@ -156,7 +156,7 @@ export class Api {
    * Give the states of a job as they change. EventSource would do, but cannot send a key.
    * @param {string} id
    * @param {AbortSignal} signal
-   * @returns {AsyncGenerator<object>}
+   * @returns {AsyncGenerator<import('./types.js').Status>}
    */
   async *events(id, signal) {
     const answer = await this.request(`/api/v1/jobs/${id}/events`, { signal });

@@ -1,4 +1,5 @@
 /** The course of a solve: the largest error and the energy, step by step. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import uPlot from './vendor/uplot/uPlot.esm.js';
 import { power, readable } from './numbers.js';

@@ -1,4 +1,5 @@
 /** Dots on vertices: supports, and places to look at. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
 

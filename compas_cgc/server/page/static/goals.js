@@ -12,7 +12,7 @@ const SIDES = [
 export class Goals {
   /**
    * @param {HTMLFormElement} panel
-   * @param {(goals: object, key: string) => void} change
+   * @param {(goals: import('./types.js').Goals, key: string) => void} change
    */
   constructor(panel, change) {
     this.fields = panel.elements;
@@ -33,7 +33,7 @@ export class Goals {
 
   /**
    * Show what is asked.
-   * @param {object} goals
+   * @param {import('./types.js').Goals} goals
    * @param {import('./model.js').Model} model
    */
   show(goals, model) {
@@ -55,7 +55,7 @@ export class Goals {
     this.put({ x0: at(0, 0.35), y0: at(1, 0), x1: at(0, 0.65), y1: at(1, 0.25), height });
   }
 
-  /** @param {object} box */
+  /** @param {import('./types.js').Box} box */
   put(box) {
     this.change({ boxes: [...(this.goals.boxes ?? []), box] }, 'box');
   }

@@ -40,6 +40,7 @@ const WORTH = 200; // milliseconds; what is over sooner needs no word
 const CLOSE = 0.05; // of the limit that is looked for; a mark on a slider is no finer
 const MARK = '#design=';
 
+/** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);
 
 /** The page. */
@@ -403,7 +404,8 @@ class Page {
 
   /** Cut the surface between two vertices. */
   cut(...vertices) {
-    this.section.open(...vertices.map((vertex) => [0, 1, 2].map((axis) => this.shown[3 * vertex + axis])));
+    const [a, b] = vertices.map((vertex) => [0, 1, 2].map((axis) => this.shown[3 * vertex + axis]));
+    this.section.open(a, b);
     this.section.show(this.model, this.shown);
   }
 

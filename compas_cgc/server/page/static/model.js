@@ -6,30 +6,31 @@ import { pack } from './packed.js';
 
 /** A mesh with what is asked of it. */
 export class Model {
-  /** @param {object} data answer of /api/v1/models or /api/v1/examples/NAME */
+  /** @param {import('./types.js').Data} data answer of /api/v1/models, /api/v1/drawings or /api/v1/examples/NAME */
   constructor(data) {
-    Object.assign(this, {
-      name: data.name,
-      file: data.file ?? null,
-      unit: data.unit,
-      notes: data.notes,
-      problems: data.problems,
-      supports: data.supports,
-      choice: data.support_choice,
-      creases: data.creases,
-      constraints: data.constraints,
-      targets: data.targets,
-      vertexTargets: data.vertex_targets,
-      settings: data.settings ?? {},
-      method: data.method ?? null,
-      names: data.names ?? [],
-      colours: data.colours ?? [],
-      heights: data.heights ?? {},
-      ground: data.ground ?? null,
-      drawn: 'columns' in data,
-      vertices: data.vertices,
-      triangles: data.faces,
-    });
+    this.name = data.name;
+    this.file = data.file ?? null;
+    this.unit = data.unit;
+    this.notes = data.notes;
+    this.problems = data.problems;
+    this.supports = data.supports;
+    this.choice = data.support_choice;
+    this.creases = data.creases;
+    this.constraints = data.constraints;
+    this.targets = data.targets;
+    this.vertexTargets = data.vertex_targets;
+    this.settings = data.settings ?? {};
+    this.method = data.method ?? null;
+    this.names = data.names ?? [];
+    this.colours = data.colours ?? [];
+    this.heights = data.heights ?? {};
+    this.ground = data.ground ?? null;
+    this.drawn = 'columns' in data;
+    this.vertices = data.vertices;
+    this.triangles = data.faces;
+    /** @type {?Graph} */
+    this.edges = null;
+    this.packed = null;
     this.count = data.vertices.length;
     this.xyz = Float64Array.from(data.vertices.flat());
     this.faces = Uint32Array.from(data.faces.flat());
@@ -41,7 +42,10 @@ export class Model {
     this.onCrease = new Uint8Array(this.count);
     for (const path of this.creases) for (const vertex of path) this.onCrease[vertex] = 1;
     this.areas = regionAreas(this.xyz, this.faces, this.regions, this.targets.length);
-    Object.assign(this, frameOf(this.xyz));
+    const { centre, span, size } = frameOf(this.xyz);
+    this.centre = centre;
+    this.span = span;
+    this.size = size;
   }
 
   /** @returns {{vertices: object, faces: object}} both as the server takes them quickest */

@@ -54,14 +54,14 @@ export class Painter {
   /**
    * Tell about a vertex.
    * @param {number} vertex
-   * @returns {{K: number, target: ?number, held: boolean, height: number, name: string}}
+   * @returns {{K: number, target: ?number, held: boolean, height: number, unit: string}}
    */
   look(vertex) {
     const height = this.xyz[3 * vertex + 2];
     return { K: this.K[vertex], target: this.targets[vertex], held: this.held.has(vertex), height, unit: this.model.unit };
   }
 
-  /** @returns {object} curvatures of fitted quadrics */
+  /** @returns {ReturnType<typeof quadricCurvatures>} curvatures of fitted quadrics */
   get fit() {
     this.fitted ??= quadricCurvatures(this.xyz, this.model.faces, this.model.graph.near, this.model.askedWith([...this.held]));
     return this.fitted;

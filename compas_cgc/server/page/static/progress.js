@@ -5,7 +5,7 @@ import { duration, readable } from './numbers.js';
 /**
  * Show step, error, energy and time.
  * @param {HTMLElement} room
- * @param {object} status of the job
+ * @param {import('./types.js').Status} status of the job
  */
 export function showProgress(room, status) {
   const parts = [status.state === 'queued' ? 'Waiting for its turn' : `Step ${status.iteration}`];

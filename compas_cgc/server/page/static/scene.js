@@ -1,4 +1,5 @@
 /** The 3D view: camera, light, and drawing when something has changed. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
 import { OrbitControls } from './vendor/three/controls/OrbitControls.js';

@@ -65,7 +65,9 @@ export class Settings {
 
   /** @returns {{supports: number[], method: string, settings: object}} the same as fields of a request */
   get asked() {
-    const given = [...this.options.querySelectorAll('input, select')].filter((field) => field.value !== '');
+    /** @type {any[]} */
+    const fields = Array.from(this.options.querySelectorAll('input, select'));
+    const given = fields.filter((field) => field.value !== '');
     const settings = Object.fromEntries(given.map((field) => [field.name, valueOf(field)]));
     return { supports: this.supports, method: this.fields.method.value || undefined, settings };
   }
@@ -83,7 +85,7 @@ export class Settings {
 
 /**
  * Return the field of an option, empty where the method shall take its own value.
- * @param {object} option its JSON schema, with a name and a description
+ * @param {import('./types.js').Option} option its JSON schema, with a name and a description
  * @param {any} [value]
  * @returns {HTMLLabelElement}
  */

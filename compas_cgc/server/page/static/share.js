@@ -6,7 +6,7 @@ import { hand } from './download.js';
 /**
  * Fill the menu.
  * @param {HTMLDetailsElement} menu
- * @param {{state: () => object, picture: () => Promise<?Blob>}} source
+ * @param {{state: () => import('./types.js').State, picture: () => Promise<?Blob>}} source
  */
 export function shareMenu(menu, source) {
   const said = menu.querySelector('#share-said');
@@ -41,7 +41,7 @@ export function shareMenu(menu, source) {
     return 'Saved.';
   });
   document.addEventListener('pointerdown', ({ target }) => {
-    if (!menu.contains(target)) menu.open = false;
+    if (!menu.contains(/** @type {Node} */ (target))) menu.open = false;
   });
   menu.addEventListener('keydown', (event) => {
     if (event.key !== 'Escape') return;

@@ -7,9 +7,9 @@ const POLL = 200; // milliseconds
 
 /**
  * @typedef {object} Listener what is told about a solve
- * @property {(status: object) => void} progress
+ * @property {(status: import('./types.js').Status) => void} progress
  * @property {(xyz: Float32Array) => void} surface
- * @property {(result: ?object, status: object) => void} done
+ * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
  * @property {(message: string) => void} failed
  */
 

@@ -1,4 +1,5 @@
 /** The drawn model: surface, edges, creases and supports. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
 import { LineMaterial } from './vendor/three/lines/LineMaterial.js';

@@ -24,7 +24,7 @@ export class Verdict {
 
   /**
    * Tell of a result.
-   * @param {object} result
+   * @param {import('./types.js').Result} result
    * @param {import('./model.js').Model} model
    */
   show(result, model) {

@@ -12,7 +12,7 @@ export class Welcome {
   /**
    * @param {HTMLElement} room
    * @param {import('./api.js').Api} api
-   * @param {{open: (data: object) => void, draw: (plan: ?object, name: string) => void, state: (state: object) => void, edge: (text: string) => Promise<?number>}} listener
+   * @param {{open: (data: import('./types.js').Data, again?: (() => void) | null) => void, draw: (plan: ?import('./draw/plan.js').Plan, name: string) => void, state: (state: import('./types.js').State) => void, edge: (text: string) => Promise<?number>}} listener
    */
   constructor(room, api, listener) {
     this.room = room;
@@ -21,6 +21,7 @@ export class Welcome {
     this.latest = 0;
     this.trouble = room.querySelector('.trouble');
     this.opening = room.querySelector('#opening');
+    /** @type {HTMLInputElement} */
     const input = room.querySelector('input[type="file"]');
     input.addEventListener('change', () => {
       const [file] = input.files;
@@ -75,8 +76,8 @@ export class Welcome {
 
   /**
    * Offer what was kept.
-   * @param {object[]} designs
-   * @param {{take: (design: object) => void, drop: (design: object) => void}} act
+   * @param {import('./types.js').State[]} designs
+   * @param {{take: (design: import('./types.js').State) => void, drop: (design: import('./types.js').State) => void}} act
    */
   offer(designs, act) {
     const rows = designs.map((design) => {

@@ -1,6 +1,7 @@
 /** Sentences. */
 
 // What says a thing for scripts, in the words of the page.
+/** @type {[RegExp, string][]} */
 const SAID = [
   [/ ?\((?:mesh\.|--|CGCMesh|compas)[^()]*(?:\([^()]*\)[^()]*)*\)/g, ''],
   [/supports "boundary" fixes the whole edge/g, 'choose “Whole edge” under Supports'],

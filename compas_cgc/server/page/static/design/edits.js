@@ -1,11 +1,13 @@
 /** Changes of a design: each returns a new one and leaves the old as it was. */
 
+/** @typedef {import('../types.js').Data} Data */
+
 import { lifted } from '../mesh/lift.js';
 import { regionsOf } from '../mesh/graph.js';
 
 /**
  * Return what is held.
- * @param {object} data
+ * @param {Data} data
  * @returns {number[]} vertices
  */
 export function heldIn(data) {
@@ -14,10 +16,10 @@ export function heldIn(data) {
 
 /**
  * Hold some vertices, or let them go.
- * @param {object} data
+ * @param {Data} data
  * @param {number[]} vertices
  * @param {boolean} hold
- * @returns {object}
+ * @returns {Data}
  */
 export function withHeld(data, vertices, hold) {
   const held = new Set(heldIn(data));
@@ -32,9 +34,9 @@ export function withHeld(data, vertices, hold) {
 
 /**
  * Take one of the choices of supports.
- * @param {object} data
+ * @param {Data} data
  * @param {string} choice
- * @returns {object}
+ * @returns {Data}
  */
 export function withChoice(data, choice) {
   const held = new Set(data.supports[choice]);
@@ -44,10 +46,10 @@ export function withChoice(data, choice) {
 
 /**
  * Put supports at a height over where they were drawn.
- * @param {object} data
+ * @param {Data} data
  * @param {number[]} vertices
  * @param {number} height
- * @returns {object}
+ * @returns {Data}
  */
 export function withHeight(data, vertices, height) {
   const heights = { ...data.heights };
@@ -58,6 +60,7 @@ export function withHeight(data, vertices, height) {
   return raised({ ...data, heights });
 }
 
+/** @param {Data} data */
 function raised(data) {
   const before = data.ground ?? data.vertices;
   if (!Object.keys(data.heights).length) return data.ground ? { ...data, vertices: before, ground: undefined } : data;
@@ -66,9 +69,9 @@ function raised(data) {
 
 /**
  * Add a crease.
- * @param {object} data
+ * @param {Data} data
  * @param {number[]} path vertices along edges
- * @returns {object}
+ * @returns {Data}
  */
 export function withCrease(data, path) {
   return divided(data, [...data.creases, path]);
@@ -76,9 +79,9 @@ export function withCrease(data, path) {
 
 /**
  * Take a crease away.
- * @param {object} data
+ * @param {Data} data
  * @param {number} vertex on it
- * @returns {object}
+ * @returns {Data}
  */
 export function withoutCrease(data, vertex) {
   return divided(
@@ -117,10 +120,10 @@ function size(shares, region, old) {
 
 /**
  * Name a region.
- * @param {object} data
+ * @param {Data} data
  * @param {number} region
  * @param {string} name
- * @returns {object}
+ * @returns {Data}
  */
 export function withName(data, region, name) {
   return { ...data, names: data.targets.map((_, each) => (each === region ? name.trim() || null : (data.names?.[each] ?? null))) };
@@ -128,10 +131,10 @@ export function withName(data, region, name) {
 
 /**
  * Colour a region.
- * @param {object} data
+ * @param {Data} data
  * @param {number} region
  * @param {string} colour hex
- * @returns {object}
+ * @returns {Data}
  */
 export function withColour(data, region, colour) {
   return { ...data, colours: data.targets.map((_, each) => (each === region ? colour : (data.colours?.[each] ?? null))) };
@@ -139,9 +142,9 @@ export function withColour(data, region, colour) {
 
 /**
  * Change what is asked besides K.
- * @param {object} data
- * @param {object} goals some of rise, found, edge, above, below, boxes
- * @returns {object}
+ * @param {Data} data
+ * @param {import('../types.js').Goals} goals some of rise, found, edge, above, below, boxes
+ * @returns {Data}
  */
 export function withGoals(data, goals) {
   return { ...data, goals: { ...data.goals, ...goals } };

@@ -8,12 +8,13 @@ export class History {
   /** @param {() => void} changed called whenever undo or redo become possible or impossible */
   constructor(changed) {
     this.changed = changed;
+    /** @type {import('../types.js').State[]} */
     this.states = [];
     this.at = 0;
     this.last = { key: '', time: 0 };
   }
 
-  /** @returns {?object} the present state */
+  /** @returns {?import('../types.js').State} the present state */
   get now() {
     return this.states[this.at] ?? null;
   }
@@ -30,7 +31,7 @@ export class History {
 
   /**
    * Begin anew.
-   * @param {object} state
+   * @param {import('../types.js').State} state
    */
   begin(state) {
     this.states = [state];
@@ -41,7 +42,7 @@ export class History {
 
   /**
    * Add a state.
-   * @param {object} state
+   * @param {import('../types.js').State} state
    * @param {string} [key] what has changed; changes of the same thing in a row are one
    */
   push(state, key = '') {
@@ -56,12 +57,12 @@ export class History {
     this.changed();
   }
 
-  /** @returns {?object} the state before */
+  /** @returns {?import('../types.js').State} the state before */
   undo() {
     return this.step(-1);
   }
 
-  /** @returns {?object} the state after */
+  /** @returns {?import('../types.js').State} the state after */
   redo() {
     return this.step(1);
   }

@@ -43,7 +43,7 @@ export class Keep {
 
   /**
    * Keep a state soon.
-   * @param {{stage: string, data: ?object, plan: ?object, name: string}} state
+   * @param {import('../types.js').State} state
    */
   put(state) {
     this.latest = state;
@@ -62,13 +62,13 @@ export class Keep {
     await inStore('readwrite', (store) => store.put({ ...latest, id: this.id, time: Date.now() })).catch(() => {});
   }
 
-  /** @returns {Promise<?object>} what this tab has shown */
+  /** @returns {Promise<?import('../types.js').State>} what this tab has shown */
   async mine() {
     if (!this.id) return null;
     return (await inStore('readonly', (store) => store.get(this.id)).catch(() => null)) ?? null;
   }
 
-  /** @returns {Promise<object[]>} all that is kept, the newest first; the oldest of too many are let go */
+  /** @returns {Promise<import('../types.js').State[]>} all that is kept, the newest first; the oldest of too many are let go */
   async all() {
     const found = (await inStore('readonly', (store) => store.getAll()).catch(() => [])).sort((a, b) => b.time - a.time);
     for (const { id } of found.slice(MOST)) this.drop(id);

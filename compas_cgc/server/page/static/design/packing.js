@@ -6,11 +6,11 @@ const LONGEST = 1_500_000; // characters of a link that browsers take
 
 /**
  * Return a design as the text of a file.
- * @param {object} state
+ * @param {import('../types.js').State} state
  * @returns {string}
  */
 export function asText({ stage, data, plan, name }) {
-  const { file, ...rest } = data ?? {};
+  const { file, ...rest } = data ?? /** @type {import('../types.js').Data} */ ({});
   const held = data && { ...rest, vertices: data.vertices.map((point) => point.map(short)), ground: data.ground?.map((point) => point.map(short)) };
   return JSON.stringify({ kind: MARK, version: 1, name, stage, plan, data: held });
 }
@@ -18,7 +18,7 @@ export function asText({ stage, data, plan, name }) {
 /**
  * Return the design in a text.
  * @param {string} text
- * @returns {object}
+ * @returns {import('../types.js').State}
  * @throws {Error} where it is none
  */
 export function fromText(text) {
@@ -35,7 +35,7 @@ export function fromText(text) {
 
 /**
  * Return a design for the end of an address.
- * @param {object} state
+ * @param {import('../types.js').State} state
  * @returns {Promise<string>}
  * @throws {Error} where it is too large
  */
@@ -52,7 +52,7 @@ export async function asFragment(state) {
 /**
  * Return the design at the end of an address.
  * @param {string} packed
- * @returns {Promise<object>}
+ * @returns {Promise<import('../types.js').State>}
  */
 export async function fromFragment(packed) {
   try {

@@ -20,7 +20,7 @@ export class Board {
   /**
    * @param {SVGSVGElement} svg
    * @param {{field: HTMLInputElement, label: HTMLElement, hint: HTMLElement}} typing
-   * @param {{change: (plan: import('./plan.js').Plan, key?: string) => void, tool: (name: string) => void}} listener
+   * @param {{change: (plan: import('./plan.js').Plan, key?: string) => void}} listener
    */
   constructor(svg, typing, listener) {
     this.svg = svg;
@@ -28,6 +28,7 @@ export class Board {
     this.typing = typing;
     this.listener = listener;
     this.plan = null;
+    /** @type {Map<number, [number, number]>} */
     this.fingers = new Map();
     this.asking = null;
     this.reset('line');
@@ -103,6 +104,7 @@ export class Board {
 
   // ---------------------------------------------------------- pointer
 
+  /** @returns {[number, number]} where a pointer is on the board */
   place(event) {
     const { left, top } = this.svg.getBoundingClientRect();
     return [event.clientX - left, event.clientY - top];
@@ -170,7 +172,7 @@ export class Board {
     if (!other || !before) return;
     const [old, fresh] = [before, now].map((at) => Math.hypot(at[0] - other[0], at[1] - other[1]) || 1);
     const middle = [(before[0] + other[0]) / 2, (before[1] + other[1]) / 2];
-    const held = this.ink.toPlan(...middle);
+    const held = this.ink.toPlan(middle[0], middle[1]);
     this.zoomTo(held, [(now[0] + other[0]) / 2, (now[1] + other[1]) / 2], fresh / old);
   }
 
@@ -183,7 +185,7 @@ export class Board {
   /** Zoom so that a place of the plan comes to lie under a place on the screen. */
   zoomTo(held, at, factor) {
     this.ink.view.scale = Math.max(1e-6, Math.min(1e6, this.ink.view.scale * factor));
-    const there = this.ink.toPlan(...at);
+    const there = this.ink.toPlan(at[0], at[1]);
     this.ink.view.x += held[0] - there[0];
     this.ink.view.y += held[1] - there[1];
     this.draw();

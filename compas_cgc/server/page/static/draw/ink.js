@@ -18,7 +18,7 @@ export class Ink {
   /**
    * Return where a place of the plan is on the screen.
    * @param {number[]} point
-   * @returns {number[]}
+   * @returns {[number, number]}
    */
   toScreen([x, y]) {
     const { view, frame } = this;
@@ -56,7 +56,7 @@ export class Ink {
   /**
    * Draw all.
    * @param {import('./plan.js').Plan} plan
-   * @param {{draft: number[][], pointer: ?{at: number[], on: string}, tool: string, hot: ?object, shape: ?number[][], dots: boolean}} state
+   * @param {{draft: number[][], pointer: ?{at: number[], on: string}, tool: string, hot: ?object, shape: ?number[][]}} state
    */
   draw(plan, { draft, pointer, tool, hot, shape }) {
     const parts = [this.grid(), this.area(plan)];
@@ -116,7 +116,7 @@ export class Ink {
     });
     if (line.circle) {
       const { x, y, r } = line.circle;
-      group.append(this.text(`⌀ ${readable(2 * r, 5)}`, ...this.toScreen([x, y + r]).map((at, axis) => at - 9 * axis), 'size'));
+      group.append(this.text(`⌀ ${readable(2 * r, 5)}`, this.toScreen([x, y])[0], this.toScreen([x, y + r])[1] - 9, 'size'));
       group.append(this.dot([x, y], `point ${hot?.line === number && hot.point === 0 ? 'hot' : ''}`));
       return group;
     }
@@ -144,7 +144,7 @@ export class Ink {
     const group = this.make('g', { class: 'draft' });
     const points = shape ?? (pointer ? [...draft, pointer.at] : draft);
     group.append(this.make('path', { class: 'stroke', d: this.path(points, Boolean(shape)) }));
-    const ends = shape ? segmentsOf({ points: shape, closed: true }).slice(0, shape.length > 8 ? 0 : 2) : segmentsOf({ points, closed: false });
+    const ends = shape ? segmentsOf({ points: shape, closed: true, held: [] }).slice(0, shape.length > 8 ? 0 : 2) : segmentsOf({ points, closed: false, held: [] });
     for (const pair of ends) {
       const label = this.size(pair, shape ? turning(shape) : 1);
       if (label) group.append(label);
@@ -159,7 +159,12 @@ export class Ink {
     return this.make('path', { class: `cross ${on}`, d: `M${x - 9} ${y}H${x + 9}M${x} ${y - 9}V${y + 9}` });
   }
 
-  /** Return the dimension of a segment, null where there is no room. */
+  /**
+   * Return the dimension of a segment, null where there is no room.
+   * @param {number[][]} ends
+   * @param {number} side 1 or -1
+   * @returns {?Element}
+   */
   size([a, b], side) {
     const [from, to] = [this.toScreen(a), this.toScreen(b)];
     const room = Math.hypot(to[0] - from[0], to[1] - from[1]);
@@ -179,6 +184,7 @@ export class Ink {
     return this.make('circle', { class: name, cx, cy, r });
   }
 
+  /** @returns {any} */
   text(content, x, y, name) {
     const made = this.make('text', { x, y, class: name });
     made.textContent = content;

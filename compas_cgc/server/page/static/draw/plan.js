@@ -67,7 +67,7 @@ export function segmentsOf({ points, closed }) {
 
 /**
  * Return the corners of all that is drawn.
- * @param {Plan} plan
+ * @param {{lines: Line[], columns: {x: number, y: number}[]}} plan
  * @returns {?{x0: number, y0: number, x1: number, y1: number}} null where nothing is
  */
 export function boundsOf({ lines, columns }) {

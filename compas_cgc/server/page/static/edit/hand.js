@@ -72,6 +72,7 @@ export class Hand {
 
   hover(x, y) {
     if (this.tool === 'look' || this.tool === 'box') return;
+    /** @type {[number, number]} */
     this.place = [x, y];
     if (this.waiting) return;
     this.waiting = true;

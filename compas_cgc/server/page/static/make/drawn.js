@@ -18,7 +18,7 @@ const LABELS = 160; // more could not be read
 /**
  * Return what a task has made, to be drawn in place.
  * @param {string} task
- * @param {object} told answer of the job
+ * @param {any} told answer of the job
  * @returns {Drawn}
  */
 export function drawnOf(task, told) {

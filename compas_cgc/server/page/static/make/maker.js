@@ -94,7 +94,9 @@ export class Maker {
     this.abort = abort;
     this.room.querySelector('#make').disabled = true;
     this.said.textContent = 'Working …';
-    const given = [...this.room.querySelectorAll('#make-options input, #make-options select')].filter((field) => field.value !== '');
+    /** @type {any[]} */
+    const fields = Array.from(this.room.querySelectorAll('#make-options input, #make-options select'));
+    const given = fields.filter((field) => field.value !== '');
     const settings = Object.fromEntries(given.map((field) => [field.name, valueOf(field)]));
     if (this.source.rough()) settings.rough = true;
     try {

@@ -1,4 +1,5 @@
 /** Things that were built, in the scene: coloured faces, lines and labels. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from '../vendor/three/three.module.min.js';
 import { LineMaterial } from '../vendor/three/lines/LineMaterial.js';

@@ -1,4 +1,5 @@
 /** What is drawn besides a surface: cursor, trail, rooms to keep clear, the line of a section, and the surface before. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from '../vendor/three/three.module.min.js';
 import { LineMaterial } from '../vendor/three/lines/LineMaterial.js';

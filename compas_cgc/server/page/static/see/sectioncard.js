@@ -40,7 +40,7 @@ export class SectionCard {
    */
   show(model, xyz) {
     if (!this.ends) return;
-    const segments = cut(xyz, model.faces, ...this.ends);
+    const segments = cut(xyz, model.faces, this.ends[0], this.ends[1]);
     if (!segments.length) {
       this.close();
       return;

@@ -1,4 +1,5 @@
 /** Stripes mirrored in a surface: they are smooth where the surface is. */
+// @ts-nocheck: three.js and uPlot come without types.
 
 const STRIPES = `
   if (zebra > 0.5) {

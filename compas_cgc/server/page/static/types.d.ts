@@ -1,0 +1,134 @@
+/** What the page and the server tell each other, for `tsc --checkJs`; no browser reads this. */
+
+export interface Box {
+  x0: number;
+  y0: number;
+  x1: number;
+  y1: number;
+  height: number;
+}
+
+export interface Goals {
+  rise?: number | null;
+  above?: number | null;
+  below?: number | null;
+  found?: boolean;
+  edge?: boolean;
+  boxes?: Box[];
+}
+
+/** A mesh with what is asked of it: what /api/v1/models tells, and what is added on the page. */
+export interface Data {
+  name: string;
+  unit: string;
+  vertices: number[][];
+  faces: number[][];
+  regions: number[];
+  supports: Record<string, number[]>;
+  support_choice: string;
+  creases: number[][];
+  constraints: object[];
+  targets: (number | null)[];
+  vertex_targets?: (number | null)[] | null;
+  notes: string[];
+  problems: { text: string; fatal: boolean }[];
+  settings?: Record<string, any>;
+  method?: string;
+  columns?: number[];
+  file?: File | null;
+  names?: (string | null)[];
+  colours?: (string | null)[];
+  heights?: Record<number, number>;
+  ground?: number[][];
+  goals?: Goals;
+}
+
+export interface State {
+  stage: string;
+  name: string;
+  plan: import('./draw/plan.js').Plan | null;
+  data: Data | null;
+  solved?: boolean;
+  id?: string;
+  time?: number;
+}
+
+/** How a job is doing. */
+export interface Status {
+  id: string;
+  state: string;
+  iteration: number;
+  error: number | null;
+  energy: number | null;
+  elapsed: number | null;
+  message: string;
+  has_result: boolean;
+}
+
+export interface Result {
+  status: string;
+  message: string;
+  iterations: number;
+  seconds: number;
+  max_error: number;
+  method: string;
+  xyz: Float64Array;
+  targets: Float64Array;
+  curvature: Float64Array;
+  history: { max_error: number[]; energy: number[] };
+  report: any;
+}
+
+/** An option as a JSON schema. */
+export interface Option {
+  name: string;
+  description: string;
+  type?: string | string[];
+  enum?: (string | null)[];
+  default?: any;
+  minimum?: number;
+  maximum?: number;
+  exclusiveMinimum?: number;
+  exclusiveMaximum?: number;
+}
+
+export interface Method {
+  name: string;
+  text: string;
+  options: Option[];
+  formats?: string[];
+}
+
+// What the elements of index.html are is not told again: these are fields that some of them have.
+declare global {
+  interface EventTarget {
+    value: any;
+    checked: any;
+    valueAsNumber: number;
+    dataset: DOMStringMap;
+    matches(selector: string): boolean;
+    defaultValue: string;
+    name: string;
+  }
+  interface Element {
+    value: any;
+    hidden: any;
+    disabled: any;
+    style: CSSStyleDeclaration;
+    open: any;
+    textContent: string;
+    scrollIntoView(options?: object): void;
+  }
+  interface HTMLElement {
+    [field: string]: any;
+  }
+  interface HTMLFormControlsCollection {
+    [field: string]: any;
+  }
+  interface Uint8Array {
+    toBase64?(): string;
+  }
+  interface Uint8ArrayConstructor {
+    fromBase64?(text: string): Uint8Array;
+  }
+}
