@@ -432,7 +432,8 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
         slider.send_keys(Keys.ARROW_RIGHT)
     assert float(page.number(4).get_attribute("value")) > 4
     wait_for(lambda: changed(solved, page.at_rest()) > 0.01, what="the surface does not follow the slider")
-    assert page.one(".verdict h2").text == "As asked" and not page.all(".verdict .old")
+    wait_for(lambda: page.one(".verdict h2").text == "As asked" and not page.all(".verdict .old"), what="the last step is not solved")
+    page.at_rest()
     for colours in ("curvature", "error"):
         before = page.at_rest()
         page.one(f"[name=colours][value={colours}] + span").click()
