@@ -190,15 +190,27 @@ def existence_problems(
     ['the target 2 is mor']
     """
     target = float(targets[asked].min())
-    axes, reach = plane_of(vertices[boundary])
-    if target <= 0 or reach > 1e-6:
+    most = _most_over(vertices, faces, boundary)
+    if target <= 0 or most is None:
         return []
+    if target >= most:
+        return [Diagnostic(too_much(target, most))]
+    excess = overload(vertices, faces, targets, asked)
+    return [] if excess is None else [Diagnostic(too_much(excess.curvature, excess.most))]
+
+
+@remembered
+def _most_over(vertices: FloatArray, faces: IntArray, boundary: IntArray) -> Optional[float]:
+    """Return what K̄ has to stay below over a boundary, None where that is not plane or spans nothing [1/L^2]."""
+    axes, reach = plane_of(vertices[boundary])
+    if reach > 1e-6:
+        return None
     plan = vertices @ axes.T
     rim = plan[boundary]
     x, y = rim.T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
     if area <= FLAT * float(np.ptp(rim, axis=0).max()) ** 2:
-        return []  # a seam, over which nothing is spanned
+        return None  # a seam, over which nothing is spanned
     most = math.pi / area
     within = np.zeros(len(vertices), bool)
     within[faces] = True
@@ -214,10 +226,7 @@ def existence_problems(
                 radius = float(near[k]) - reach
                 most = min(most, 1.0 / radius**2) if radius > 0 else most
                 break
-    if target >= most:
-        return [Diagnostic(too_much(target, most))]
-    excess = overload(vertices, faces, targets, asked)
-    return [] if excess is None else [Diagnostic(too_much(excess.curvature, excess.most))]
+    return most
 
 
 def _within(point: FloatArray, polygon: FloatArray) -> bool:

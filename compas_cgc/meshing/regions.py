@@ -115,8 +115,7 @@ def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
     >>> face_means(np.array([[0, 1, 2]]), np.array([True, True, False]), np.array([1.0, 3.0, 9.0])).tolist()
     [2.0]
     """
-    corners = np.arange(3 * len(faces)) // 3
-    incidence = sparse.csr_matrix((np.ones(len(corners)), (corners, faces.ravel())), shape=(len(faces), len(values)))
+    incidence = _incidence(faces, len(values))
     count = incidence @ known.astype(np.float64)
     total = incidence @ np.where(known, values, 0.0)
     reached = count > 0
@@ -130,3 +129,10 @@ def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
         result[new] = mean[new] / around[new]
         reached = reached | new
     return result
+
+
+@remembered
+def _incidence(faces: IntArray, n: int) -> sparse.csr_matrix:
+    """Return the matrix (m, n) that is one at the corners of every face."""
+    corners = np.arange(3 * len(faces)) // 3
+    return sparse.csr_matrix((np.ones(len(corners)), (corners, faces.ravel())), shape=(len(faces), n))
