@@ -114,14 +114,18 @@ def wait_for(task: Future, seconds: float, disconnected: Callable[[], bool]) -> 
         If it was stopped.
     """
     end = time.monotonic() + seconds
-    while True:
-        try:
-            return task.result(timeout=min(POLL_INTERVAL, max(0.001, end - time.monotonic())))
-        except FutureTimeout:
-            if task.done():
-                raise
-            late = time.monotonic() >= end
-            if late or disconnected():
-                begun = task.running()
-                stop(task, "it took too long" if late else "the client is gone")
-                raise TimeoutError(("late" if begun else "queued") if late else "gone") from None
+    try:
+        while True:
+            try:
+                return task.result(timeout=min(POLL_INTERVAL, max(0.001, end - time.monotonic())))
+            except FutureTimeout:
+                if task.done():
+                    raise
+                late = time.monotonic() >= end
+                if late or disconnected():
+                    begun = task.running()
+                    stop(task, "it took too long" if late else "the client is gone")
+                    raise TimeoutError(("late" if begun else "queued") if late else "gone") from None
+    finally:
+        # The error of a task knows this frame: a circle, which would keep what the task was given for a long while.
+        del task

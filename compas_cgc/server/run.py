@@ -20,6 +20,7 @@ from .._version import __version__
 from ..errors import CGCError
 from ..execution.remote import executor_at
 from .limits import Limits
+from .memory import give_large_blocks_back
 from .security import hostname
 from .security import is_loopback
 from .security import keys_of
@@ -100,6 +101,7 @@ def serve(
         raise CGCError("a name must be that of a host, such as studio-pc; give it with --name")
     limits = limits or Limits()
     remote = None if executor is None else executor_at(executor, limits.reserved)
+    give_large_blocks_back()
     try:
         listener = _listen(host, port)
     except CGCError:

@@ -64,8 +64,13 @@ def _waited(run: Callable, function: Callable, hint: str) -> Any:
         raise WorkerFailed(str(error)) from None
     except TaskError as error:
         if error.status is not None:
-            failure = RequestError(str(error))
-            failure.status = error.status
-            raise failure from None
+            raise _refused(error) from None
         current_app.logger.error("%s failed: %s", function.__name__, error.trace)
         raise WorkerFailed(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None
+
+
+def _refused(error: TaskError) -> RequestError:
+    # Not in the frame that raises it: an error that a frame knows which it knows would keep the request for a long while.
+    failure = RequestError(str(error))
+    failure.status = error.status or failure.status
+    return failure

@@ -76,8 +76,9 @@ class Calls:
             with self._lock:
                 if self._closed:
                     raise ServerStopping("the server is stopping; ask again when it is back")
-                task = start(executor, function, args, time_limit=self.limits.seconds, urgent=True)
-            return wait_for(task, self.limits.blocking, disconnected)
+                started = [start(executor, function, args, time_limit=self.limits.seconds, urgent=True)]
+            # This frame does not know the task, whose error will know the frame: a circle would keep the arguments for a long while.
+            return wait_for(started.pop(), self.limits.blocking, disconnected)
         finally:
             slots.release()
 

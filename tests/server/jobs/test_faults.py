@@ -250,7 +250,9 @@ def test_json_nested_too_deeply_is_refused(tidy):
     for body in (13 * b"[" + 13 * b"]", 100_000 * b'{"a":', 200_000 * b"[", b'{"values":' + 14 * b"[" + 14 * b"]" + b"}"):
         for path in ("/solve", "/api/v1/jobs", "/io"):
             status, _, content = tidy.ask("POST", path, body)
-            assert status == 400 and json.loads(content)["errors"]
+            # Much of it is no name of a function.
+            assert status == 400 or (path == "/io" and len(body) > 10**5 and status == 413)
+            assert json.loads(content)["errors"]
 
 
 def test_a_mesh_over_the_limit_is_refused_before_it_is_decoded(one_worker):
