@@ -19,6 +19,7 @@ from ..meshing import mesh_problems
 from ..meshing import vertex_labels
 from ..meshing.checks import listed
 from ..meshing.existence import plane_of
+from .bulging import two_sided_supports
 from .goals.bound import unknown_regions
 from .goals.contradictions import goal_problems
 from .problem import CGCProblem
@@ -67,6 +68,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real)
+        problems += [Diagnostic(said, fatal=False) for said in two_sided_supports(real)]
     return problems
 
 

@@ -19,6 +19,9 @@ from ..meshing.coarse_plan import coarse_plan
 from ..model.constraints import Fixed
 from ..model.constraints import PositionConstraint
 from ..model.constraints import Proximity
+from ..model.goals.kinds import Bound
+from ..model.goals.kinds import Unknown
+from ..model.goals.kinds import Whole
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY
@@ -84,7 +87,7 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
         None where there is none to be had: the drawing has no plan, or lines are too close for so few vertices.
     """
     V, F = problem.vertices, problem.faces
-    kinds = (PositionConstraint, Fixed, Proximity)
+    kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
     if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.constraints):
         return None
     plan = _plan(V, F)
@@ -198,7 +201,7 @@ def _kept(problem: CGCProblem, fixed: Mask, lines: Edges) -> Mask:
     kept[u[ends & fixed[u]]] = True
     kept[v[ends & fixed[v]]] = True
     for own in problem.constraints:
-        named = list(getattr(own, "vertices", ()))
-        if len(named) <= FEW:
-            kept[named] = True
+        named = getattr(own, "vertices", ())
+        if not isinstance(named, str) and 0 < len(named) <= FEW:
+            kept[list(named)] = True
     return kept

@@ -187,7 +187,7 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
 def _found(largest: float, factor: float, beyond: Optional[float], several: bool) -> str:
     carried = largest * factor
     bound = "up to" if largest > 0 else "down to"
-    what = f"{factor:.3g} times the targets" if several else f"K̄ {bound} {carried:.4g}"
+    what = f"{factor:.3g} times the targets, |K̄| up to {abs(carried):.4g}," if several else f"K̄ {bound} {carried:.4g}"
     asked = "" if several else f", {factor:.3g} times what is asked" if factor >= 1.0 else f"; {largest:.4g} is asked"
     if beyond is None:
         return f"these supports carry {what} with a fair surface and probably more{asked}"

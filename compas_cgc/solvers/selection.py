@@ -11,7 +11,11 @@ from typing import Optional
 
 import numpy as np
 
+from ..errors import ProblemError
+from ..model.bulging import two_sided_supports
+from ..model.goals.bound import bind
 from ..model.goals.bound import held_by_newton
+from ..model.goals.bound import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -28,6 +32,9 @@ from .settings import Settings
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
 ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
+FEWER = 8  # solves where goals make each longer
+LARGE = 2000  # vertices of a problem with goals above which there is no such search
+NOTHING = "; no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -134,20 +141,44 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
-                return _told(solution, choice, tried)
+                told = _told(solution, choice, tried)
+                return told._replace(message=told.message + _what_is_carried(problem, told.status))
             break
     if rough:
-        return _told(*min(rough, key=lambda one: one[0])[1:], tried)
+        told = _told(*min(rough, key=lambda one: one[0])[1:], tried)
+        return told._replace(message=told.message + _why_rough(problem))
     told = _told(*min(tried, key=lambda pair: pair[0].max_error), tried)
     return told._replace(message=told.message + _what_is_carried(problem, told.status))
 
 
 def _what_is_carried(problem: CGCProblem, status: str) -> str:
     """Return how much of its targets a problem without a solution could have, where that is found soon."""
-    targets = problem.targets[problem.asked]
-    if status not in ("stalled", "diverged") or not (np.isfinite(targets).all() and targets.any()):
+    whole = bind(problem).whole if problem.constraints else False
+    if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
         return ""
-    limit = largest_target(problem, tolerance=ROUGHLY, solves=FEW, vertices=SMALL)
+    return _carried(problem, "") or (_why_rough(problem) if whole else "")
+
+
+def _why_rough(problem: CGCProblem) -> str:
+    """Return why the supports carry no fair surface of the targets, or how much of the targets they do."""
+    said = two_sided_supports(problem.without_dummies())
+    if said:
+        return f"; {said[0]}"
+    return _carried(problem, NOTHING) if problem.constraints else ""
+
+
+def _carried(problem: CGCProblem, otherwise: str) -> str:
+    """Return the sentence on the largest targets that are carried, where that is less than what is asked and found soon."""
+    targets = problem.targets[problem.asked]
+    known = len(targets) and np.isfinite(targets).all() and targets.any() and not unknown_regions(problem)
+    if not known or (problem.constraints and len(problem.vertices) > LARGE):
+        return ""
+    try:
+        limit = largest_target(problem, tolerance=ROUGHLY, solves=FEWER if problem.constraints else FEW, vertices=SMALL)
+    except ProblemError:  # What the goals name is not on a coarser mesh.
+        return ""
+    if limit.status == "none":
+        return otherwise
     return f"; {limit.message}" if limit.status == "found" and not limit.carries_what_is_asked else ""
 
 

@@ -232,3 +232,22 @@ def test_the_problem_of_a_result_keeps_its_goals_and_the_k_that_was_found():
     assert result.mesh.region_target(0) == result.problem.targets[0]
     higher = solve(result.problem.with_constraints([Rise(2.1), Unknown()], add=False))
     assert higher.converged and higher.vertices[:, 2].max() == pytest.approx(2.1, abs=1e-11)
+
+
+def test_a_rough_surface_with_goals_tells_why_or_how_much_k_there_can_be():
+    """A column level with two others within one region of K > 0: whatever is found there has a fold."""
+    problem = roof(target=0.004, n=10)
+    roles = problem.roles.copy()
+    roles[5 * 11 + 5] = FIXED
+    result = solve(replace(problem, roles=roles), goals=[EdgeInPlan()])
+    assert result.converged and not result.verdict.fair
+    assert "lies level between those at" in result.message and "lead a crease through it" in result.message
+
+
+def test_edges_in_plan_of_a_large_mesh():
+    """It is solved on a coarser mesh first, which keeps goals that name no vertices."""
+    problem = roof(target=0.004, n=80)
+    solution = solved(problem, EdgeInPlan())
+    rim = np.flatnonzero(problem.roles == FREE)
+    x, y, _ = solution.vertices[rim].T
+    assert np.abs(np.minimum(np.minimum(x, 15 - x), np.minimum(y, 15 - y))).max() < 1e-11

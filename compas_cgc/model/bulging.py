@@ -1,0 +1,158 @@
+"""Supports that a region of K > 0 cannot pass through: it bulges to one side, and they ask it for both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from .goals.kinds import EdgeInPlan
+from .problem import CGCProblem
+from .roles import FIXED
+
+__all__ = ["two_sided_supports"]
+
+MOST = 14  # supports of a region, of which all threes are looked at; of more only those on one line
+LINED = 60  # supports of a region, of which all pairs are
+NEAR = 1e-6  # distance from a line, against the size of the mesh, that is none
+LEVEL = 1e-6  # height, likewise
+WITHIN = 1e-3  # least share of a corner in a point within a triangle
+PARTS = 8  # that lines and sides are cut into to see whether they lie in the region
+
+
+class _Between(NamedTuple):
+    """A support that lies in plan between others of its region."""
+
+    vertex: int
+    others: tuple[int, ...]
+    over: float  # how high over the straight way between them [L]
+
+
+def two_sided_supports(problem: CGCProblem) -> list[str]:
+    """Return a sentence for every region of K > 0 whose supports no surface that bulges to one side passes through.
+
+    In plan such a surface is the graph of a function that is convex or concave over every straight line in its region. A
+    support in plan between two others, or three, says which: the surface is a dome where it lies higher than they, a bowl
+    where it lies lower, and neither where it lies level with them.
+    """
+    return [said for region in range(int(problem.regions().max(initial=-1)) + 1) for said in _of_region(problem, region)]
+
+
+def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
+    V, F = problem.vertices, problem.faces[problem.regions() == region]
+    asked = problem.asked & problem.region_vertices(region)
+    supports = np.intersect1d(np.unique(F), np.flatnonzero(problem.roles == FIXED))
+    if not asked.any() or not (problem.targets[asked] > 0).all() or not 3 <= len(supports) <= LINED:
+        return
+    plan = V[:, :2]
+    crosses = _crosses(plan[F])
+    if not ((crosses > 0).all() or (crosses < 0).all()):
+        return
+    size = float(np.linalg.norm(np.ptp(V, axis=0)))
+    over: Optional[_Between] = None
+    under: Optional[_Between] = None
+    for found in _between(problem, F, supports, size):
+        if abs(found.over) <= LEVEL * size:
+            if not _along_rim(problem, F, found, size):
+                at, others = problem.names.vertices[found.vertex], _named(problem, found)
+                yield (
+                    f"the region {region} has K > 0, but its support at vertex {at} lies level between those at {others}, and a smooth "
+                    "surface of K > 0 is never straight; raise it, or lead a crease through it"
+                )
+                return
+        elif found.over > 0:
+            over = over or found
+        else:
+            under = under or found
+    if over is not None and under is not None:
+        names = problem.names.vertices
+        yield (
+            f"the region {region} has K > 0 and so bulges to one side, but its support at vertex {names[over.vertex]} lies "
+            f"{over.over:.3g} over those at {_named(problem, over)}, as of a dome, and that at {names[under.vertex]} "
+            f"{-under.over:.3g} under those at {_named(problem, under)}, as of a bowl; move one of them, or lead a crease through it"
+        )
+
+
+def _named(problem: CGCProblem, found: _Between) -> str:
+    names = [str(problem.names.vertices[other]) for other in found.others]
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) -> Iterator[_Between]:
+    """Return the supports that lie in plan within straight lines and triangles of others that lie in the region."""
+    plan, z = problem.vertices[:, :2], problem.vertices[:, 2]
+    held = any(isinstance(own, EdgeInPlan) for own in problem.constraints)
+    rim = boundary_vertices(problem.vertices, problem.faces)
+    for a, b in combinations(supports.tolist(), 2):
+        along = plan[b] - plan[a]
+        square = float(along @ along)
+        if not square > 0.0:
+            continue
+        share = (plan[supports] - plan[a]) @ along / square
+        away = np.linalg.norm(plan[supports] - plan[a] - share[:, None] * along, axis=1)
+        on = (away <= NEAR * size) & (share > WITHIN) & (share < 1.0 - WITHIN)
+        if not on.any() or not _inside(plan, F, plan[a] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * along, size):
+            continue
+        for c, t in zip(supports[on].tolist(), share[on]):
+            found = _Between(c, (a, b), float(z[c] - (1.0 - t) * z[a] - t * z[b]))
+            # A free edge that nothing keeps over its line need not stay there.
+            if held or not (rim[[a, b, c]].all() and _along_rim(problem, F, found, size)):
+                yield found
+    if len(supports) > MOST:
+        return
+    grid = np.array([(i, j, PARTS - i - j) for i in range(PARTS + 1) for j in range(PARTS + 1 - i)]) / PARTS
+    for three in combinations(supports.tolist(), 3):
+        corners = plan[list(three)]
+        twice = float(_crosses(corners[None])[0])
+        others = np.setdiff1d(supports, three)
+        if abs(twice) <= NEAR * size**2 or not len(others):
+            continue
+        shares = np.column_stack([_crosses(np.stack([_put(corners, k, point) for point in plan[others]])) / twice for k in range(3)])
+        on = (shares > WITHIN).all(axis=1)
+        if on.any() and _inside(plan, F, grid @ corners, size):
+            for c, own in zip(others[on].tolist(), shares[on]):
+                yield _Between(c, three, float(z[c] - own @ z[list(three)]))
+
+
+def _put(corners: FloatArray, k: int, point: FloatArray) -> FloatArray:
+    changed = corners.copy()
+    changed[k] = point
+    return changed
+
+
+def _crosses(corners: FloatArray) -> FloatArray:
+    """Return twice the signed areas of triangles in plan (m, 3, 2)."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def _along_rim(problem: CGCProblem, F: IntArray, found: _Between, size: float) -> bool:
+    """Return whether a line runs along the edge of the region, or a triangle has no inside."""
+    if len(found.others) > 2:
+        return False
+    plan = problem.vertices[:, :2]
+    a, b = plan[list(found.others)]
+    across = np.array([a[1] - b[1], b[0] - a[0]]) / np.linalg.norm(b - a)
+    middle = a + np.linspace(0.0, 1.0, PARTS + 1)[1:-1, None] * (b - a)
+    step = 1e-3 * size
+    return not (_inside(plan, F, middle + step * across, size) and _inside(plan, F, middle - step * across, size))
+
+
+def _inside(plan: FloatArray, F: IntArray, points: FloatArray, size: float) -> bool:
+    """Return whether points (p, 2) all lie on faces."""
+    corners = plan[F]
+    twice = _crosses(corners)
+    slack = NEAR * size * np.sqrt(np.abs(twice))
+    inside = np.ones((len(points), len(F)), bool)
+    for k in range(3):
+        one, other = corners[:, k], corners[:, (k + 1) % 3]
+        side = other - one
+        away = points[:, None, :] - one[None]
+        inside &= np.sign(twice) * (side[:, 0] * away[..., 1] - side[:, 1] * away[..., 0]) >= -slack
+    return bool(inside.any(axis=1).all())
