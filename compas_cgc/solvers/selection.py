@@ -156,7 +156,8 @@ def _what_is_carried(problem: CGCProblem, status: str) -> str:
     whole = bind(problem).whole if problem.constraints else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
         return ""
-    return _carried(problem, "") or (_why_rough(problem) if whole else "")
+    said = two_sided_supports(problem.without_dummies()) if whole else []
+    return f"; {said[0]}" if said else _carried(problem, "")
 
 
 def _why_rough(problem: CGCProblem) -> str:

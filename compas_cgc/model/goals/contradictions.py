@@ -14,6 +14,7 @@ from ...errors import ProblemError
 from ..constraints import AtHeight
 from ..constraints import Constraint
 from ..constraints import indices
+from ..constraints import unit
 from ..problem import CGCProblem
 from ..roles import FIXED
 from .bound import bind
@@ -69,7 +70,7 @@ def goal_problems(problem: CGCProblem) -> list[str]:
         if found:
             return found
         bind(problem)
-        found = [*_pairs(problem), *_levels(problem), *_held(problem), *_too_small(problem)]
+        found = [*_pairs(problem), *_levels(problem), *_slabs(problem), *_held(problem), *_too_small(problem)]
     except ProblemError as error:
         return error.problems
     return list(dict.fromkeys(found))
@@ -145,7 +146,8 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
         elif isinstance(goal, Area):
             key, value = "area", goal.area / size
         elif isinstance(goal, Length):
-            key, value = ("length", tuple(goal.vertices)), goal.length
+            path = tuple(goal.vertices)
+            key, value = ("length", min(path, path[::-1])), goal.length
         else:
             continue
         if key in seen and abs(seen[key][0] - value) > SAME * size:
@@ -157,7 +159,7 @@ def _levels(problem: CGCProblem) -> Iterator[str]:
     """Tell heights that leave no room between them, vertex by vertex and under the crown."""
     n, rounding = len(problem.vertices), SAME * _size(problem)
     low, high = [_Level(-np.inf, "")] * n, [_Level(np.inf, "")] * n
-    crown = _Level(np.inf, "")
+    crown, ceiling = _Level(np.inf, ""), _Level(np.inf, "")
     for goal in problem.constraints:
         own = _Level(getattr(goal, "height", np.nan), goal_name(goal))
         if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
@@ -165,6 +167,8 @@ def _levels(problem: CGCProblem) -> Iterator[str]:
         elif isinstance(goal, Rise) and goal.rise > 0:
             crown = min(crown, own._replace(height=support_height(problem) + goal.rise))
         elif isinstance(goal, (AtHeight, Above, Below, Clearance)):
+            if isinstance(goal, Below) and isinstance(goal.vertices, str):
+                ceiling = min(ceiling, own)
             for vertex in _about(problem, goal):
                 if not isinstance(goal, Below):
                     low[vertex] = max(low[vertex], own)
@@ -172,18 +176,34 @@ def _levels(problem: CGCProblem) -> Iterator[str]:
                     high[vertex] = min(high[vertex], own)
     for vertex in range(n):
         one, other = low[vertex], high[vertex]
-        both_given = one.name.startswith("the height") and other.name.startswith("the height")
-        if one.height > other.height + rounding and not both_given:
+        if one.height > other.height + rounding:
             yield f"{one.name} and {other.name} contradict each other at vertex {vertex}; take one of them away"
             return
     top = max(low, default=_Level(-np.inf, ""))
     if top.height > crown.height + rounding:
         yield f"{top.name} and {crown.name} contradict each other; take one of them away"
     fixed = np.flatnonzero(problem.roles == FIXED)
+    supported = float(problem.vertices[fixed, 2].max(initial=-np.inf))
+    if np.isfinite(crown.height) and crown.height > max(ceiling.height, supported) + rounding:
+        yield f"{ceiling.name} and {crown.name} contradict each other; take one of them away"
     if len(fixed) and np.isfinite(crown.height):
         highest = int(fixed[np.argmax(problem.vertices[fixed, 2])])
         if problem.vertices[highest, 2] > crown.height + rounding:
             yield f"{crown.name} lies below the support at vertex {highest}, which is {problem.vertices[highest, 2]:.4g} high; ask for more"
+
+
+def _slabs(problem: CGCProblem) -> Iterator[str]:
+    """Tell parallel planes too far apart for vertices to be near both."""
+    planes = [goal for goal in problem.constraints if isinstance(goal, NearPlane)]
+    for number, one in enumerate(planes):
+        for other in planes[number + 1 :]:
+            first, second = (unit(goal.normal, "the normal of a plane") for goal in (one, other))
+            apart = abs(float((np.asarray(other.point, float) - np.asarray(one.point, float)) @ first))
+            near = one.distance + other.distance
+            parallel = float(np.linalg.norm(np.cross(first, second))) <= SAME
+            if parallel and apart > near + SAME * _size(problem) and len(np.intersect1d(_about(problem, one), _about(problem, other))):
+                names = f"{goal_name(one)} and {goal_name(other)}"
+                yield f"{names} contradict each other, as these planes are {apart:.4g} apart; ask for more of one"
 
 
 def _about(problem: CGCProblem, goal: Constraint) -> IntArray:
@@ -216,6 +236,8 @@ def _too_small(problem: CGCProblem) -> Iterator[str]:
             least = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a).sum(axis=0)))
             if goal.area <= least * (1.0 + SAME):
                 yield f"{goal_name(goal)} is no more than the {least:.6g} that the fixed edge encloses; ask for more"
+        elif isinstance(goal, Length) and any(one == other for one, other in zip(goal.vertices, goal.vertices[1:])):
+            yield f"{goal_name(goal)} names a vertex twice in a row; name the vertices of a path once each, in their order"
         elif isinstance(goal, Length):
             first, last = problem.vertices[goal.vertices[0]], problem.vertices[goal.vertices[-1]]
             ends = problem.roles[[goal.vertices[0], goal.vertices[-1]]]

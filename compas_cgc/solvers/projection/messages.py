@@ -9,6 +9,8 @@ from scipy.sparse.csgraph import connected_components
 from ...discrete.arrays import FloatArray
 from ...model.checks import no_saddle
 from ...model.checks import three_faced
+from ...model.constraints import AtHeight
+from ...model.goals.names import goal_name
 from .iterate import Point
 from .system import System
 
@@ -40,7 +42,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return unmet
     vertex = int(np.argmax(point.gap))
     if point.gap[vertex] > ASTRAY:
-        return f"vertex {vertex} cannot fulfil its constraints; take one of them away"
+        return _astray(vertex, system)
     if enclosed_negative(system, targets):
         return "a region of negative K needs some free edge"
     negative = system.rows[targets[system.rows] < 0]
@@ -56,6 +58,17 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if names:
         return f"the supports may not allow this curvature together with {_listed(names)}; ask for less, or choose another K̄"
     return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
+
+
+def _astray(vertex: int, system: System) -> str:
+    """Return which goals a vertex cannot be brought to."""
+    own = [goal for goal in system.goals.places if vertex in np.asarray(goal.vertices, dtype=np.int64)]
+    # Their numbers are in the local frame, which is nobody's.
+    names = list(dict.fromkeys("the height of vertices" if isinstance(goal, AtHeight) else goal_name(goal) for goal in own))
+    if len(own) == 1:
+        return f"vertex {vertex} cannot fulfil its constraints: {names[0]} is out of its reach; move that, or take it away"
+    listed = f": {_listed(names)} contradict each other there" if len(names) > 1 else ""
+    return f"vertex {vertex} cannot fulfil its constraints{listed}; take one of them away"
 
 
 def blamed(point: Point, system: System) -> str:

@@ -251,3 +251,12 @@ def test_edges_in_plan_of_a_large_mesh():
     rim = np.flatnonzero(problem.roles == FREE)
     x, y, _ = solution.vertices[rim].T
     assert np.abs(np.minimum(np.minimum(x, 15 - x), np.minimum(y, 15 - y))).max() < 1e-11
+
+
+def test_places_that_contradict_each_other_are_named():
+    problem = roof(n=8)
+    at = np.flatnonzero(problem.vertices[:, 0] == 0)[2:4].tolist()
+    result = solve(problem, goals=[Level(), Height([at[0]], 2.0), Height([at[1]], 3.0)])
+    assert not result.converged and "the level edge and the height of vertices contradict each other there" in result.message
+    away = project(problem.with_constraints([EdgeInPlan(at, [(100, 100), (200, 100)])]))
+    assert "the edge in plan is out of its reach" in away.message
