@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
 from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
+from ...datastructures import CGCMesh
+from ...errors import FileError
 from ...io import read_mesh
 from ...io import write as write_file
 from ...io.rhino.rhinocommon import mesh_from_arrays
@@ -37,11 +41,23 @@ def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read
     if not path:
         add_warning(component, "connect the path of a file")
         return Read3dmOutputs(None, None, None)
-    mesh, notes = read_mesh(path.strip(), crease="split" if split else "trace")
+    crease = "split" if split else "trace"
+    mesh, notes = _read_text(path) if "\n" in path.strip() else read_mesh(path.strip(), crease=crease)
     for note in notes:
         add_remark(component, note)
     set_message(component, f"{mesh.number_of_vertices()} vertices, {len(mesh.regions())} regions")
     return Read3dmOutputs(mesh_from_arrays(*mesh.arrays()), mesh, notes)
+
+
+def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
+    """Return the mesh that the text of an .obj file holds, as a panel keeps it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "panel.obj"
+        path.write_text(text, encoding="utf-8")
+        try:
+            return read_mesh(path)
+        except FileError as error:
+            raise FileError(str(error).replace(str(path), "the text")) from None
 
 
 @reports_errors(Write3dmOutputs)

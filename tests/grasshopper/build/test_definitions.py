@@ -136,6 +136,18 @@ def test_an_opened_definition_waits_without_complaint(definition, canvas):
         assert opened.out(values, "Solve", "status") in (["waiting"], [])
 
 
+def test_a_mesh_inside_the_definition_is_solved_without_a_document(canvas):
+    opened = canvas("mesh_inside")
+    opened.set["run"] = [True]
+    values = opened.settle()
+    assert opened.panel(values, "status") == ["converged"] and not opened.balloons("Error")
+    mesh = opened.out(values, "Solve", "mesh")[0]
+    assert len(mesh.Vertices) == 13 * 9 and len(mesh.VertexColors) == 13 * 9 and max(p.Z for p in mesh.Vertices) > 1.5
+    opened.set["mesh as .obj"] = ["v 0 0 0\nv 1 0 zero\nf 1 2 2"]
+    values = opened.settle()
+    assert any("the text, line 2: 'v 1 0 zero' cannot be read" in said for said in opened.balloons("Error"))
+
+
 def test_the_first_dome_follows_its_slider(canvas):
     opened = canvas("first_dome")
     opened.set["run"] = [True]

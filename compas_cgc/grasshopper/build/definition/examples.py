@@ -237,6 +237,47 @@ OWN_MESH = Definition(
     ),
 )
 
+
+def _vault(columns: int = 12, rows: int = 8, width: float = 12.0, depth: float = 8.0, rise: float = 2.0) -> str:
+    """Return a barrel vault that stands on its two long sides, as the text of an .obj file."""
+    places = [(i, j) for i in range(columns + 1) for j in range(rows + 1)]
+    number = {place: k + 1 for k, place in enumerate(places)}
+    lines = ["# A vault on its two long sides"]
+    lines += [f"v {width * i / columns:g} {depth * j / rows:g} {rise * 4 * j * (rows - j) / rows**2:g}" for i, j in places]
+    for i, j in places:
+        if i < columns and j < rows:
+            a, b, c, d = (number[i + x, j + y] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
+            lines += [f"f {a} {b} {c}", f"f {a} {c} {d}"]
+    lines += [f"p {number[i, j]}" for i in range(columns + 1) for j in (0, rows)]
+    return "\n".join(lines)
+
+
+MESH_INSIDE = Definition(
+    "mesh_inside",
+    "A mesh inside the definition",
+    "A vault that is kept in the definition itself, as the text of an .obj file: put the text of your own in its place.",
+    (
+        *_headline(
+            "A mesh inside the definition",
+            "1  Set run to True.   2  Move K.\n"
+            "3  Put the text of your own .obj file into the panel: v and f lines, p for vertices that stay, l for creases.",
+        ),
+        Panel("text", "mesh as .obj", _vault(), size=(200, 230), whole=True),
+        Script("read", "CGC_Read3dm", {"path": "text"}, hidden=True),
+        Slider("K", "curvature K", 0.01, -0.05, 0.05, 3),
+        Script("target", "CGC_Target", {"cgc_mesh": "read.cgc_mesh", "K": "K"}),
+        *SWITCHES,
+        ValueList("show", "show", FIGURES),
+        _solving("target.cgc_mesh", show="show"),
+        Panel("status", "status", source="solve.status", size=(220, 40)),
+        Panel("legend", "legend", source="solve.legend", size=(120, 150)),
+        Panel("report", "report", source="solve.report", size=(520, 190)),
+        Script("regions", "CGC_Regions", {"cgc_mesh": "solve.cgc_mesh"}, hidden=True),
+        Script("bake", "CGC_Bake", {"cgc_mesh": "solve.cgc_mesh", "bake": "press"}),
+        Button("press", "bake"),
+    ),
+)
+
 HOPS_DOME = Definition(
     "hops_dome",
     "A dome by Hops",
@@ -280,4 +321,4 @@ HOPS_REGIONS = Definition(
     rhino=7,
 )
 
-EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, HOPS_DOME, HOPS_REGIONS)
+EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, MESH_INSIDE, HOPS_DOME, HOPS_REGIONS)

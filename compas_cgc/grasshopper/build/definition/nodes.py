@@ -68,6 +68,7 @@ class Panel(Node):
     text: str = ""
     source: str = ""
     size: tuple[int, int] = (200, 60)
+    whole: bool = False  # its lines are one text
 
 
 @dataclass(frozen=True)

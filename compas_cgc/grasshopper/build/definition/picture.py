@@ -98,7 +98,7 @@ def _drawn(kind: str, container: Chunk) -> Iterator[str]:
             yield f'<text x="{x:g}" y="{y + size * (1.1 + 1.6 * i):g}" style="font-size:{size:g}px">{escape(line)}</text>'
     elif kind == "panel":
         yield _rect("p", box)
-        for i, line in enumerate((container.get("UserText") or name).split("\n")):
+        for i, line in enumerate((container.get("UserText") or name).split("\n")[: max(1, int(height // 17))]):
             yield _text(x + 5, y + 14 + 17 * i, line)
     elif kind in ("script", "hops"):
         yield from _component(container, box)

@@ -35,7 +35,7 @@ def widget(node: Node, box: Box) -> tuple[str, str, list[Item], list[Chunk]]:
     if isinstance(node, Panel):
         items = [item("ScrollRatio", "gh_double", 0.0), item("UserText", "gh_string", node.text)]
         margins = [item(f"Margin{side}", "gh_int32", 0) for side in ("Left", "Right", "Top")]
-        return "panel", "Panel", items, [_attributes(box, margins), _panel(multiline=not node.text)]
+        return "panel", "Panel", items, [_attributes(box, margins), _panel(multiline=node.whole or not node.text)]
     if isinstance(node, ValueList):
         items = [item("ListCount", "gh_int32", len(node.values)), item("ListMode", "gh_int32", 1)]
         entries = [_entry(i, value) for i, value in enumerate(node.values)]
