@@ -49,12 +49,11 @@ def _is_mesh(value: Any) -> bool:
 
 
 def _is_point(value: Any) -> bool:
-    """Points, and rows of numbers as scripts make them."""
-    return _is_geometry(value) and not hasattr(value, "Faces") and not hasattr(value, "PointAt")
+    return _is_geometry(value) and hasattr(value, "X") and hasattr(value, "Z")
 
 
 def _is_curve(value: Any) -> bool:
-    return _is_geometry(value) and not hasattr(value, "Faces") and not hasattr(value, "NormalAt")
+    return _is_geometry(value) and hasattr(value, "TryGetPolyline")
 
 
 def _is_surface(value: Any) -> bool:
@@ -73,6 +72,23 @@ def _is_text(value: Any) -> bool:
 _SWITCH = Wire(_is_switch, "a toggle, True or False")
 _TEXT = Wire(_is_text, "a text, from a panel or a value list")
 _NUMBER = Wire(_is_number, "a number")
+
+_AMOUNTS = (
+    *(
+        "area",
+        "aside",
+        "below",
+        "clearance",
+        "crease_stiffness",
+        "edge_length",
+        "filter_radius",
+        "height",
+        "length",
+        "nearness",
+        "pressure",
+    ),
+    *("rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance", "volume", "weight", "width"),
+)
 
 # By the names of inputs, which mean the same on every component.
 WIRES = {
@@ -93,12 +109,16 @@ WIRES = {
     "curve": Wire(_is_curve, "a curve"),
     "plane": Wire(_is_plane, "a plane"),
     "mirror": Wire(_is_plane, "a plane"),
-    "height": _NUMBER,
-    "aside": _NUMBER,
-    "edge_length": _NUMBER,
-    "number": Wire(_is_whole, "a whole number"),
-    **dict.fromkeys(("flip", "run", "reset", "bake"), _SWITCH),
-    **dict.fromkeys(("column", "fix", "show", "layer", "path", "url", "key", "python", "variant", "method"), _TEXT),
+    "clear": Wire(_is_curve, "closed curves"),
+    "curves": Wire(_is_curve, "curves"),
+    "within": Wire(_is_curve, "a closed curve"),
+    "column": Wire(_is_point, "points"),
+    "through": Wire(_is_point, "points"),
+    "unknown": Wire(_is_whole, "numbers of regions, counted from 0"),
+    **dict.fromkeys(_AMOUNTS, _NUMBER),
+    **dict.fromkeys(("count", "delay", "number", "steps"), Wire(_is_whole, "a whole number")),
+    **dict.fromkeys(("bake", "flip", "keep_edges", "level_edges", "reset", "rough", "run", "split", "write"), _SWITCH),
+    **dict.fromkeys(("along", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT),
 }
 
 

@@ -10,7 +10,9 @@ import pytest
 from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc.grasshopper.runtime.wires import WIRES
 
+from ...support.gh_stand_ins import BUNDLES
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import square
@@ -49,6 +51,18 @@ WRONG = [
     ("Constraints", "others", [TEXT]),
     ("Constraints", "height", TEXT),
     ("Analyse", "show", NUMBER),
+    ("Solve", "show", NUMBER),
+    ("Bake", "cgc_mesh", MESH),
+    ("Bake", "layer", NUMBER),
+    ("Bake", "bake", TEXT),
+    ("Goals", "within", TEXT),
+    ("Goals", "clear", [MESH]),
+    ("Goals", "unknown", [TEXT]),
+    ("Mould", "size", TEXT),
+    ("Mould", "count", MESH),
+    ("Mould", "material", NUMBER),
+    ("Net", "through", [TEXT]),
+    ("Settings", "measure", NUMBER),
 ]
 
 
@@ -64,6 +78,26 @@ def test_a_wrong_wire_is_one_sentence(name, wire, wrong):
     (sentence,) = placed.said("Error")
     assert re.match(rf"the input {wire} gets .+; connect .+", sentence)
     assert all(value is None for value in out.values())
+
+
+def test_every_input_says_what_it_takes():
+    assert {own.name for bundle in BUNDLES.values() for own in bundle.inputs} <= set(WIRES)
+
+
+# What Grasshopper's own conversion may let through, by the hint of the input.
+FITTING = {"str": str, "float": (int, float), "int": int, "bool": int}
+
+
+@pytest.mark.parametrize("name", sorted(set(BUNDLES) - {"CGC_Server"}))
+def test_no_wrong_wire_raises(name):
+    for own in BUNDLES[name].inputs:
+        for wrong in (TEXT, NUMBER, MESH, dome(), object(), [object()]):
+            if isinstance(wrong, FITTING.get(own.hint, ())):
+                continue
+            given = {"cgc_mesh": dome()} if "cgc_mesh" in {one.name for one in BUNDLES[name].inputs} else {}
+            placed = place(name[4:])
+            # Faults of the program come through; sentences do not.
+            placed.run(**{**given, own.name: wrong})
 
 
 def test_what_is_wrapped_or_has_gaps_goes_through():
