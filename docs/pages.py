@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import partial
@@ -139,6 +140,12 @@ def on_page_read_source(page: Any, config: Any) -> Optional[str]:
     """Give mkdocs these pages as the code is now, whatever lies in the folder."""
     make = made().get(page.file.src_uri)
     return make() if make else None
+
+
+def on_page_content(html: str, page: Any, config: Any, files: Any) -> str:
+    """Take the roles of reStructuredText, which docstrings have, out of the text around them."""
+    plain = re.sub(r":(?:class|func|meth|mod|attr|data|exc|math):(<code>)~?(?:compas_cgc\.(?:\w+\.)*)?", r"\1", html)
+    return re.sub(r":(?:class|func|meth|mod|attr|data|exc):(?=<)", "", plain)
 
 
 if __name__ == "__main__":
