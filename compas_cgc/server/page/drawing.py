@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -94,14 +95,14 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
         holes, creases = [_raised(line) for line in sketch.holes], [_raised(line) for line in sketch.creases]
         problem = CGCMesh.from_outline(_raised(sketch.outline), sketch.edge_length, holes, creases, _raised(sketch.points)).to_problem()
         check_size(len(problem.vertices), len(problem.faces), limits)
-        columns, held = _columns(problem, sketch), _held(problem, sketch)
+        columns, held = _columns(problem, sketch), _on_lines(problem, sketch.held, sketch.edge_length)
         notes = []
         supports = {vertex for vertex in (*columns, *held) if vertex >= 0}
-        if 0 < len(supports) < ENOUGH:
-            supports.update(problem.with_supports("boundary").supports.tolist())
-            notes.append("the supports drawn cannot hold a roof alone: the whole edge is held too, to begin with")
-        if supports:
-            problem = problem.with_supports(sorted(supports))
+        if len(supports) < ENOUGH:
+            # Not the edges of holes: an oculus is free.
+            notes.append(f"the {'outline is held too' if supports else 'whole outline is held'}, to begin with")
+            supports.update(_on_lines(problem, [sketch.outline], sketch.edge_length))
+        problem = problem.with_supports(sorted(supports))
         problem = replace(problem, drawing=Drawing(sketch.name or "Roof", units=UNITS[sketch.unit]))
         found = contents(problem, notes, sketch.name or "Roof")
     except CGCError as error:
@@ -117,10 +118,10 @@ def _columns(problem: CGCProblem, sketch: Sketch) -> list[int]:
     return [int(vertex) if near <= 0.2 * sketch.edge_length else -1 for near, vertex in zip(gap, at)]
 
 
-def _held(problem: CGCProblem, sketch: Sketch) -> list[int]:
-    """Return the vertices on the sides that are held."""
+def _on_lines(problem: CGCProblem, lines: Sequence[FloatArray], edge_length: float) -> list[int]:
+    """Return the vertices on lines in plan."""
     flat = problem.vertices * [1.0, 1.0, 0.0]
-    near = [nearest_on_polyline(flat, _raised(line))[0] <= 1e-6 * sketch.edge_length for line in sketch.held]
+    near = [nearest_on_polyline(flat, _raised(line))[0] <= 1e-6 * edge_length for line in lines]
     return np.flatnonzero(np.any(near, axis=0)).tolist() if near else []
 
 

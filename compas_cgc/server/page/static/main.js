@@ -57,8 +57,8 @@ class Page {
     this.regions = new Regions($('regions'), {
       change: (key) => this.given(key),
       over: (regions) => this.light(regions),
-      name: (region, name) => this.edit(withName(this.data, region, name)),
-      colour: (region, colour) => this.edit(withColour(this.data, region, colour), `colour ${region}`),
+      name: (region, name) => this.dress(withName(this.data, region, name)),
+      colour: (region, colour) => this.dress(withColour(this.data, region, colour), `colour ${region}`),
     });
     this.settings = new Settings($('panel'), this.api, {
       change: (key) => this.given(key),
@@ -237,9 +237,14 @@ class Page {
 
   /** Change what is asked. */
   edit(data, key) {
+    this.dress(data, key);
+    this.changed();
+  }
+
+  /** Change names and colours, which no surface depends on. */
+  dress(data, key) {
     this.history.push({ ...this.history.now, data }, key);
     this.present(data);
-    this.changed();
   }
 
   /** Show a state: the drawing, or the surface. */
