@@ -119,6 +119,12 @@ class ChromiumHands(Hands):
 
         self.window.switch_to.active_element.send_keys(Keys.CONTROL + (Keys.SHIFT if shift else "") + key)
 
+    def press(self, name):
+        from selenium.webdriver.common.keys import Keys
+
+        named = {"Enter": Keys.ENTER, "ArrowLeft": Keys.ARROW_LEFT}
+        self.window.switch_to.active_element.send_keys(named[name])
+
     def picture(self):
         return self.window.get_screenshot_as_png()
 
@@ -169,6 +175,10 @@ class FirefoxHands(Hands):
         held = ["\ue009", *(["\ue008"] if shift else []), key]
         down = [{"type": "keyDown", "value": value} for value in held]
         self.tab.keys(*down, *({"type": "keyUp", "value": value} for value in reversed(held)))
+
+    def press(self, name):
+        value = {"Enter": "\ue007", "ArrowLeft": "\ue012"}[name]
+        self.tab.keys({"type": "keyDown", "value": value}, {"type": "keyUp", "value": value})
 
     def picture(self):
         return self.tab.picture()

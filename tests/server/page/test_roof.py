@@ -174,3 +174,66 @@ def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
     assert unit == "mm" and [(own["x"], own["y"]) for own in columns] == [(5, 5)]
     assert closed == pytest.approx([3.1416, 3.1416, 25.133, 60], rel=3e-3)
     assert opened == pytest.approx(sorted([15.708, length]), rel=3e-3)
+
+
+@pytest.mark.slow
+def test_the_tools_on_the_surface(server, tmp_path):
+    """Points and sides are held, folds led and erased, by pointer and by keys; a section has its dimensions."""
+    with open_hands("chromium", tmp_path) as hands:
+
+        def choose(tool):
+            hands.click(f"#hand [value={tool}] + span")
+
+        def held():
+            return hands.read("return document.querySelectorAll('#columns li').length")
+
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.click("#begin")
+        hands.click("#draw-tools [value=rectangle] + span")
+        hands.click("#draw-field")
+        hands.type("0, 0\n")
+        hands.type("10, 10\n")
+        hands.click("[name=mesh]")
+        hands.seen("#solve")
+        hands.click("#supports [value=corners] + span")
+        good(hands)
+        assert held() == 4
+
+        # A point in the middle of the view is held, and let go again.
+        choose("point")
+        hands.click("#canvas")
+        wait_for(lambda: held() == 5, what="the point is not held")
+        hands.click("#undo")
+        wait_for(lambda: held() == 4, what="it is not let go")
+        hands.click("#redo")
+        wait_for(lambda: held() == 5)
+        hands.click("#undo")
+        wait_for(lambda: held() == 4)
+        good(hands)
+
+        # By keys: a fold from the middle to the side, and away with it.
+        choose("fold")
+        hands.read("document.getElementById('canvas').focus()")
+        hands.press("ArrowLeft")
+        hands.press("Enter")
+        for _ in range(30):
+            hands.press("ArrowLeft")
+        hands.press("Enter")
+        wait_for(lambda: hands.shown("#crease-mark"), what="there is no fold")
+        choose("erase")
+        hands.read("document.getElementById('canvas').focus()")
+        hands.press("ArrowLeft")
+        hands.press("Enter")
+        wait_for(lambda: not hands.shown("#crease-mark"), what="the fold stays")
+        good(hands)
+
+        choose("section")
+        hands.click("#canvas", -60, 10)
+        hands.click("#canvas", 60, -10)
+        wait_for(lambda: "wide" in hands.text("#section figcaption"), what="there is no section")
+        for by in ("zebra", "height", "fit", "mean", "largest", "smallest", "before", ""):
+            pick = "const s = document.getElementById('more-colours'); s.value = args[0];"
+            hands.read(pick + "s.dispatchEvent(new Event('change', {bubbles: true}))", by)
+            assert hands.shown("#legend") == (by not in ("zebra", ""))
+        assert hands.complaints() == []
