@@ -9,7 +9,7 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from .gauss_newton import Taken
-from .gauss_newton import descend_to_rounding
+from .saddles import descend_over_saddles
 from .system import System
 
 __all__ = ["exactly"]
@@ -22,5 +22,5 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
     """
     exact = exact_equations(equations, measure)
     if isinstance(exact, SpaceFormEquations) and exact.too_large(vertices) is None:
-        for taken in descend_to_rounding(system, exact, system.at(vertices, exact)):
+        for taken in descend_over_saddles(system, exact, system.at(vertices, exact)):
             yield taken._replace(equations=exact)

@@ -14,7 +14,7 @@ from .iterate import Point
 from .system import System
 from .turning import Turning
 
-__all__ = ["FINISH", "Taken", "descend", "descend_to_rounding", "in_stages"]
+__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "in_stages"]
 
 SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring

@@ -15,12 +15,12 @@ from .exact import exactly
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
-from .gauss_newton import descend_to_rounding
 from .gauss_newton import in_stages
 from .iterate import Point
 from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
+from .saddles import descend_over_saddles
 from .sequential import MOST
 from .sequential import NEAR
 from .sequential import Reached
@@ -95,7 +95,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
-        yield from descend_to_rounding(system, equations, reached.point)
+        yield from descend_over_saddles(system, equations, reached.point)
 
 
 def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
