@@ -9,7 +9,7 @@ import pytest
 hypothesis.settings.register_profile("default", deadline=None, max_examples=40, derandomize=True)
 hypothesis.settings.load_profile("default")
 
-PROCESSES = {"cli", "client", "grasshopper", "paper", "plot", "rpc", "server", "system"}
+PROCESSES = {"cli", "client", "execution", "grasshopper", "paper", "plot", "rpc", "server", "study", "system"}
 LONG = 600  # seconds that a test may take that starts processes or is system-sized
 
 

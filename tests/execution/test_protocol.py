@@ -80,8 +80,8 @@ def test_what_waits_is_not_running_and_what_runs_is(executor):
     for task in two:
         task.stop("enough")
     assert [task.result(LONG) for task in two] == ["stopped", "stopped"]
-    # 0.3 s where the machine has time.
-    assert time.monotonic() - began < 3.0
+    # 0.02 s where the machine has time, and far less than they would run.
+    assert time.monotonic() - began < LONG / 2
     assert urgent.result(LONG) == 4
 
 
@@ -93,7 +93,7 @@ def test_a_task_that_takes_too_long_or_does_not_listen_is_ended(executor):
     task.stop("it was cancelled")
     with pytest.raises(TaskStopped, match="it was cancelled"):
         task.result(LONG)
-    assert time.monotonic() - began < 30.0
+    assert time.monotonic() - began < LONG / 2
     if not isinstance(executor, WorkerPool):
         # Without a nanny nobody can end it, so it is named.
         until(lambda: executor.health()["deaf"])
