@@ -89,6 +89,11 @@ class Fairness:
         self.height = (own + sparse.diags(self._pull[:, 2])).tocsr() if has_plan else self.plan
         self._last: Optional[Metric] = None
 
+    @property
+    def bending(self) -> sparse.csr_matrix:
+        """The bending energy of a coordinate (n, n)."""
+        return self._bending
+
     def energy(self, vertices: FloatArray) -> tuple[float, FloatArray]:
         """Return E of a shape (n, 3), and its gradient by the vertices that may move (3c,)."""
         shape = vertices - self._unbent

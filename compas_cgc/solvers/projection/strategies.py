@@ -17,6 +17,7 @@ from .gauss_newton import Taken
 from .gauss_newton import descend
 from .gauss_newton import in_stages
 from .iterate import Point
+from .measure import renewed
 from .measure import shows_layout
 from .measure import smoothed
 from .messages import enclosed_negative
@@ -27,6 +28,7 @@ from .sequential import Reached
 from .sequential import approach
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .smooth_shape import smooth_shape
 from .starts import is_flat
 from .starts import starts
 from .system import System
@@ -40,6 +42,7 @@ LONG = 20  # steps after which smaller targets are tried first
 SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
 GROWING = 15  # most steps for each
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
+ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
 TRIED = 2  # starts whose results are compared
 
 
@@ -69,6 +72,9 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         if settings.measure in EXACT:
             yield from exactly(system.keeping("shape"), equations, settings.measure, vertices)
         return
+    if not warm and settings.retry and settings.measure in (AUTO, "smooth") and _loses_itself(system, equations, start):
+        vertices = yield from smooth_shape(system, equations, start.vertices)
+        yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
         found = yield from _closing(system, equations, tried[0])
@@ -96,6 +102,15 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from descend_over_saddles(system, equations, reached.point)
+
+
+def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
+    """Return whether angle defects would crumple a drawn shape on its way: where K̄ <= 0, an irregular mesh is told to wrinkle."""
+    plain = system.keep == "shape" and system.places.trivial and not system.goals.equations and not system.goals.sides
+    targets = equations.targets[system.rows]
+    if not plain or not ENOUGH <= len(targets) <= MANY or not (targets <= 0.0).any():
+        return False
+    return shows_layout(system, equations, drawn.vertices)
 
 
 def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:

@@ -1,0 +1,156 @@
+"""Polynomials fitted around vertices, as linear operators: how far vertices lie off them, how they bend, and their K."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from ._local_fits import CENTRED
+from ._local_fits import SPARE
+from ._local_fits import TERMS
+from ._local_fits import _frames
+from ._local_fits import neighbourhoods
+from ._local_fits import powers
+from .arrays import FloatArray
+from .arrays import IntArray
+from .arrays import Mask
+from .normals import vertex_normals
+
+__all__ = ["FitOperators", "fit_operators"]
+
+DEGREE, RINGS = 3, 2
+LEAST = 2  # degree below which nothing bends
+OVER = 2  # points more than terms, without which nothing can lie off a fit
+CHUNK = 2000
+
+
+class FitOperators(NamedTuple):
+    """What polynomials around some vertices (k,) say."""
+
+    rows: IntArray  # (k,) the vertices
+    waves: sparse.csr_matrix  # (n, n) sum of the squared distances of vertices from the fits, over radius^4, of a coordinate [1/L^2]
+    bending: sparse.csr_matrix  # (n, n) sum of the squared second derivatives, of a coordinate [1/L^2]
+    gaussian: FloatArray  # (k,) K of the fits [1/L^2]
+    jacobian: sparse.csr_matrix  # (k, n) derivatives of K by moves along the normals [1/L^3]
+
+
+class _Group(NamedTuple):
+    at: IntArray  # (g,) positions among the vertices
+    ring: IntArray  # (g, c) vertices, the own one first; those that are none repeat it
+    weight: FloatArray  # (g, c), zero for those
+    degree: int
+
+
+def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through: Mask, areas: FloatArray) -> FitOperators:
+    """Return what cubic polynomials fitted to two rings say of a surface and of small moves.
+
+    Waves and bending are those of the coordinates as functions of places in the tangent planes. Unlike hinges they are
+    consistent on any mesh: a smooth surface has next to no waves.
+
+    Parameters
+    ----------
+    vertices, faces
+        ``(n, 3)`` [L], ``(m, 3)``.
+    rows
+        ``(k,)`` vertices with a closed ring.
+    through
+        ``(n,)`` vertices that farther rings are reached through.
+    areas
+        ``(k,)`` weights of the vertices in both sums [L^2].
+
+    References
+    ----------
+    Cazals and Pouget, doi:10.1016/j.cagd.2004.09.004.
+    """
+    n = len(vertices)
+    normals = vertex_normals(vertices, faces)
+    gaussian = np.full(len(rows), np.nan)
+    entries: dict[str, list[tuple[FloatArray, IntArray, IntArray]]] = {"waves": [], "bending": [], "jacobian": []}
+    for group in _groups(faces, n, rows, through):
+        frames = _frames(normals[rows[group.at]])
+        ring, weight = group.ring, group.weight
+        local = np.einsum("gxy,gcy->gcx", frames, vertices[ring] - vertices[rows[group.at]][:, None])
+        radius = np.sqrt((local**2).sum(axis=2).max(axis=1))
+        local /= radius[:, None, None]
+        u, v, w = np.moveaxis(local, 2, 0)
+        weight = weight / (u * u + v * v + CENTRED)
+        terms = np.concatenate([powers(u, v, group.degree), np.ones((*u.shape, 1))], axis=2)
+        weighted = terms * weight[..., None]
+        inverse = np.linalg.pinv(weighted.transpose(0, 2, 1) @ terms, hermitian=True) @ weighted.transpose(0, 2, 1)
+        off = (np.eye(ring.shape[1]) - terms @ inverse) * np.sqrt(weight)[..., None]
+        off *= ((weight > 0)[:, None, :]) / np.sqrt((weight > 0).sum(axis=1))[:, None, None]
+        second = inverse[:, 2:5] * np.array([2.0, 1.0, 2.0])[:, None]
+        measure = areas[group.at] / radius**4
+        one, other = np.broadcast_arrays(ring[:, :, None], ring[:, None, :])
+        entries["waves"].append((measure[:, None, None] * (off.transpose(0, 2, 1) @ off), one, other))
+        bend = second * np.sqrt([1.0, 2.0, 1.0])[:, None]
+        entries["bending"].append((measure[:, None, None] * (bend.transpose(0, 2, 1) @ bend), one, other))
+        K, slope = _gaussian(np.einsum("gtc,gc->gt", inverse, w), inverse)
+        gaussian[group.at] = K / radius**2
+        # A move along a normal that leans lifts the polynomial by what it moves off its slope.
+        heights = np.einsum("gtc,gc->gt", inverse, w)
+        leaning = np.einsum("gxy,gcy->gcx", frames, normals[ring])
+        du, dv = _slopes(u, v, heights, group.degree)
+        lifted = leaning[..., 2] - du * leaning[..., 0] - dv * leaning[..., 1]
+        own = np.broadcast_to(group.at[:, None], ring.shape)
+        entries["jacobian"].append((slope * lifted / radius[:, None] ** 3, own, ring))
+    return FitOperators(
+        rows,
+        _assembled(entries["waves"], (n, n)),
+        _assembled(entries["bending"], (n, n)),
+        gaussian,
+        _assembled(entries["jacobian"], (len(rows), n)),
+    )
+
+
+def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[_Group]:
+    """Return the vertices and their rings, those together whose polynomials have one degree."""
+    for first in range(0, len(rows), CHUNK):
+        chunk = rows[first : first + CHUNK]
+        near = neighbourhoods(faces, n, chunk, through, RINGS)
+        count = np.diff(near.indptr)
+        degree = np.where(count + 1 >= SPARE * (TERMS[DEGREE] + 1), DEGREE, LEAST)
+        for own in range(LEAST, DEGREE + 1):
+            at = np.flatnonzero((degree == own) & (count >= TERMS[own] + OVER))
+            if not len(at):
+                continue
+            widest = int(count[at].max())
+            there = np.arange(widest) < count[at][:, None]
+            place = np.minimum(near.indptr[at][:, None] + np.arange(widest), len(near.indices) - 1)
+            ring = np.where(there, near.indices[place], chunk[at][:, None])
+            ring = np.column_stack([chunk[at], ring]).astype(np.int64)
+            yield _Group(first + at, ring, np.column_stack([np.ones(len(at)), there]).astype(np.float64), own)
+
+
+def _gaussian(heights: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K of polynomials (g, t) and its derivatives by the heights of their points (g, c)."""
+    a, b, uu, uv, vv = heights[:, 0], heights[:, 1], 2.0 * heights[:, 2], heights[:, 3], 2.0 * heights[:, 4]
+    g = 1.0 + a * a + b * b
+    K = (uu * vv - uv * uv) / g**2
+    by = np.column_stack([-4.0 * K * a / g, -4.0 * K * b / g, 2.0 * vv / g**2, -2.0 * uv / g**2, 2.0 * uu / g**2])
+    return K, np.einsum("gt,gtc->gc", by, inverse[:, :5])
+
+
+def _slopes(u: FloatArray, v: FloatArray, heights: FloatArray, degree: int) -> tuple[FloatArray, FloatArray]:
+    """Return the derivatives (g, c) of polynomials (g, t) at points."""
+    du, dv = np.zeros_like(u), np.zeros_like(u)
+    term = 0
+    for total in range(1, degree + 1):
+        for q in range(total + 1):
+            p, height = total - q, heights[:, term, None]
+            if p:
+                du += height * p * u ** (p - 1) * v**q
+            if q:
+                dv += height * q * u**p * v ** (q - 1)
+            term += 1
+    return du, dv
+
+
+def _assembled(parts: list[tuple[FloatArray, IntArray, IntArray]], shape: tuple[int, int]) -> sparse.csr_matrix:
+    if not parts:
+        return sparse.csr_matrix(shape)
+    value, row, column = (np.concatenate([part[k].ravel() for part in parts]) for k in range(3))
+    return sparse.csr_matrix((value, (row, column)), shape=shape)

@@ -1,0 +1,111 @@
+"""A smooth surface that nearly has its targets, whatever the layout of its mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+
+from ...discrete import vertex_areas
+from ...discrete import vertex_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.fit_operators import fit_operators
+from ...discrete.jacobian import CurvatureEquations
+from ...linalg import factorise
+from .gauss_newton import Taken
+from .system import System
+from .vectors import dot
+
+__all__ = ["smooth_shape"]
+
+WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves and bending, one after the other
+ROUNDS = 2  # for each
+WAVES = 3.0
+BENDING = 1e-3
+HINGES = 0.3  # as they bend in the search for the fairest shape
+NEAR = 1e-2  # the way from the drawing
+FARTHEST = 0.1  # of a move, against the size of the mesh
+HALVINGS = 5
+STILL = 3e-4  # move, against that, that is none
+
+
+def smooth_shape(system: System, equations: CurvatureEquations, vertices: FloatArray) -> Generator[Taken, None, FloatArray]:
+    r"""Take steps from a shape (n, 3) to one nearby that is smooth and nearly has the curvature asked for, and return that.
+
+    .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{3}{2} \text{waves} + \tfrac{b}{2} \text{bending}
+
+    over moves u along the normals, with K, waves (distances of vertices from polynomials around them) and bending all told by
+    fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
+    K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
+    """
+    here = _State(system, equations, vertices, vertices)
+    for weight in WEIGHTS:
+        for _ in range(ROUNDS):
+            there = here.next(weight)
+            if there is None:
+                break
+            still = float(np.abs(there.vertices - here.vertices).max(initial=0.0)) <= STILL * system.size
+            here = there
+            yield Taken(here.vertices, here.length, here.trials, False)
+            if still:
+                break
+    return here.vertices
+
+
+class _State:
+    """A shape, and what polynomials say of it."""
+
+    def __init__(self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray):
+        self._system, self._equations, self.vertices, self._drawn = system, equations, vertices, drawn
+        self.length, self.trials = 1.0, 1
+        asked = np.zeros(len(vertices), bool)
+        asked[system.rows] = True
+        mass, targets = vertex_areas(drawn, system.faces), equations.targets[system.rows]
+        self._fits = fit_operators(vertices, system.faces, system.rows, asked, mass[system.rows])
+        told = np.isfinite(self._fits.gaussian)
+        self._lacking = np.where(told, self._fits.gaussian - targets, 0.0)
+        self._exact = system.size**4 * mass[system.rows] * told
+        # Hinges hold corners that no polynomial reaches.
+        self._smooth = system.size**2 * (WAVES * self._fits.waves + BENDING * self._fits.bending) + HINGES * system.fairness.bending
+        self._pull = NEAR * mass / system.size**2
+
+    def merit(self, weight: float) -> float:
+        """Return what is to become small."""
+        away = self.vertices - self._drawn
+        smooth = dot(self.vertices.ravel(), (self._smooth @ self.vertices).ravel()) + dot(self._pull, (away**2).sum(axis=1))
+        return 0.5 * (smooth + weight * dot(self._exact, self._lacking**2))
+
+    def next(self, weight: float) -> Optional[_State]:
+        """Return the shape after a round, None where no move along the normals makes anything better."""
+        normals = vertex_normals(self.vertices, self._system.faces)
+        move = self._move(normals, weight)
+        farthest = float(np.abs(move).max(initial=0.0)) / self._system.size
+        if not np.isfinite(farthest):
+            return None
+        length, before = min(1.0, FARTHEST / max(farthest, STILL)), self.merit(weight)
+        for trials in range(1, HALVINGS + 1):
+            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn)
+            if there.merit(weight) < before:
+                there.length, there.trials = length, trials
+                return there
+            length /= 2
+        return None
+
+    def _move(self, normals: FloatArray, weight: float) -> FloatArray:
+        """Return the moves along the normals (n,) of Gauss and Newton."""
+        columns, J = self._system.columns, self._fits.jacobian
+        away = self._pull[:, None] * (self.vertices - self._drawn)
+        exact = weight * self._exact
+        gradient = np.einsum("nx,nx->n", normals, self._smooth @ self.vertices + away) + J.T @ (exact * self._lacking)
+        matrix = _along(self._smooth, normals) + J.T @ sparse.diags(exact) @ J + sparse.diags(self._pull)
+        move = np.zeros(len(normals))
+        move[columns] = -factorise(matrix.tocsr()[columns][:, columns], symmetric=True, refine=False).solve(gradient[columns])
+        return move
+
+
+def _along(matrix: sparse.csr_matrix, normals: FloatArray) -> sparse.csr_matrix:
+    """Return a form of one coordinate (n, n) as one of moves along the normals (n, n)."""
+    first, second, third = (sparse.diags(axis) @ matrix @ sparse.diags(axis) for axis in normals.T)
+    return first + second + third
