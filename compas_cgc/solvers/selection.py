@@ -16,6 +16,10 @@ from ..model.bulging import two_sided_supports
 from ..model.goals.bound import bind
 from ..model.goals.bound import held_by_newton
 from ..model.goals.bound import unknown_regions
+from ..model.goals.kinds import Bound
+from ..model.goals.kinds import EdgeInPlan
+from ..model.goals.kinds import Level
+from ..model.goals.kinds import Whole
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -165,7 +169,8 @@ def _why_rough(problem: CGCProblem) -> str:
     said = two_sided_supports(problem.without_dummies())
     if said:
         return f"; {said[0]}"
-    return _carried(problem, NOTHING) if problem.constraints else ""
+    asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
+    return _carried(problem, NOTHING) if asking else ""
 
 
 def _carried(problem: CGCProblem, otherwise: str) -> str:
