@@ -11,6 +11,7 @@ import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc.errors import CGCError
+from compas_cgc.execution.dask_executor import DaskExecutor
 from compas_cgc.execution.future import TaskError
 from compas_cgc.execution.future import TaskStopped
 from compas_cgc.execution.future import WorkerDied
@@ -42,9 +43,9 @@ def cluster():
 @pytest.fixture(scope="module", params=["pool", "dask"])
 def executor(request):
     if request.param == "pool":
-        own = WorkerPool(2)
+        own = WorkerPool(2, grace=LONG)
     else:
-        own = executor_at(request.getfixturevalue("cluster").address)
+        own = DaskExecutor(request.getfixturevalue("cluster").address.replace("dask://", "tcp://"), grace=LONG)
     assert own.wait_until_ready(LONG)
     until(lambda: own.workers == 2)
     yield own
@@ -78,7 +79,7 @@ def test_what_waits_is_not_running_and_what_runs_is(executor):
     assert third.cancelled()
     began = time.monotonic()
     for task in two:
-        task.stop("enough")
+        task.stop("enough", LONG)
     assert [task.result(LONG) for task in two] == ["stopped", "stopped"]
     # 0.02 s where the machine has time, and far less than they would run.
     assert time.monotonic() - began < LONG / 2
