@@ -112,13 +112,14 @@ WIRES = {
     "clear": Wire(_is_curve, "closed curves"),
     "curves": Wire(_is_curve, "curves"),
     "within": Wire(_is_curve, "a closed curve"),
-    "column": Wire(_is_point, "points"),
     "through": Wire(_is_point, "points"),
     "unknown": Wire(_is_whole, "numbers of regions, counted from 0"),
     **dict.fromkeys(_AMOUNTS, _NUMBER),
     **dict.fromkeys(("count", "delay", "number", "steps"), Wire(_is_whole, "a whole number")),
     **dict.fromkeys(("bake", "flip", "keep_edges", "level_edges", "reset", "rough", "run", "split", "write"), _SWITCH),
-    **dict.fromkeys(("along", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT),
+    **dict.fromkeys(
+        ("along", "column", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT
+    ),
 }
 
 

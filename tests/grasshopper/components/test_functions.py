@@ -262,7 +262,7 @@ def test_analyse_measures_a_sphere():
     m = n + 1
     cap = rhino_mesh(grid, [(i * m + j, (i + 1) * m + j, (i + 1) * m + j + 1, i * m + j + 1) for i in range(n) for j in range(n)])
     mesh = place("Target").run(cgc_mesh=place("Mesh").run(mesh=cap)["cgc_mesh"], K=[0.25])["cgc_mesh"]
-    out = place("Analyse").run(cgc_mesh=mesh, show="error")
+    out = place("Analyse").settle(cgc_mesh=mesh, show="error")
     inner = [k for k, K in enumerate(out["K"]) if K is not None]
     assert len(inner) == (n - 1) ** 2 and len(out["K"]) == len(out["H"]) == m * m
     for name, exact in (("K", 0.25), ("H", 0.5), ("k_max", 0.5), ("k_min", 0.5), ("error", 0.0)):
@@ -271,7 +271,7 @@ def test_analyse_measures_a_sphere():
     assert len(out["colours"]) == len(out["legend"]) == 7 and float(out["legend"][3]) == 0.0
     assert out["colours"][3] == (255, 255, 255) and out["colours"][0][2] > out["colours"][0][0], "blue is low"
     assert "max error" in out["report"]
-    aside = place("Analyse").run(cgc_mesh=mesh, aside=5.0)["mesh"]
+    aside = place("Analyse").settle(cgc_mesh=mesh, aside=5.0)["mesh"]
     assert [p.X for p in aside.Vertices] == pytest.approx([p.X + 5 for p in out["mesh"].Vertices])
 
 

@@ -75,7 +75,7 @@ def test_from_toggle_to_surface():
     assert out["cgc_mesh"].region_target(0) == 0.01 and mesh.arrays()[0][:, 2].max() == 0, "the input is not changed"
     history = place("History").run(result=out["result"])
     assert len(history["step"]) == len(history["max_error"]) == len(out["result"].history.energy)
-    analysed = place("Analyse").run(cgc_mesh=out["cgc_mesh"], show="error")
+    analysed = place("Analyse").settle(cgc_mesh=out["cgc_mesh"], show="error")
     assert max(abs(x) for x in analysed["error"] if x is not None) < 1e-7
 
 
