@@ -37,7 +37,7 @@ INSIDE = {
         {"selection"},
         {"run", "sensitivity"},
     ],
-    "server": [{"errors", "limits"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
+    "server": [{"errors", "limits", "memory"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
     "grasshopper": [{"runtime", "build"}, {"components"}],
     "paper": [{"examples"}, {"reproduction", "benchmarks"}],
 }
