@@ -68,7 +68,7 @@ def _folded(system: System, equations: CurvatureEquations, point: Point) -> Opti
         own = faces[(faces == vertex).any(axis=1)]
         star = np.array([vertex, *_ring(own, vertex)])
         places = (
-            _saddle(vertices[star], np.searchsorted(np.sort(star), own), np.argsort(star), targets[vertex]) if free[star].all() else None
+            _saddle(vertices[star], np.searchsorted(np.sort(star), own), np.argsort(star), float(targets[vertex])) if free[star].all() else None
         )
         if places is not None:
             vertices[star] = places
