@@ -67,9 +67,9 @@ def _folded(system: System, equations: CurvatureEquations, point: Point) -> Opti
     for vertex in rows[order].tolist():
         own = faces[(faces == vertex).any(axis=1)]
         star = np.array([vertex, *_ring(own, vertex)])
-        places = (
-            _saddle(vertices[star], np.searchsorted(np.sort(star), own), np.argsort(star), float(targets[vertex])) if free[star].all() else None
-        )
+        if not free[star].all():
+            continue
+        places = _saddle(vertices[star], np.searchsorted(np.sort(star), own), np.argsort(star), float(targets[vertex]))
         if places is not None:
             vertices[star] = places
             # Neighbours are folded in another round, if they still have to be.
