@@ -23,6 +23,7 @@ from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.io.rhino.rhinocommon import mesh_to_arrays
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.result import Solution
+from compas_cgc.model.roles import FIXED
 from compas_cgc.solvers import METHODS
 from compas_cgc.solvers import Method
 from compas_cgc.solvers import register
@@ -110,8 +111,6 @@ def by_http(as_mesh):
 
 
 def by_hops(brief, world):
-    if brief.constraints:
-        pytest.skip("Hops has no input for constraints yet")
     inputs = {"S" if name == "s" else name.capitalize(): value for name, value in brief.settings.items()}
     vertices, faces = plan().arrays()
     mesh = mesh_from_arrays(vertices, faces)
@@ -122,6 +121,10 @@ def by_hops(brief, world):
             polyline.Add(x, y, z)
         curves.append(polyline.ToPolylineCurve())
     given = {"Mesh": mesh, "K": [brief.K], "Method": brief.method, **({"Creases": curves} if curves else {}), **inputs}
+    if brief.supports != "boundary":
+        given["Supports"] = vertices[posed(brief).to_problem().roles == FIXED].tolist()
+    if brief.constraints:
+        given["Goals"] = [json.dumps(constraint_data(constraint)) for constraint in brief.constraints]
     status, outputs, errors, _ = Hops(f"{world['server'].url}/cgc/solve").solve(**given)
     assert status == 200, errors
     return np.array([(p.X, p.Y, p.Z) for p in outputs["Mesh"][0].Vertices.ToPoint3dArray()])
