@@ -436,8 +436,10 @@ def test_concave_edges_and_closed_meshes_are_noted_but_not_refused():
         mesh = CGCMesh.from_vertices_and_faces(vertices, faces[~outside])
         mesh.remove_unused_vertices()
         ready(mesh, 0.001)
-        (note,) = mesh.check()
+        note, *others = mesh.check()
         assert not note.fatal and note.startswith("the edge is concave at vertices")
+        # Around the square hole three held vertices of one height lie on a line within the region.
+        assert all(not other.fatal and "lies level between" in other for other in others) and len(others) == (corners == 4)
         assert len(note.split(",")[0:-1]) >= 1 and note.count(", ") == corners
         mesh.set_target(0.0)
         assert mesh.check() == []
