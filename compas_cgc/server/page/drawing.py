@@ -74,8 +74,8 @@ def read_sketch(value: object, limits: Limits) -> Sketch:
     sketch = Sketch(name[:100], unit, edge_length, _closed(outline), holes, groups["creases"], points, groups["held"])
     if not edge_length > 0:
         raise Unprocessable("the edge length must be above zero")
-    # An equilateral triangle has half a vertex.
-    count = _area(sketch.outline) / (0.866 * edge_length**2)
+    # An equilateral triangle has half a vertex; the square of a tiny length would be zero.
+    count = _area(sketch.outline) / 0.866 / edge_length / edge_length
     if not count < limits.vertices:
         raise TooLarge(
             f"with edges this short the mesh would have some {count:.2g} vertices, the server takes {limits.vertices}; make them longer"
