@@ -125,7 +125,8 @@ def by_hops(brief, world):
         given["Supports"] = vertices[posed(brief).to_problem().roles == FIXED].tolist()
     if brief.constraints:
         given["Goals"] = [json.dumps(constraint_data(constraint)) for constraint in brief.constraints]
-    status, outputs, errors, _ = Hops(f"{world['server'].url}/cgc/solve").solve(**given)
+    function = "goals" if brief.constraints else "solve"
+    status, outputs, errors, _ = Hops(f"{world['server'].url}/cgc/{function}").solve(**given)
     assert status == 200, errors
     return np.array([(p.X, p.Y, p.Z) for p in outputs["Mesh"][0].Vertices.ToPoint3dArray()])
 

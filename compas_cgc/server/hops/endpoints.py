@@ -21,7 +21,7 @@ from .schema import icon
 __all__ = ["OPTION_INPUTS", "REPEATABLE", "endpoint", "endpoints"]
 
 
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
 MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
 OPTION_INPUTS = {
     "S": ("S", "s"),
@@ -70,7 +70,7 @@ def _default(option: Option) -> Union[float, int, str]:
 
 
 def _solve_inputs() -> tuple[Input, ...]:
-    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()), *GOAL_INPUTS)
+    return (*DRAWN_INPUTS, _method_input(), *(_option_input(name, *own) for name, own in OPTION_INPUTS.items()))
 
 
 def endpoint(uri: str) -> Endpoint:
@@ -95,6 +95,15 @@ def endpoints() -> dict[str, Endpoint]:
             "Find the surface whose Gaussian curvature is the number asked for in each region between creases.",
             icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
             _solve_inputs(),
+            (SURFACE, INFO, ERROR),
+        ),
+        # On their own, as Hops of Rhino 7 cannot leave inputs of lists unconnected.
+        Endpoint(
+            "cgc/goals",
+            "CGC Goals",
+            "Find the surface that meets goals, such as a rise or a clear room, and where wanted the K for them.",
+            icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V4M9 7L12 4L15 7"),
+            (*_solve_inputs(), *GOAL_INPUTS),
             (SURFACE, INFO, ERROR),
         ),
         Endpoint(

@@ -106,7 +106,7 @@ def _analyse(inputs: dict, context: dict, limits: Limits, started: float) -> Rep
     return Reply(200, values, [], warnings, spent(started, read, measured))
 
 
-FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, **BUILD_FUNCTIONS}
+FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/goals": _solve, "cgc/flow": _flow, "cgc/analyse": _analyse, **BUILD_FUNCTIONS}
 
 
 def surface_values(result: SolveResult, info: str) -> list[dict]:

@@ -33,13 +33,13 @@ def asked(**inputs):
     """Return the reply to a request as Hops sends it, with texts as they are typed."""
     given = {"Mesh": mesh_from_arrays(*grid(8, 9.0)), "Supports": CORNERS, "K": [0.01], **inputs}
     values = []
-    for own in endpoint("cgc/solve").inputs:
+    for own in endpoint("cgc/goals").inputs:
         items = given.get(own.name, [])
         items = items if isinstance(items, list) else [items]
         kind = own.kind
         data = [{"data": item} if kind == "Text" else write(item, kind, 8) for item in items]
         values.append({"ParamName": own.name, "InnerTree": {"{0}": data} if data else {}})
-    return run_function("cgc/solve", values, {"modelunits": "Meters", "absolutetolerance": 1e-3}, Limits())
+    return run_function("cgc/goals", values, {"modelunits": "Meters", "absolutetolerance": 1e-3}, Limits())
 
 
 def shape(reply):
