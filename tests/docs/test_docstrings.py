@@ -60,10 +60,13 @@ def taken(value: object) -> list[str]:
 
 
 def lacking(value: object) -> list[str]:
-    """Return what the docstring of a public name lacks."""
+    """Return what the docstring of a public name lacks, or has too much."""
     told = sections(value.__doc__ or "")
     known = set().union(*(described(told.get(title, "")) for title in ("Parameters", "Other Parameters", "Attributes")))
     missing = [f"the parameter {name}" for name in taken(value) if name not in known]
+    if inspect.isroutine(value):
+        takes = set(inspect.signature(value).parameters)
+        missing += [f"no parameter {name}" for name in sorted(described(told.get("Parameters", "")) - takes)]
     if inspect.isroutine(value) and inspect.signature(value).return_annotation not in ("None", None, inspect.Signature.empty):
         missing += [] if "Returns" in told or "Yields" in told else ["Returns"]
     if not inspect.isclass(value) or not issubclass(value, BaseException):

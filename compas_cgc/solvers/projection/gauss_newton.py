@@ -39,8 +39,17 @@ class Taken(NamedTuple):
     equations: Optional[CurvatureEquations] = None  # those that it was for, where they are not the ones asked
 
 
-def descend(system: System, equations: CurvatureEquations, start: Point, slow: float = SLOW, patience: int = PATIENCE) -> Iterator[Taken]:
+def descend(
+    system: System,
+    equations: CurvatureEquations,
+    start: Point,
+    slow: float = SLOW,
+    patience: int = PATIENCE,
+    finish: Optional[int] = None,
+) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
+
+    With a `finish`, so many of them do from where the equations are nearly fulfilled.
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -58,6 +67,8 @@ def descend(system: System, equations: CurvatureEquations, start: Point, slow: f
         here = there
         merits.append(here.merit)
         yield Taken(here.vertices, length, trials)
+        if finish is not None and system.missing(here, equations) <= FULFILLED:
+            patience, finish, merits = finish, None, [here.merit]
         if len(merits) > patience and merits[-1] > slow * merits[-1 - patience]:
             return
 
@@ -67,15 +78,7 @@ def descend_to_rounding(system: System, equations: CurvatureEquations, start: Po
 
     On an irregular mesh some vertex may come near to where no move of its own changes its angles, which takes short steps to pass.
     """
-    here = start
-    for taken in descend(system, equations, here):
-        here = system.at(taken.vertices, equations)
-        yield taken
-        if system.missing(here, equations) <= FULFILLED:
-            break
-    else:
-        return
-    yield from descend(system, equations, here, patience=FINISH)
+    return descend(system, equations, start, finish=FINISH)
 
 
 def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterator[Taken]:

@@ -45,7 +45,9 @@ def descend_over_saddles(system: System, equations: CurvatureEquations, start: P
             short = short + 1 if taken.length < SHORT else 0
             if short == MANY_SHORT:
                 break
-        if system.missing(here, equations) <= FULFILLED or not system.places.trivial or len(here.residual) != len(system.rows):
+        if system.missing(here, equations) <= FULFILLED:
+            return
+        if not system.places.trivial or len(here.residual) != len(system.rows):
             break
         folded = _folded(system, equations, here)
         if folded is None:
