@@ -163,9 +163,9 @@ drawing
 
 `result.verdict.places` are the vertices to look at: marked in amber on the page, and on the layer `CGC Result::Rough` of a `.3dm`.
 
-A rough surface has a reason. The targets may be more than the supports can carry (`compas-cgc limits FILE`); a hole may be held where K
-> 0 has no
-smooth surface; a plan may have inward corners; free edges may be too long for a saddle. `measure`, `keep` and `nearness` are what to try.
+A rough surface has a reason. The targets may be more than the supports can carry (`compas-cgc limits FILE`); a hole may be held where
+K > 0 has no smooth surface; a plan may have inward corners without a fold from them (the L in
+[Start](start.md#your-own-outline)); free edges may be too long for a saddle. `measure`, `keep` and `nearness` are what to try.
 
 This page is made by `python docs/make.py`.
 """
