@@ -167,7 +167,7 @@ class Patterns:
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
             lines.append(f"{self.sheets} sheets of {self.sheet[0]:g} x {self.sheet[1]:g}, {100 * used:.0f} % used")
-        lines.append(f"the two sides of every seam agree to {self.seam_mismatch:.2g}")
+        lines.append(f"the two sides of every seam agree to {self.seam_mismatch:.2g}, in units of the model")
         for own in self.unrollings:
             if own.unrolled:
                 lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")

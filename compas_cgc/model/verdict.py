@@ -164,7 +164,8 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
         reasons.append(f"it is wavy: vertices lie up to {_percent(waviest)} % of its bending off a smooth surface")
     if both > BOTH:
-        reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, with a fold between")
+        between = "with a fold between (a crease there may mend that)"
+        reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, {between}")
     if too_sharp > CREASED:
         reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
     if before is not None and angle < NEEDLE and 2 * angle < _smallest_angle(before, F):

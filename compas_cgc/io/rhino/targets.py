@@ -58,7 +58,7 @@ def find_targets(
     if set(solved) == set(range(count)):
         known = [r for r, value in solved.items() if value is not None]
         K[known] = [solved[r] for r in known]
-        notes.append(f"the targets of an earlier result hold where nothing else is said: {count} regions")
+        notes.append(f"the targets of an earlier result hold where nothing else is said: {count} region{'' if count == 1 else 's'}")
     elif solved:
         notes.append("the regions of an earlier result are not those of this mesh; their targets were left out")
     by_dot: dict[int, Drawn] = {}

@@ -49,7 +49,8 @@ def message(
     reached = f"largest |K - K̄| {max_error:.3g}" + ("" if measure == "defect" else f" in the {measure} measure")
     taken = "1 step" if steps == 1 else f"{steps} steps"
     if status == "converged":
-        bent = f"; {dents} vertices are dented, another start may give a smoother surface" if dents and measure != "smooth" else ""
+        many = "1 vertex is" if dents == 1 else f"{dents} vertices are"
+        bent = f"; {many} dented, another start may give a smoother surface" if dents and measure != "smooth" else ""
         return f"converged in {taken}: {reached}{bent}"
     if status == "cancelled":
         return f"cancelled after {taken}: {reached}"
