@@ -60,6 +60,7 @@ __all__ = ["Unrolling", "Patterns", "Piece", "unroll"]
 CLOSED = 1e-6  # gap, against the size of a region, up to which its faces close up
 CONE = 1e-9  # angle defect [rad] of a vertex where none is asked, from which on a seam has to pass through it
 ROOM = 1e-9  # of a sheet, that is left free at its edges
+NO_AREA = 1e-20  # of a face, against the square of the size
 
 
 class Unrolling(NamedTuple):
@@ -250,7 +251,10 @@ def unroll(
         faces = own.piece == piece
         if strain is None or own.region[faces][0] not in curved:
             return False
-        return bool(np.abs(_strains(own, faces)).max() > strain)
+        worst = float(np.abs(_strains(own, faces)).max())
+        if worst > strain:
+            _check_fineness(problem, own, faces, strain, worst)
+        return worst > strain
 
     limits = (np.inf, np.inf) if sheet is None else (sheet[0] * (1 - ROOM), sheet[1] * (1 - ROOM))
     try:
@@ -420,15 +424,36 @@ def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> 
     return replace(own, plane=plane)
 
 
+def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, strain: float, worst: float) -> None:
+    """Refuse to cut a piece that is smaller than the edges of the mesh: it is flattened with the faces that it is of, so that nothing is won.
+
+    Raises
+    ------
+    ValueError
+        With what would help.
+    """
+    whole = problem.vertices[problem.faces[np.unique(own.parent[faces])]]
+    edge = float(np.median(np.linalg.norm(np.roll(whole, -1, axis=1) - whole, axis=2)))
+    if np.ptp(own.plane[faces].reshape(-1, 2), axis=0).max() < edge:
+        raise ValueError(
+            f"region {own.region[faces][0]} would be cut into pieces smaller than the edges of its mesh, {edge:.2g}, for a strain of "
+            f"{100 * strain:.2g} %; allow more than {100 * worst:.2g} %, or solve a finer mesh"
+        )
+
+
 def _strains(own: Patchwork, faces: np.ndarray) -> FloatArray:
     """Return the principal strains of faces (k, 2): of every whole face those of its largest part."""
-    flat = principal_strains(own.space, own.faces[faces], own.plane[faces])[0]
     areas, parents = face_areas(own.space, own.faces[faces]), own.parent[faces]
     order = np.lexsort((-areas, parents, own.piece[faces]))
     key = own.piece[faces].astype(np.int64) * (int(parents.max()) + 1) + parents
     _, first, inverse = np.unique(key[order], return_index=True, return_inverse=True)
-    strains = np.empty_like(flat)
-    strains[order] = flat[order][first][inverse.ravel()]
+    # A part without area is one of a piece's edge, which stretches with the others.
+    largest = order[first]
+    sound = areas[largest] > NO_AREA * own.size() ** 2
+    flat = np.zeros((len(largest), 2))
+    flat[sound] = principal_strains(own.space, own.faces[faces][largest[sound]], own.plane[faces][largest[sound]])[0]
+    strains = np.empty((len(areas), 2))
+    strains[order] = flat[inverse.ravel()]
     return strains
 
 

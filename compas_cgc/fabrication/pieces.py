@@ -99,10 +99,11 @@ def cut_to_fit(
 
 
 def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> Patchwork:
-    """Cut a piece across the direction in which it takes more sheets."""
-    length, width = box.length / sheet[0], box.width / sheet[1]
+    """Cut a piece across the direction in which it takes more sheets; one that fits across its longer side, so that no strips come of it."""
+    fits = box.parts <= 1
+    length, width = (box.length, box.width) if fits else (box.length / sheet[0], box.width / sheet[1])
     normal = box.along if length >= width else np.array([-box.along[1], box.along[0]])
-    count = max(2, int(np.ceil(max(length, width) - 1e-12)))
+    count = 2 if fits else max(2, int(np.ceil(max(length, width) - 1e-12)))
     height = own.plane[own.piece == piece] @ normal
     level = height.min() + np.ptp(height) * (count // 2) / count
     return split_piece(own, piece, normal, level, SNAP * float(np.ptp(height)))

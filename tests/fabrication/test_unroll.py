@@ -246,6 +246,13 @@ def test_a_dome_is_cut_until_the_strain_is_small_enough():
     assert patterns.area == pytest.approx(patterns.area_in_space, rel=2e-3)
 
 
+def test_without_a_sheet_strain_cuts_no_strips():
+    patterns = unroll(CGCProblem(*revolved_patch(16, 0.02)).with_supports("boundary").with_targets(0.02), strain=0.002)
+    assert patterns.largest_strain <= 0.002
+    sizes = [np.ptp(np.concatenate([loop.points for loop in piece.loops]), axis=0) for piece in patterns.pieces]
+    assert len(sizes) > 4 and all(size.min() > 0.3 * size.max() for size in sizes)
+
+
 def test_a_closed_sphere_is_slit_and_cut():
     patterns = unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), SHEET, strain=0.02, rough=True)
     assert patterns.largest_strain <= 0.02
@@ -274,9 +281,10 @@ def crumpled() -> CGCProblem:
         (lambda: unroll(ring(), (0.004, 0.003)), "give a larger one"),
         (lambda: unroll(ring(), regions=[3]), "there is no region 3"),
         (lambda: unroll(ring(), strain=-1.0), "more than 0"),
+        (lambda: unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), strain=1e-4, rough=True), "smaller than the edges of its mesh"),
         (lambda: flatten(*icosphere(1)), "0 open edges"),
     ],
-    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a tiny sheet", "no region", "strain", "closed"],
+    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a tiny sheet", "no region", "strain", "a coarse mesh", "closed"],
 )
 def test_what_cannot_be_unrolled_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(CGCError, match=sentence):
