@@ -425,7 +425,7 @@ def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> 
 
 
 def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, strain: float, worst: float) -> None:
-    """Refuse to cut a piece that is smaller than the edges of the mesh: it is flattened with the faces that it is of, so that nothing is won.
+    """Refuse to cut a piece smaller than the edges of the mesh: it is flattened with the faces that it is of, so that nothing is won.
 
     Raises
     ------

@@ -99,7 +99,7 @@ def cut_to_fit(
 
 
 def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> Patchwork:
-    """Cut a piece across the direction in which it takes more sheets; one that fits across its longer side, so that no strips come of it."""
+    """Cut a piece across the direction in which it takes more sheets, one that fits across its longer side, lest strips come of it."""
     fits = box.parts <= 1
     length, width = (box.length, box.width) if fits else (box.length / sheet[0], box.width / sheet[1])
     normal = box.along if length >= width else np.array([-box.along[1], box.along[0]])
