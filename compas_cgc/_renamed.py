@@ -17,7 +17,6 @@ __all__ = ["RENAMED", "RenamedFinder", "install"]
 RENAMED = {
     "compas_cgc.atomic": "compas_cgc._atomic_write",
     "compas_cgc.benchmarks": "compas_cgc.paper.benchmarks",
-    "compas_cgc.check": "compas_cgc.model.checks",
     "compas_cgc.client.start": "compas_cgc.client.server_process",
     "compas_cgc.examples": "compas_cgc.paper.examples",
     "compas_cgc.files": "compas_cgc.io",

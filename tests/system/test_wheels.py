@@ -56,10 +56,11 @@ def resolve(python: str, system: str, folder: Path) -> subprocess.CompletedProce
     return subprocess.run([*words, *base(python, system)], capture_output=True, text=True, timeout=300)
 
 
+# Newer versions of pip come to other ends here, and a wheel may appear.
 MISSING = {("macOS 12, Intel", "3.14"): "Numba makes no wheels for Intel Macs from Python 3.14 on"}
 CASES = [
     pytest.param(
-        system, python, marks=[pytest.mark.xfail(reason=MISSING[system, python], strict=True)] if (system, python) in MISSING else []
+        system, python, marks=[pytest.mark.xfail(reason=MISSING[system, python], strict=False)] if (system, python) in MISSING else []
     )
     for system in SYSTEMS
     for python in PYTHONS

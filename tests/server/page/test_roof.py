@@ -93,9 +93,11 @@ def test_a_roof_from_nothing_to_moulds(server, tmp_path, browser, width, dark):
         look("2-roof")
 
         # All is there again after a reload.
-        hands.read("location.reload()")
+        hands.read("window.before = true; location.reload()")
+        wait_for(lambda: hands.read("return window.before !== true && document.readyState === 'complete'"), what="it is not loaded again")
+        wait_for(lambda: "Canopy" in hands.text("#about") and hands.value("[name=rise]") not in ("", None), what="the roof is gone")
         good(hands)
-        assert rise(hands) == height and "Canopy" in hands.text("#about")
+        assert rise(hands) == height
 
         # Moulds of its panels, as a file.
         hands.seen("#making")
