@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.plan import flattened
 from ..errors import MeshError
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
@@ -773,7 +774,7 @@ def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
         raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
-    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
+    return points if points.shape[1] == 3 else flattened(points)
 
 
 def _plain(items: Any, kind: type) -> Any:

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..discrete.plan import flattened
 from ..errors import MeshError
 from .boundary import boundary_loops
 from .polyline import arc_lengths
@@ -146,24 +147,20 @@ def fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArray
     points, faces, count = [], [], 0
     for area in areas:
         own = seeds[shapely.contains_xy(area.polygon, seeds)]
-        rings = [_level(ring[:-1]) for ring in map(shapely.get_coordinates, (area.polygon.exterior, *area.polygon.interiors))]
+        rings = [flattened(ring[:-1]) for ring in map(shapely.get_coordinates, (area.polygon.exterior, *area.polygon.interiors))]
         # Without points of its own the triangulation wants one of the ring's.
-        inner = _level(own).tolist() or rings[0][:1].tolist()
-        found = constrained_delaunay_triangulation(rings[0], inner, rings[1:], [_level(line) for line in area.loose])
+        inner = flattened(own).tolist() or rings[0][:1].tolist()
+        found = constrained_delaunay_triangulation(rings[0], inner, rings[1:], [flattened(line) for line in area.loose])
         points.append(np.asarray(found[0])[:, :2])
         faces.append(np.asarray(found[1], dtype=np.int64) + count)
         count += len(points[-1])
-    joined = weld(_level(np.concatenate(points)), np.concatenate(faces), 0.0)
+    joined = weld(flattened(np.concatenate(points)), np.concatenate(faces), 0.0)
     return joined.vertices[:, :2], joined.faces
-
-
-def _level(points: FloatArray) -> FloatArray:
-    return np.column_stack([points, np.zeros(len(points))])
 
 
 def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
     """Return the heights of the curves that points (k, 2) lie on, of the first where they cross (k,) [L]."""
-    flat = _level(plan)
+    flat = flattened(plan)
     distances, heights = [], []
     for curve in curves:
         under = np.asarray(curve) * [1.0, 1.0, 0.0]

@@ -9,6 +9,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
+from ..discrete.plan import flattened
 from .polyline import arc_lengths
 
 __all__ = ["SizeField", "size_field"]
@@ -81,7 +82,7 @@ def size_field(lines: Sequence[FloatArray], nodes: FloatArray, points: FloatArra
 
 def _bends(line: FloatArray, edge_length: float) -> tuple[FloatArray, FloatArray]:
     """Return places along a curve and the edge lengths that its bends ask for there."""
-    at = arc_lengths(np.column_stack([line, np.zeros(len(line))]))
+    at = arc_lengths(flattened(line))
     ahead = np.diff(line, axis=0)
     turn = np.abs(np.angle(np.exp(1j * np.diff(np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))))))
     # Kinks are corners, not bends.

@@ -8,7 +8,7 @@ from typing import Optional
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication import unroll as unroll_surface
 from ...io.patterns import write_patterns
@@ -57,7 +57,7 @@ def unroll(
     lines: dict[str, list] = {}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
-        lines.setdefault(line.layer, []).append(polyline_to_rhino(_lifted(points)))
+        lines.setdefault(line.layer, []).append(polyline_to_rhino(flattened(points)))
     labels = [text for text in drawing.texts if text.layer == "LABEL"]
     if path and write:
         write_patterns(path.strip(), patterns)
@@ -74,11 +74,7 @@ def unroll(
         marks=lines.get("MARK", []),
         sheets=lines.get("SHEET", []),
         labels=[text.text for text in labels],
-        places=points_to_rhino(_lifted(np.array([text.place for text in labels]))),
+        places=points_to_rhino(flattened(np.array([text.place for text in labels]))),
         pieces=pieces,
         report=patterns.summary(),
     )
-
-
-def _lifted(points: FloatArray) -> FloatArray:
-    return np.column_stack([points, np.zeros(len(points))])

@@ -7,7 +7,7 @@ from typing import Union
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
 from ...fabrication.drawing import LAYERS
 from ...fabrication.drawing import draw_sheets
 from ...fabrication.patterns import Patterns
@@ -38,9 +38,9 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     layers = {name: writer.layer(f"{PATTERNS}::{_title(name)}", colour, visible=name != "NODE") for name, colour in LAYERS.items()}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
-        writer.polyline(_lifted(points) + beside, writer.attributes(layers[line.layer]))
+        writer.polyline(flattened(points) + beside, writer.attributes(layers[line.layer]))
     for text in drawing.texts:
-        writer.dot(text.text, _lifted(text.place[None])[0] + beside, writer.attributes(layers[text.layer]))
+        writer.dot(text.text, flattened(text.place[None])[0] + beside, writer.attributes(layers[text.layer]))
     in_place = writer.layer(f"{PATTERNS}::In place", (140, 110, 60), visible=False)
     own = patterns.patchwork
     for number, piece in enumerate(patterns.pieces):
@@ -54,7 +54,3 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
 
 def _title(name: str) -> str:
     return name.replace("_", " ").capitalize()
-
-
-def _lifted(points: FloatArray) -> FloatArray:
-    return np.column_stack([points, np.zeros(len(points))])

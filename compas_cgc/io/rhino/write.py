@@ -15,6 +15,7 @@ import numpy as np
 from ..._version import __version__
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...discrete.plan import flattened
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
 from ...model.goals.kinds import Clearance
@@ -204,7 +205,7 @@ def _draw_goals(writer: LayerWriter, problem: CGCProblem, goals: list[Drawn], la
         draw(item.points, writer.attributes(on_goals, text=item.text))
     for name, line in problem.drawing.places:
         plan = np.array([*line, line[0]], dtype=np.float64)[:, :2]
-        writer.polyline(np.column_stack([plan, np.zeros(len(plan))]), writer.attributes(on_goals, name))
+        writer.polyline(flattened(plan), writer.attributes(on_goals, name))
 
 
 def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Drawn], list[Constraint]]:

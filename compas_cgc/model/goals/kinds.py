@@ -14,6 +14,7 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...discrete.plan import flattened
 from ...meshing.closest_points import nearest_on_polyline
 from ..constraints import AtHeight
 from ..constraints import ClosestPoints
@@ -217,7 +218,7 @@ class EdgeInPlan(PositionConstraint):
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points over the line."""
         line = np.asarray(self.points, dtype=np.float64)
-        closest, tangents = nearest_on_polyline(_flat(points), _flat(line), self.closed)
+        closest, tangents = nearest_on_polyline(flattened(points), flattened(line), self.closed)
         closest[:, 2] = points[:, 2]
         return ClosestPoints(closest, np.diag([1.0, 1.0, 0.0]) - tangents[:, :, None] * tangents[:, None, :])
 
@@ -470,7 +471,7 @@ class Within(Bound):
         """Return how far points are within the line."""
         from ...meshing.in_outline import inside_outline
 
-        line, flat = in_plan(self.points, "points", 3), _flat(points)
+        line, flat = in_plan(self.points, "points", 3), flattened(points)
         closest, tangents = nearest_on_polyline(flat, line, closed=True)
         inside = inside_outline(flat, line)
         away = flat - closest
@@ -566,7 +567,7 @@ def in_plan(points: Any, name: str, fewest: int) -> FloatArray:
         given = np.empty((0, 0))
     if given.ndim != 2 or given.shape[-1] not in (2, 3) or not np.isfinite(given).all():
         raise ValueError(f"{name} must be finite points of two or three numbers, not of shape {given.shape}")
-    flat = np.column_stack([given[:, :2], np.zeros(len(given))])
+    flat = flattened(given)
     if len(flat) > fewest and np.array_equal(flat[0], flat[-1]):
         flat = flat[:-1]
     if len(flat) < fewest or not np.ptp(flat, axis=0).any():
@@ -576,10 +577,6 @@ def in_plan(points: Any, name: str, fewest: int) -> FloatArray:
 
 def _every_plan(count: int) -> FloatArray:
     return np.broadcast_to(np.diag([1.0, 1.0, 0.0]), (count, 3, 3))
-
-
-def _flat(points: FloatArray) -> FloatArray:
-    return np.column_stack([points[:, :2], np.zeros(len(points))])
 
 
 def _turns_left(line: FloatArray) -> bool:

@@ -8,7 +8,7 @@ from typing import Callable
 
 import numpy as np
 
-from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication.crosses import crosses
 from ...fabrication.membrane_state import forces_at_vertices
@@ -88,7 +88,7 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
     lines: dict[str, list[str]] = {}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
-        lines.setdefault(line.layer, []).append(polyline_text(_lifted(points)))
+        lines.setdefault(line.layer, []).append(polyline_text(flattened(points)))
     labels = [text for text in drawing.texts if text.layer == "LABEL"]
     own = patterns.patchwork
     pieces = []
@@ -102,7 +102,7 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
         entry("Marks", "Curve", lines.get("MARK", [])),
         entry("Sheets", "Curve", lines.get("SHEET", [])),
         entry("Labels", "Text", [text.text for text in labels]),
-        entry("Places", "Point", _lifted(np.array([text.place for text in labels])).tolist()),
+        entry("Places", "Point", flattened(np.array([text.place for text in labels])).tolist()),
         entry("Pieces", "Mesh", pieces),
         entry("Strains", "Number", [piece.strain for piece in patterns.pieces]),
     ]
@@ -149,10 +149,6 @@ def _net_outputs(problem: CGCProblem, net: Any) -> list[dict]:
         entry("Nodes", "Point", net.nodes.tolist()),
         entry("Sides", "Number", net.lengths.tolist()),
     ]
-
-
-def _lifted(points: FloatArray) -> FloatArray:
-    return np.column_stack([points, np.zeros(len(points))])
 
 
 BUILD_FUNCTIONS: dict[str, Callable[[dict, dict, Limits, float], Reply]] = {

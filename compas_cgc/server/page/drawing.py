@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ...datastructures import CGCMesh
 from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
 from ...errors import CGCError
 from ...meshing.polyline import nearest_on_polyline
 from ...model.problem import CGCProblem
@@ -92,8 +93,8 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
         With the sentence of the mesher.
     """
     try:
-        holes, creases = [_raised(line) for line in sketch.holes], [_raised(line) for line in sketch.creases]
-        problem = CGCMesh.from_outline(_raised(sketch.outline), sketch.edge_length, holes, creases, _raised(sketch.points)).to_problem()
+        holes, creases = [flattened(line) for line in sketch.holes], [flattened(line) for line in sketch.creases]
+        problem = CGCMesh.from_outline(flattened(sketch.outline), sketch.edge_length, holes, creases, flattened(sketch.points)).to_problem()
         check_size(len(problem.vertices), len(problem.faces), limits)
         columns, held = _columns(problem, sketch), _on_lines(problem, sketch.held, sketch.edge_length)
         notes = []
@@ -121,12 +122,8 @@ def _columns(problem: CGCProblem, sketch: Sketch) -> list[int]:
 def _on_lines(problem: CGCProblem, lines: Sequence[FloatArray], edge_length: float) -> list[int]:
     """Return the vertices on lines in plan."""
     flat = problem.vertices * [1.0, 1.0, 0.0]
-    near = [nearest_on_polyline(flat, _raised(line))[0] <= 1e-6 * edge_length for line in lines]
+    near = [nearest_on_polyline(flat, flattened(line))[0] <= 1e-6 * edge_length for line in lines]
     return np.flatnonzero(np.any(near, axis=0)).tolist() if near else []
-
-
-def _raised(line: FloatArray) -> FloatArray:
-    return np.column_stack([line, np.zeros(len(line))])
 
 
 def _closed(ring: FloatArray) -> FloatArray:
