@@ -9,6 +9,9 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from .edge_flips import SWEEPS
+from .edge_flips import diagonals
+from .edge_flips import flipped
 
 __all__ = ["plane_angles", "relaxed", "valences"]
 
@@ -16,7 +19,6 @@ STEPS = 5
 ROUNDS = 3
 SPRING = 1.15  # natural length of an edge against the mean that the size field asks for
 RATE = 0.2
-SWEEPS = 30
 KEPT = np.radians(24.0)  # smallest angle that a flip for the valence may leave
 
 Sizes = Callable[[FloatArray], FloatArray]
@@ -48,7 +50,7 @@ def relaxed(plan: FloatArray, faces: IntArray, held: Mask, kept: IntArray, sizes
     constraint = np.sort(kept, axis=1) @ np.array([len(plan), 1]) if len(kept) else np.empty(0, np.int64)
     for _ in range(STEPS):
         plan, _ = _pushed(plan, faces, held, sizes)
-        faces = _flipped(plan, faces, constraint, _delaunay_gain)
+        faces = _delaunay(plan, faces, constraint)
     for _ in range(ROUNDS):
         faces = _evened(plan, faces, held, constraint)
         for _ in range(STEPS):
@@ -125,8 +127,9 @@ def _rounded(plan: FloatArray, faces: IntArray, held: Mask) -> FloatArray:
     return plan
 
 
-def _delaunay_gain(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray, d: IntArray) -> FloatArray:
-    return _angle(plan, c, a, b) + _angle(plan, d, a, b) - np.pi - 1e-9
+def _delaunay(plan: FloatArray, faces: IntArray, constraint: IntArray) -> IntArray:
+    """Return triangles after flips of edges whose opposite angles add up to more than a straight one."""
+    return flipped(plan, faces, constraint, lambda e: _angle(plan, e.c, e.a, e.b) + _angle(plan, e.d, e.a, e.b) - np.pi - 1e-9)
 
 
 def _angle(plan: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
@@ -134,50 +137,12 @@ def _angle(plan: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> Fl
     return np.arctan2(np.abs(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), (x * y).sum(axis=1))
 
 
-def _turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
-    x, y = plan[b] - plan[a], plan[c] - plan[a]
-    return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
-
-
-def _quads(n: int, faces: IntArray, constraint: IntArray) -> tuple[IntArray, ...]:
-    """Return, for the edges that may be flipped, their two triangles, their ends and the corners opposite."""
-    u, v, w = faces.ravel(), np.roll(faces, -1, axis=1).ravel(), np.roll(faces, 1, axis=1).ravel()
-    key = np.minimum(u, v) * n + np.maximum(u, v)
-    order = np.argsort(key, kind="stable")
-    pair = np.flatnonzero(key[order[1:]] == key[order[:-1]])
-    e, f = order[pair], order[pair + 1]
-    free = ~np.isin(key[e], constraint)
-    e, f = e[free], f[free]
-    return e // 3, f // 3, u[e], v[e], w[e], w[f]
-
-
-def _flipped(plan: FloatArray, faces: IntArray, constraint: IntArray, gain_of: Callable[..., FloatArray]) -> IntArray:
-    faces = faces.copy()
-    for _ in range(SWEEPS):
-        one, other, a, b, c, d = _quads(len(plan), faces, constraint)
-        gain = gain_of(plan, a, b, c, d)
-        good = (gain > 0) & (_turn(plan, a, d, c) > 0) & (_turn(plan, d, b, c) > 0)
-        if not good.any():
-            break
-        _apply(faces, np.flatnonzero(good)[np.argsort(-gain[good], kind="stable")], one, other, a, b, c, d)
-    return faces
-
-
-def _apply(faces: IntArray, chosen: IntArray, one: IntArray, other: IntArray, a: IntArray, b: IntArray, c: IntArray, d: IntArray) -> None:
-    """Flip edges, the first of those that share a triangle."""
-    busy = np.zeros(len(faces), bool)
-    for k in chosen.tolist():
-        if not busy[one[k]] and not busy[other[k]]:
-            busy[one[k]] = busy[other[k]] = True
-            faces[one[k]], faces[other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
-
-
 def _evened(plan: FloatArray, faces: IntArray, held: Mask, constraint: IntArray) -> IntArray:
     """Flip edges where valences come nearer to 6 and no angle becomes too small."""
     faces = faces.copy()
     boundary = _boundary(len(plan), faces)
     for _ in range(SWEEPS):
-        one, other, a, b, c, d = _quads(len(plan), faces, constraint)
+        one, other, a, b, c, d = diagonals(len(plan), faces, constraint)
         excess = valences(len(plan), faces) - np.where(boundary, 4, 6)
         weight = np.where(boundary, 0.0, 1.0)
         quad, steps = np.column_stack([a, b, c, d]), np.array([-1, -1, 1, 1])

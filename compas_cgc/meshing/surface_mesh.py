@@ -14,6 +14,8 @@ from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import MeshError
+from .edge_flips import flipped
+from .edge_flips import turn
 from .weld import clean_faces
 from .weld import weld
 
@@ -25,7 +27,6 @@ __all__ = ["FaceMesh", "mesh_face", "mesh_from_surface"]
 GRID = 24  # divisions of the domain along which lengths are measured
 NEAR = 0.75  # of the edge length, that points keep from each other
 FINE = 3  # times finer is the lattice that gaps of the first one are filled from
-SWEEPS = 60  # of edge flips at most
 SMOOTHINGS = 6
 SIDE = 512  # divisions of a side, by which its length is measured
 JOINED = 1e-6  # of the edge length, within which points of two sides are one
@@ -114,9 +115,9 @@ def mesh_face(
     paths = [cKDTree(known).query(line)[1] for line in flat]
     kept = _edge_keys(len(plan), paths)
     for _ in range(SMOOTHINGS):
-        faces = _flipped(plan, place, faces, kept)
+        faces = _delaunay(plan, place, faces, kept)
         plan, place = _smoothed(plan, place, faces, held, lambda new: evaluate(to_parameters(new)))
-    faces = _flipped(plan, place, faces, kept)
+    faces = _delaunay(plan, place, faces, kept)
     # Along the normals: towards a pole the means of parameters and of places part along the surface.
     gap = evaluate(to_parameters(plan[faces].mean(axis=1))) - place[faces].mean(axis=1)
     deviation = float(np.abs(np.einsum("ij,ij->i", gap, face_normals(place, faces))).max(initial=0.0))
@@ -201,43 +202,14 @@ def _apart(spots: FloatArray, taken: FloatArray, distance: float) -> IntArray:
     return np.flatnonzero(free)
 
 
-def _flipped(plan: FloatArray, place: FloatArray, faces: IntArray, kept: IntArray) -> IntArray:
-    """Return the triangles (m, 3) after flips of edges whose opposite angles in space add up to more than a straight one.
-
-    Edges with the numbers in `kept` stay.
-    """
-    faces = faces.copy()
-    for _ in range(SWEEPS):
-        u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        w = np.roll(faces, 1, axis=1).ravel()
-        key = np.minimum(u, v) * len(plan) + np.maximum(u, v)
-        order = np.argsort(key, kind="stable")
-        pair = np.flatnonzero(key[order[1:]] == key[order[:-1]])
-        pair = pair[~np.isin(key[order[pair]], kept)]
-        e, f = order[pair], order[pair + 1]
-        a, b, c, d = u[e], v[e], w[e], w[f]
-        gain = _angle(place, c, a, b) + _angle(place, d, a, b) - np.pi
-        # The two triangles stay triangles of the parameters.
-        good = (gain > 1e-6) & (_turn(plan, a, d, c) > 0) & (_turn(plan, d, b, c) > 0) & (c != d)
-        if not good.any():
-            break
-        busy = np.zeros(len(faces), bool)
-        for k in np.flatnonzero(good)[np.argsort(-gain[good], kind="stable")].tolist():
-            one, other = e[k] // 3, f[k] // 3
-            if not busy[one] and not busy[other]:
-                busy[one] = busy[other] = True
-                faces[one], faces[other] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
-    return faces
+def _delaunay(plan: FloatArray, place: FloatArray, faces: IntArray, kept: IntArray) -> IntArray:
+    """Return triangles after flips of edges whose opposite angles in space add up to more than a straight one."""
+    return flipped(plan, faces, kept, lambda e: _angle(place, e.c, e.a, e.b) + _angle(place, e.d, e.a, e.b) - np.pi - 1e-6)
 
 
 def _angle(P: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
     x, y = P[one] - P[at], P[other] - P[at]
     return np.arctan2(np.linalg.norm(np.cross(x, y), axis=1), np.einsum("ij,ij->i", x, y))
-
-
-def _turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
-    x, y = plan[b] - plan[a], plan[c] - plan[a]
-    return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
 
 
 def _smoothed(plan: FloatArray, place: FloatArray, faces: IntArray, held: int, evaluate: Evaluate) -> tuple[FloatArray, FloatArray]:
@@ -251,7 +223,7 @@ def _smoothed(plan: FloatArray, place: FloatArray, faces: IntArray, held: int, e
     moved[free] = 0.5 * plan[free] + 0.5 * near[free] / count[free, None]
     # Who would turn a triangle over stays.
     for _ in range(5):
-        turned = faces[_turn(moved, *faces.T) <= 0]
+        turned = faces[turn(moved, *faces.T) <= 0]
         if not len(turned):
             break
         moved[turned.ravel()] = plan[turned.ravel()]
