@@ -6,13 +6,13 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.harmonic import spread_values
 from ..errors import MeshError
 from ..meshing import boundary_loops
 from ._curvature_fit import curvature_fitted
@@ -234,31 +234,16 @@ def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tup
         own = np.arange(ends[k], ends[k + 1])
         t = (at[own] - at[ends[k]]) / (at[ends[k + 1]] - at[ends[k]])
         fixed[own] = square[k] + t[:, None] * (square[k + 1] - square[k])
-    uv = np.zeros((len(P), 2))
-    uv[loop[order]] = fixed
+    uv, known = np.zeros((len(P), 2)), np.zeros(len(P), bool)
+    uv[loop[order]], known[loop] = fixed, True
     counts = np.diff(ends)
-    return _harmonic(P, F, uv, loop), (0.5 * (counts[0] + counts[2]), 0.5 * (counts[1] + counts[3]))
+    return spread_values(P, F, uv, known), (0.5 * (counts[0] + counts[2]), 0.5 * (counts[1] + counts[3]))
 
 
 def _turns(rim: FloatArray) -> FloatArray:
     """Return the angles (k,) by which a closed line turns at its points [rad]."""
     ahead, behind = np.roll(rim, -1, axis=0) - rim, rim - np.roll(rim, 1, axis=0)
     return np.arctan2(np.linalg.norm(np.cross(behind, ahead), axis=1), np.einsum("ij,ij->i", behind, ahead))
-
-
-def _harmonic(P: FloatArray, F: IntArray, uv: FloatArray, loop: IntArray) -> FloatArray:
-    """Return parameters whose inner ones are means of their neighbours', weighted by nearness (n, 2)."""
-    n = len(P)
-    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    weight = 1.0 / np.linalg.norm(P[u] - P[v], axis=1)
-    graph = sparse.csr_matrix((np.r_[weight, weight], (np.r_[u, v], np.r_[v, u])), shape=(n, n))
-    free = np.setdiff1d(np.arange(n), loop)
-    if not len(free):
-        return uv
-    laplacian = sparse.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph
-    result = uv.copy()
-    result[free] = np.reshape(spsolve(laplacian[free][:, free].tocsc(), -(laplacian[free] @ uv)), (-1, 2))
-    return result
 
 
 def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int]) -> FloatArray:

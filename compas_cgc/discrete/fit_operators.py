@@ -88,10 +88,10 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
         entries["waves"].append((measure[:, None, None] * (off.transpose(0, 2, 1) @ off), one, other))
         bend = second * np.sqrt([1.0, 2.0, 1.0])[:, None]
         entries["bending"].append((measure[:, None, None] * (bend.transpose(0, 2, 1) @ bend), one, other))
-        K, slope = _gaussian(np.einsum("gtc,gc->gt", inverse, w), inverse)
+        heights = np.einsum("gtc,gc->gt", inverse, w)
+        K, slope = _gaussian(heights, inverse)
         gaussian[group.at] = K / radius**2
         # A move along a normal that leans lifts the polynomial by what it moves off its slope.
-        heights = np.einsum("gtc,gc->gt", inverse, w)
         leaning = np.einsum("gxy,gcy->gcx", frames, normals[ring])
         du, dv = _slopes(u, v, heights, group.degree)
         lifted = leaning[..., 2] - du * leaning[..., 0] - dv * leaning[..., 1]

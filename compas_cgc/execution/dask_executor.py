@@ -138,8 +138,7 @@ class DaskExecutor:
         """Queue a call, see :meth:`~compas_cgc.execution.protocol.TaskExecutor.start`."""
         if self._closing.is_set():
             raise RuntimeError("the executor is closed, no task can be started")
-        task = Task((function, args, kwargs or {}), on_progress, time_limit)
-        task.urgent = urgent
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
         self._inbox.put(_Message("task", task))
         return task
 

@@ -62,7 +62,7 @@ class Task(Future):
         Seconds after that in which it may still end by itself; then its worker ends it alone.
     """
 
-    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float]):
+    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float], urgent: bool = False):
         super().__init__()
         self.call: Optional[tuple] = call  # dropped once it is sent
         self.on_progress = on_progress
@@ -71,7 +71,7 @@ class Task(Future):
         self.stop_reason: Optional[str] = None
         self.stop_time = 0.0
         self.grace = GRACE
-        self.urgent = False
+        self.urgent = urgent
         self.since = time.monotonic()
 
     def stop(self, reason: str = "cancelled", grace: float = GRACE) -> None:

@@ -82,8 +82,7 @@ class WorkerPool(Executor):
         urgent: bool = False,
     ) -> Task:
         """Queue a call with a listener for its reports and a limit on its running time in seconds, an urgent one before others."""
-        task = Task((function, args, kwargs or {}), on_progress, time_limit)
-        task.urgent = urgent
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
         with self._change:
             if self._closed:
                 raise RuntimeError("the pool is closed, no task can be started")

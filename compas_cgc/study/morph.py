@@ -9,14 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
-from ..discrete import edge_faces
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Vectors
+from ..discrete.harmonic import spread_values
 from ..errors import CGCError
 from ..meshing import boundary_loops
 from ..meshing import named_supports
@@ -124,7 +122,7 @@ def _influence(problem: CGCProblem, moving: Indices, loops: list[Indices]) -> Fl
         part[path] = np.interp(at, at[known], part[path][known])
     for loop in loops:
         part[loop] = _around(problem.vertices[loop], part[loop])
-    return _harmonic(problem, part)
+    return spread_values(problem.vertices, problem.faces, part, np.isfinite(part))
 
 
 def _around(points: Vectors, part: FloatArray) -> FloatArray:
@@ -141,18 +139,3 @@ def _around(points: Vectors, part: FloatArray) -> FloatArray:
         part = part.copy()
         part[far], known = 0.0, np.sort(np.append(known, far))
     return np.interp(at[:-1], at[known], part[known], period=total)
-
-
-def _harmonic(problem: CGCProblem, part: FloatArray) -> FloatArray:
-    free = np.flatnonzero(~np.isfinite(part))
-    if not len(free):
-        return part
-    known = np.flatnonzero(np.isfinite(part))
-    u, v = edge_faces(problem.faces)[:, :2].T
-    weight = 1.0 / np.maximum(np.linalg.norm(problem.vertices[u] - problem.vertices[v], axis=1), np.finfo(float).tiny)
-    n = len(part)
-    W = sparse.coo_matrix((np.concatenate([weight, weight]), (np.concatenate([u, v]), np.concatenate([v, u]))), shape=(n, n)).tocsr()
-    L = (sparse.diags(np.asarray(W.sum(axis=1)).ravel()) - W).tocsr()
-    solved = part.copy()
-    solved[free] = splu(L[free][:, free].tocsc()).solve(-(L[free][:, known] @ part[known]))
-    return solved

@@ -82,9 +82,7 @@ def io() -> Response:
 @hops.post("/<path:prefix>/solve")
 def solve(prefix: str = "") -> Response:
     """Run a function."""
-    limits = current_app.config["LIMITS"]
-    check_length(request.content_length, limits)
-    content = request.get_data(cache=False)
+    content, limits = _content()
     return _solved_here(read_body(content, limits), limits) if is_light(content, limits) else _solved_there(content, limits)
 
 
@@ -182,9 +180,14 @@ def _state(status: int, mesh: list, done: bool, progress: float, told: str) -> R
 
 def _body() -> dict:
     """Return the request, which names a function and nothing else."""
-    limits = current_app.config["LIMITS"]
-    check_length(request.content_length, limits)
-    content = request.get_data(cache=False)
+    content, limits = _content()
     if not is_light(content, limits):
         raise TooLarge("the request is larger than a name is")
     return read_body(content, limits)
+
+
+def _content() -> tuple[bytes, Limits]:
+    """Return the bytes of the request, if they are not too many, and the limits."""
+    limits: Limits = current_app.config["LIMITS"]
+    check_length(request.content_length, limits)
+    return request.get_data(cache=False), limits

@@ -38,13 +38,14 @@ def descend_over_saddles(system: System, equations: CurvatureEquations, start: P
     """Take steps from a start to rounding; where they come to rest at vertices of four faces, fold these and go on."""
     here = start
     for _ in range(ROUNDS):
-        short = 0
+        short, reached = 0, here.vertices
         for taken in descend_to_rounding(system, equations, here):
-            here = system.at(taken.vertices, equations)
+            reached = taken.vertices
             yield taken
             short = short + 1 if taken.length < SHORT else 0
             if short == MANY_SHORT:
                 break
+        here = system.at(reached, equations)
         if system.missing(here, equations) <= FULFILLED:
             return
         if not system.places.trivial or len(here.residual) != len(system.rows):
