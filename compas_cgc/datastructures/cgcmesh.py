@@ -238,14 +238,14 @@ class CGCMesh(Mesh):
         creases
             ``(k, 3)`` points along each crease; what lies outside of the outline is left out.
         points
-            ``(k, 3)`` places that become vertices, such as columns.
+            ``(k, 3)`` places that become vertices, such as columns, or ``(k, 2)`` in plan.
         tolerance
             Length below which two points are one [L].
 
         Raises
         ------
         MeshError
-            If the mesher is not installed, or the curves do not bound an area.
+            If the mesher is not installed, the curves do not bound an area, or a point lies outside of it.
 
         Examples
         --------
@@ -255,11 +255,14 @@ class CGCMesh(Mesh):
         2
         """
         from ..meshing.outline import mesh_from_outline
+        from ..meshing.outline import refuse_passed_over
 
         groups = {"outline": [outline], "holes": holes, "creases": creases}
         curves = [[_as_curve(curve, name) for curve in group] for name, group in groups.items()]
-        given = None if points is None else np.asarray(points, dtype=np.float64)
+        given = None if points is None or not len(np.asarray(points)) else _as_curve(points, "points")
         made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
+        if given is not None:
+            refuse_passed_over(made, given, edge_length)
         mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
         mesh.set_creases(made.creases)
         return mesh
@@ -770,7 +773,7 @@ def _copied(values: dict) -> dict:
 def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
     """Return a curve (k, 3); a plan is at the height 0."""
     points = np.asarray(curve, dtype=np.float64)
-    if points.ndim == 1 and name != "outline":
+    if points.ndim == 1 and name not in ("outline", "points"):
         raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")

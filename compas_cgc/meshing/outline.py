@@ -29,9 +29,10 @@ if TYPE_CHECKING:
 
 CLEAR = 0.62  # of the edge length, that a lattice keeps away from curves
 MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
+MET = 0.2  # of the edge length, within which a point has become a vertex
 ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
 
-__all__ = ["Outlined", "fill", "mesh_from_outline"]
+__all__ = ["Outlined", "fill", "mesh_from_outline", "refuse_passed_over"]
 
 
 class Outlined(NamedTuple):
@@ -69,7 +70,8 @@ def mesh_from_outline(
     tolerance
         Length below which two points are one [L].
     points
-        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L].
+        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L]. Those outside
+        of the outline are passed over.
 
     Returns
     -------
@@ -113,6 +115,25 @@ def mesh_from_outline(
     vertices = np.column_stack([plan, _heights_between(plan, on, heights)])
     place = cKDTree(plan)
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
+
+
+def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -> None:
+    """Refuse points (k, 3) that no vertex of a mesh became.
+
+    Raises
+    ------
+    MeshError
+        With a sentence that names the first of them and tells how far away it is.
+    """
+    gap = cKDTree(made.vertices[:, :2]).query(points[:, :2])[0]
+    missed = np.flatnonzero(~(gap <= MET * edge_length))
+    if len(missed):
+        k = int(missed[0])
+        more = f", nor do {len(missed) - 1} others" if len(missed) > 1 else ""
+        raise MeshError(
+            f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} from the "
+            "nearest vertex; move it inside, or leave it out"
+        )
 
 
 def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray) -> tuple[FloatArray, IntArray]:

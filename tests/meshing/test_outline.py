@@ -10,6 +10,7 @@ import rhino3dm
 
 from compas_cgc import CGCMesh
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.errors import MeshError
 
 pytest.importorskip("compas_cgal")
 pytest.importorskip("shapely")
@@ -69,6 +70,16 @@ def test_every_column_is_a_vertex_and_triangles_are_even(name):
         assert mesh.crease_edges()
         box = np.array([V.min(axis=0), V.max(axis=0)])
         assert (box[0] >= outline.min(axis=0) - 1e-9).all() and (box[1] <= outline.max(axis=0) + 1e-9).all()
+
+
+def test_points_outside_are_refused_by_their_places():
+    with pytest.raises(MeshError, match=r"points\[1\] at \(12.5, 3\) does not lie within the outline, nor do 1 others; it is 0.5 from"):
+        CGCMesh.from_outline(SQUARE, 1.5, points=[(3, 3), (12.5, 3), (-9, 3)])
+    with pytest.raises(MeshError, match=r"points\[0\] at \(6, 6\) does not lie"):
+        CGCMesh.from_outline(SQUARE, 1.5, [ring((5, 5), (7, 5), (7, 7), (5, 7))], points=[(6, 6, 0)])
+    with pytest.raises(ValueError, match="points must be points with two or three coordinates"):
+        CGCMesh.from_outline(SQUARE, 1.5, points=[3, 3, 0])
+    assert CGCMesh.from_outline(SQUARE, 3.0, points=[]).number_of_vertices() > 16
 
 
 def test_round_edges_are_met_and_a_small_oculus_stays_round():

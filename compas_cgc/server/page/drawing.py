@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...datastructures import CGCMesh
 from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
 from ...errors import CGCError
+from ...meshing.outline import mesh_from_outline
 from ...meshing.polyline import nearest_on_polyline
 from ...model.problem import CGCProblem
 from ...model.problem import Drawing
@@ -34,6 +34,7 @@ FIELDS = ("name", "unit", "edge_length", "outline", "holes", "creases", "points"
 CURVES = 500  # most of one drawing
 ENOUGH = 3  # supports; on fewer a roof tips over
 POINTS = 20_000  # most of all its curves
+TOLERANCE = 1e-6  # length below which two points are one
 
 
 class Sketch(NamedTuple):
@@ -94,7 +95,8 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
     """
     try:
         holes, creases = [flattened(line) for line in sketch.holes], [flattened(line) for line in sketch.creases]
-        problem = CGCMesh.from_outline(flattened(sketch.outline), sketch.edge_length, holes, creases, flattened(sketch.points)).to_problem()
+        made = mesh_from_outline(flattened(sketch.outline), holes, creases, sketch.edge_length, TOLERANCE, flattened(sketch.points))
+        problem = CGCProblem(made.vertices, made.faces, creases=made.creases)
         check_size(len(problem.vertices), len(problem.faces), limits)
         columns, held = _columns(problem, sketch), _on_lines(problem, sketch.held, sketch.edge_length)
         notes = []
