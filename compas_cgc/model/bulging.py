@@ -12,6 +12,9 @@ import numpy as np
 from ..discrete import boundary_vertices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.normals import unit_vectors
+from ..meshing import boundary_loops
 from .goals.kinds import EdgeInPlan
 from .problem import CGCProblem
 from .roles import FIXED
@@ -23,6 +26,7 @@ LINED = 60  # supports of a region, of which all pairs are
 NEAR = 1e-6  # distance from a line, against the size of the mesh, that is none
 LEVEL = 1e-6  # height, likewise
 WITHIN = 1e-3  # least share of a corner in a point within a triangle
+STRAIGHT = 1e-14  # 1 - cosine of the turn between edges of a straight side
 PARTS = 8  # that lines and sides are cut into to see whether they lie in the region
 
 
@@ -32,6 +36,7 @@ class _Between(NamedTuple):
     vertex: int
     others: tuple[int, ...]
     over: float  # how high over the straight way between them [L]
+    along: bool = False  # whether that runs along the edge of the region
 
 
 def two_sided_supports(problem: CGCProblem) -> list[str]:
@@ -59,7 +64,7 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     under: Optional[_Between] = None
     for found in _between(problem, F, supports, size):
         if abs(found.over) <= LEVEL * size:
-            if not _along_rim(problem, F, found, size):
+            if not found.along:
                 at, others = problem.names.vertices[found.vertex], _named(problem, found)
                 yield (
                     f"the region {region} has K > 0, but its support at vertex {at} lies level between those at {others}, and a smooth "
@@ -89,21 +94,18 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
     plan, z = problem.vertices[:, :2], problem.vertices[:, 2]
     held = any(isinstance(own, EdgeInPlan) for own in problem.constraints)
     rim = boundary_vertices(problem.vertices, problem.faces)
-    for a, b in combinations(supports.tolist(), 2):
-        along = plan[b] - plan[a]
-        square = float(along @ along)
-        if not square > 0.0:
+    pairs, shares = _pairs_around(plan, supports, size)
+    sides = _straight_sides(plan, F)
+    for (a, b), share in zip(pairs.tolist(), shares):
+        on = np.isfinite(share)
+        side = bool((sides[a] & sides[b]).any())
+        if not side and not _inside(plan, F, plan[a] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * (plan[b] - plan[a]), size):
             continue
-        share = (plan[supports] - plan[a]) @ along / square
-        away = np.linalg.norm(plan[supports] - plan[a] - share[:, None] * along, axis=1)
-        on = (away <= NEAR * size) & (share > WITHIN) & (share < 1.0 - WITHIN)
-        if not on.any() or not _inside(plan, F, plan[a] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * along, size):
-            continue
+        along = side or _along_rim(plan, F, plan[a], plan[b], size)
         for c, t in zip(supports[on].tolist(), share[on]):
-            found = _Between(c, (a, b), float(z[c] - (1.0 - t) * z[a] - t * z[b]))
             # A free edge that nothing keeps over its line need not stay there.
-            if held or not (rim[[a, b, c]].all() and _along_rim(problem, F, found, size)):
-                yield found
+            if held or not (along and rim[[a, b, c]].all()):
+                yield _Between(c, (a, b), float(z[c] - (1.0 - t) * z[a] - t * z[b]), along)
     if len(supports) > MOST:
         return
     grid = np.array([(i, j, PARTS - i - j) for i in range(PARTS + 1) for j in range(PARTS + 1 - i)]) / PARTS
@@ -120,6 +122,35 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
                 yield _Between(c, three, float(z[c] - own @ z[list(three)]))
 
 
+def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[IntArray, FloatArray]:
+    """Return pairs of supports that others lie between (p, 2), and how far along the way of each pair (p, k), NaN where beside it."""
+    places = plan[supports]
+    first, second = np.triu_indices(len(supports), 1)
+    along = places[second] - places[first]
+    square = np.einsum("ij,ij->i", along, along)
+    first, second, along, square = (own[square > 0.0] for own in (first, second, along, square))
+    away = places[None] - places[first][:, None]
+    share = np.einsum("pki,pi->pk", away, along) / square[:, None]
+    off = np.linalg.norm(away - share[..., None] * along[:, None], axis=2)
+    share[~((off <= NEAR * size) & (share > WITHIN) & (share < 1.0 - WITHIN))] = np.nan
+    some = np.isfinite(share).any(axis=1)
+    return np.column_stack([supports[first], supports[second]])[some], share[some]
+
+
+def _straight_sides(plan: FloatArray, F: IntArray) -> Mask:
+    """Return which vertices lie on which straight sides of the edge of some faces in plan (n, s)."""
+    on: list[IntArray] = []
+    for loop in boundary_loops(F):
+        ahead = unit_vectors(plan[np.roll(loop, -1)] - plan[loop])
+        corners = np.flatnonzero(np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0)) < 1.0 - STRAIGHT)
+        for begin, end in zip(corners, np.roll(corners, -1)):
+            on.append(np.take(loop, np.arange(begin, end + 1 if end > begin else end + len(loop) + 1), mode="wrap"))
+    sides = np.zeros((len(plan), len(on)), bool)
+    for k, side in enumerate(on):
+        sides[side, k] = True
+    return sides
+
+
 def _put(corners: FloatArray, k: int, point: FloatArray) -> FloatArray:
     changed = corners.copy()
     changed[k] = point
@@ -132,12 +163,8 @@ def _crosses(corners: FloatArray) -> FloatArray:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
-def _along_rim(problem: CGCProblem, F: IntArray, found: _Between, size: float) -> bool:
-    """Return whether a line runs along the edge of the region, or a triangle has no inside."""
-    if len(found.others) > 2:
-        return False
-    plan = problem.vertices[:, :2]
-    a, b = plan[list(found.others)]
+def _along_rim(plan: FloatArray, F: IntArray, a: FloatArray, b: FloatArray, size: float) -> bool:
+    """Return whether a line within the region runs along its edge."""
     across = np.array([a[1] - b[1], b[0] - a[0]]) / np.linalg.norm(b - a)
     middle = a + np.linspace(0.0, 1.0, PARTS + 1)[1:-1, None] * (b - a)
     step = 1e-3 * size
