@@ -17,12 +17,15 @@ from ..model.goals.bound import support_height
 from ..model.goals.bound import unknown_regions
 from ..model.problem import CGCProblem
 from ..solvers.run import solve
+from ..solvers.selection import choose
+from .parameters import STRATEGIES
 from .parameters import Change
 from .spec import Study
 
 __all__ = ["Measured", "Plan"]
 
 MEASURES = ("status", "verdict", "rise", "height", "area", "volume", "error", "roughness", "steps", "method")
+KEPT = 1_000_000  # vertices of surfaces that are kept for variants with the same
 SHAPES = 16  # drawings of moved creases and supports that are kept
 
 
@@ -55,6 +58,7 @@ class Plan:
         self._shapes = [k for k, own in enumerate(study.parameters) if own.is_shape]
         self._asked = [k for k, own in enumerate(study.parameters) if not own.is_shape]
         self._drawn: OrderedDict[tuple, tuple[CGCProblem, list[Change]]] = OrderedDict()
+        self._solved: OrderedDict[tuple, tuple[dict[str, Any], str, Optional[FloatArray]]] = OrderedDict()
         self._settings = study.solver_settings
         self._unknown = list(unknown_regions(self.drawing))
         # A study that cannot be is refused before it begins.
@@ -103,11 +107,16 @@ class Plan:
     def measured(self, variant: int) -> Measured:
         """Return the row of a variant and its surface; what is wrong with it is told in its note."""
         try:
-            result = self.solve(variant)
+            problem = self.problem(variant)
         except CGCError as error:
             return self.refused(variant, str(error))
-        figures, note = self._figures(result)
-        return Measured(self._row(variant, figures, note), result.vertices)
+        key = self._decisive(problem, self.study.variants[variant])
+        if key not in self._solved:
+            self._solved[key] = self._solution(problem)
+            if len(self._solved) > max(1, KEPT // len(problem.vertices)):
+                self._solved.popitem(last=False)
+        figures, note, vertices = self._solved[key]
+        return Measured(self._row(variant, figures, note), vertices)
 
     def refused(self, variant: int, note: str, status: str = "refused") -> Measured:
         """Return the row of a variant without a surface."""
@@ -125,6 +134,20 @@ class Plan:
         if len(self._drawn) > SHAPES:
             self._drawn.popitem(last=False)
         return self._drawn[key]
+
+    def _decisive(self, problem: CGCProblem, values: tuple) -> tuple:
+        """Return what decides the result of a variant: its values, without the strategies that no method in question has."""
+        own = [_hashable(value) for value, one in zip(values, self.study.parameters) if one.kind not in STRATEGIES]
+        methods = [one.method for one in choose(problem, self._settings)] if self.study.method == "auto" else [self.study.method]
+        return (*own, *((problem.s.tobytes(), problem.e.tobytes()) if "flow" in methods else ()))
+
+    def _solution(self, problem: CGCProblem) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
+        """Return the figures of a problem's surface, what is wrong with it, and its vertices."""
+        try:
+            result = solve(problem, method=self.study.method, settings=self._settings)
+        except CGCError as error:
+            return {"status": "refused"}, str(error), None
+        return (*self._figures(result), result.vertices)
 
     def _row(self, variant: int, figures: Mapping[str, Any], note: str) -> tuple[Any, ...]:
         own = dict(zip(self.inputs, self.study.variants[variant]))

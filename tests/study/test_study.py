@@ -23,6 +23,7 @@ from compas_cgc.study import Study
 from compas_cgc.study import pareto_front
 from compas_cgc.study import read_study
 from compas_cgc.study import run_study
+from compas_cgc.study import variants
 from compas_cgc.study.pareto import non_dominated
 from compas_cgc.study.variants import Plan
 
@@ -186,6 +187,20 @@ def test_the_table_is_what_single_solves_give(tmp_path):
     assert last["status"] == "refused" and last["rise"] is None and last["note"]
     with pytest.raises(CGCError, match="has no surface"):
         results.vertices(2)
+
+
+@pytest.mark.parametrize(("method", "solves"), [("projection", 2), ("auto", 6)])
+def test_only_what_decides_the_surface_is_solved_again(tmp_path, monkeypatch, method, solves):
+    """The strategies are of the flow alone, which auto takes where they are set on creases."""
+    mesh = grid("boundary", 0.01, creases=[line(3)])
+    study = of({"K": [0.004, 0.006], "s": [0.0, 0.1, 0.2]}, method=method, settings={"steps": 20})
+    alone = [Plan(study, mesh.to_problem()).measured(variant) for variant in range(6)]
+    count = []
+    monkeypatch.setattr(variants, "solve", lambda *args, **more: count.append(1) or solve(*args, **more))
+    plan = Plan(study, mesh.to_problem())
+    together = {variant: plan.measured(variant) for variant in (3, 0, 5, 4, 1, 2)}
+    assert len(count) == solves
+    assert all(together[k].row == one.row and np.array_equal(together[k].vertices, one.vertices) for k, one in enumerate(alone))
 
 
 def test_two_processes_and_a_run_that_was_stopped_give_the_same_table_bit_for_bit(tmp_path):
