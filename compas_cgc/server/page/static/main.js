@@ -138,7 +138,7 @@ class Page {
     });
     // A page that may come back keeps its result.
     window.addEventListener('pagehide', ({ persisted }) => {
-      this.keep.now();
+      this.keep.hide();
       if (persisted) this.solver.stop();
       else this.solver.reset();
     });

@@ -3,6 +3,7 @@
 const NAME = 'compas_cgc';
 const STORE = 'designs';
 const TAB = 'compas_cgc.design';
+const WAITS = 'compas_cgc.waits';
 const MOST = 12; // designs
 
 /** @returns {Promise<IDBDatabase>} */
@@ -46,7 +47,8 @@ export class Keep {
    * @param {import('../types.js').State} state
    */
   put(state) {
-    this.latest = state;
+    this.take(this.id ?? crypto.getRandomValues(new Uint32Array(2)).join('-'));
+    this.latest = { ...state, id: this.id, time: Date.now() };
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.now(), 250);
   }
@@ -56,16 +58,39 @@ export class Keep {
     clearTimeout(this.timer);
     const { latest } = this;
     if (!latest) return;
-    this.latest = null;
-    this.id ??= crypto.getRandomValues(new Uint32Array(2)).join('-');
-    sessionStorage.setItem(TAB, this.id);
-    await inStore('readwrite', (store) => store.put({ ...latest, id: this.id, time: Date.now() })).catch(() => {});
+    await inStore('readwrite', (store) => store.put(latest)).catch(() => {});
+    if (this.latest === latest) this.latest = null;
+  }
+
+  /** The page is being left, which nothing can put off: what is not in the store by now waits beside it. */
+  hide() {
+    sessionStorage.removeItem(WAITS);
+    if (!this.latest) return;
+    try {
+      sessionStorage.setItem(WAITS, JSON.stringify(this.latest, (name, value) => (value instanceof File ? undefined : value)));
+    } catch {
+      // It is too large for that; the store may still get it.
+    }
+    this.now();
   }
 
   /** @returns {Promise<?import('../types.js').State>} what this tab has shown */
   async mine() {
-    if (!this.id) return null;
-    return (await inStore('readonly', (store) => store.get(this.id)).catch(() => null)) ?? null;
+    const waits = sessionStorage.getItem(WAITS);
+    if (waits) {
+      sessionStorage.removeItem(WAITS);
+      const latest = JSON.parse(waits);
+      const file = (await this.read(latest.id))?.data?.file;
+      if (latest.data && file) latest.data.file = file;
+      this.latest = latest;
+      await this.now();
+    }
+    return this.id ? this.read(this.id) : null;
+  }
+
+  /** @param {string} id */
+  async read(id) {
+    return (await inStore('readonly', (store) => store.get(id)).catch(() => null)) ?? null;
   }
 
   /** @returns {Promise<import('../types.js').State[]>} all that is kept, the newest first; the oldest of too many are let go */
