@@ -230,7 +230,7 @@ class CGCMesh(Mesh):
         Parameters
         ----------
         outline
-            ``(k, 3)`` points around the boundary, or ``(k, 2)`` in plan, the first again at the end [L].
+            ``(k, 3)`` points around the boundary, or ``(k, 2)`` in plan, the first again at the end or not [L].
         edge_length
             Length of edges aimed at [L].
         holes

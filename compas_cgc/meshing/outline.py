@@ -60,7 +60,7 @@ def mesh_from_outline(
     Parameters
     ----------
     outline
-        ``(k, 3)`` points around the boundary, first and last equal [L].
+        ``(k, 3)`` points around the boundary, the first again at the end or not [L].
     holes
         The same for holes in it.
     creases
@@ -93,7 +93,8 @@ def mesh_from_outline(
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     if not edge_length > 0:
         raise MeshError(f"the edge length must be above zero, not {edge_length!r}")
-    rings = [np.asarray(ring)[:, :2] for ring in (outline, *holes)]
+    outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
+    rings = [ring[:, :2] for ring in (outline, *holes)]
     domain = shapely.Polygon(rings[0], rings[1:])
     if not domain.is_valid or domain.area < edge_length**2:
         reason = shapely.is_valid_reason(domain) if not domain.is_valid else "its area is less than that of an edge squared"
@@ -134,6 +135,12 @@ def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -
             f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} from the "
             "nearest vertex; move it inside, or leave it out"
         )
+
+
+def _closed(ring: FloatArray, tolerance: float) -> FloatArray:
+    """Return a ring (k, 3) that ends where it begins, to the last digit."""
+    ends = len(ring) > 1 and np.linalg.norm((ring[-1] - ring[0])[:2]) <= tolerance
+    return np.concatenate([ring[:-1] if ends else ring, ring[:1]])
 
 
 def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray) -> tuple[FloatArray, IntArray]:

@@ -110,3 +110,13 @@ def test_a_surface_is_meshed_evenly_and_closed_where_its_sides_meet(radius):
     V, smallest, _ = shape_of(mesh)
     assert len(mesh.boundary_loops()) == 2 and smallest >= 20
     assert np.allclose(np.linalg.norm(V[:, :2], axis=1), radius)
+
+
+@pytest.mark.parametrize("end", ["to the last digit", "to some digits", "open"])
+def test_an_outline_is_closed_however_it_ends(end):
+    t = np.linspace(0, 2 * np.pi, 41)
+    ring = np.column_stack([6 * np.cos(t), 4 * np.sin(t), 0.1 * np.cos(t)])
+    ring[-1] = ring[0]
+    given = {"to the last digit": ring, "to some digits": ring + np.where(np.arange(41)[:, None] == 40, 1e-9, 0), "open": ring[:-1]}[end]
+    mesh, same = CGCMesh.from_outline(given, 1.0), CGCMesh.from_outline(ring, 1.0)
+    assert np.array_equal(mesh.arrays()[0], same.arrays()[0]) and np.array_equal(mesh.arrays()[1], same.arrays()[1])

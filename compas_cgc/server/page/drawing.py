@@ -96,7 +96,7 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
     try:
         holes, creases = [flattened(line) for line in sketch.holes], [flattened(line) for line in sketch.creases]
         made = mesh_from_outline(flattened(sketch.outline), holes, creases, sketch.edge_length, TOLERANCE, flattened(sketch.points))
-        problem = CGCProblem(made.vertices, made.faces, creases=made.creases)
+        problem = CGCProblem(made.vertices, made.faces).with_creases(made.creases)
         check_size(len(problem.vertices), len(problem.faces), limits)
         columns, held = _columns(problem, sketch), _on_lines(problem, sketch.held, sketch.edge_length)
         notes = []
