@@ -16,27 +16,25 @@ from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 from typing import Callable
-from typing import NamedTuple
 from typing import Optional
 
 from .._version import __version__
-from ..errors import CGCError
-from .dask_task import about
+from .dask_cluster import PATIENCE
+from .dask_cluster import ClusterWatch
+from .dask_cluster import Message
+from .dask_cluster import let_go
 from .dask_task import ask_to_stop
 from .dask_task import run_task
 from .future import Task
 from .future import TaskError
 from .future import TaskStopped
 from .future import WorkerDied
+from .future import place
 
 __all__ = ["DaskExecutor"]
 
 POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
-WATCH_INTERVAL = 0.5  # seconds between two looks at the cluster
-PATIENCE = 3.0  # seconds that a scheduler may take to be found
-BUSY = 30.0  # seconds that one may take to answer that is connected: when it ends that is seen at once
 GONE = 2  # looks in a row that a worker is missing in, until its task is given up
-FAIR = 5.0  # seconds after which a task is no longer overtaken
 BEGINNINGS = 2  # times that a task is begun whose scheduler dies under it
 
 log = logging.getLogger(__name__)
@@ -58,13 +56,6 @@ class _Run:
     def is_deaf(self) -> bool:
         """Whether it goes on although everybody has been told that it ended."""
         return self.task.done()
-
-
-class _Message(NamedTuple):
-    """What the other threads tell the one that keeps the tasks."""
-
-    kind: str  # task, event, done, lost, workers, cut, close
-    content: Any = None
 
 
 class DaskExecutor:
@@ -89,16 +80,11 @@ class DaskExecutor:
     """
 
     def __init__(self, address: str, grace: float = 1.0, reserved: int = 0):
-        try:
-            import distributed
-        except ImportError:
-            raise CGCError('a Dask cluster needs distributed: pip install "compas_cgc[dask]"') from None
         self.address = address
-        self._distributed = distributed
         self._grace = grace
         self._reserved = reserved
         self._topic = f"compas-cgc-{uuid.uuid4().hex}"
-        self._inbox: queue.SimpleQueue[_Message] = queue.SimpleQueue()
+        self._inbox: queue.SimpleQueue[Message] = queue.SimpleQueue()
         self._waiting: deque[Task] = deque()
         self._runs: dict[str, _Run] = {}
         self._beginnings: dict[Task, int] = {}
@@ -109,7 +95,8 @@ class DaskExecutor:
         self._closing = threading.Event()
         self._ready = threading.Event()
         self._errands = ThreadPoolExecutor(4, "dask-errand")
-        self._threads = [threading.Thread(target=own, daemon=True) for own in (self._keep, self._watch)]
+        watch = ClusterWatch(address, self._topic, self._inbox.put, self._closing)
+        self._threads = [threading.Thread(target=self._keep, daemon=True), watch]
         for thread in self._threads:
             thread.start()
 
@@ -139,7 +126,7 @@ class DaskExecutor:
         if self._closing.is_set():
             raise RuntimeError("the executor is closed, no task can be started")
         task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
-        self._inbox.put(_Message("task", task))
+        self._inbox.put(Message("task", task))
         return task
 
     def health(self) -> dict:
@@ -172,64 +159,11 @@ class DaskExecutor:
         while wait and not cancel_futures and not self._closing.is_set() and (self._runs or self._waiting or not self._inbox.empty()):
             time.sleep(POLL_INTERVAL)
         self._closing.set()
-        self._inbox.put(_Message("close"))
+        self._inbox.put(Message("close"))
         if wait:
             for thread in self._threads:
                 thread.join()
             self._errands.shutdown()
-
-    # ------------------------------------------------------------------
-    # The thread that looks at the cluster
-    # ------------------------------------------------------------------
-
-    def _watch(self) -> None:
-        """Keep a connection to the scheduler, and tell who works for it."""
-        client: Any = None
-        known: dict[str, str] = {}  # version by worker
-        scheduler = ""
-        while not self._closing.wait(WATCH_INTERVAL if client is not None or known else 0.0):
-            try:
-                if client is None:
-                    client = self._connected()
-                    known, scheduler = {}, self._scheduler_of(client)
-                # Dask connects anew by itself, to another scheduler too, which knows nothing of what was under way.
-                if client.status != "running" or self._scheduler_of(client) != scheduler:
-                    raise OSError("the connection is broken")
-                threads = client.sync(client.scheduler.ncores, callback_timeout=BUSY)
-                known = {address: known[address] if address in known else self._version_on(client, address) for address in threads}
-                self._inbox.put(_Message("workers", (client, dict(threads), known)))
-            except Exception as error:
-                if client is not None:
-                    log.error("the Dask scheduler %s is lost (%s); looking for it", self.address, error)
-                    self._inbox.put(_Message("cut"))
-                    self._let_go(client)
-                client, known = None, {}
-                self._closing.wait(WATCH_INTERVAL)
-        if client is not None:
-            self._inbox.put(_Message("close"))
-
-    def _connected(self) -> Any:
-        client = self._distributed.Client(self.address, timeout=PATIENCE, set_as_default=False, name="compas_cgc")
-        client.subscribe_topic(self._topic, lambda event: self._inbox.put(_Message("event", event[1])))
-        return client
-
-    @staticmethod
-    def _scheduler_of(client: Any) -> str:
-        return str(client.sync(client.scheduler.identity, callback_timeout=BUSY)["id"])
-
-    def _version_on(self, client: Any, address: str) -> str:
-        """Return the version on a worker, or what is wrong with it."""
-        try:
-            return str(client.run(about, workers=[address])[address])
-        except Exception as error:
-            return f"no version ({type(error).__name__}: {error})"[:200]
-
-    @staticmethod
-    def _let_go(client: Any) -> None:
-        try:
-            client.close(timeout=1.0)
-        except Exception as error:
-            log.debug("the connection could not be closed: %s", error)
 
     # ------------------------------------------------------------------
     # The thread that keeps the tasks
@@ -239,7 +173,7 @@ class DaskExecutor:
         """Hand tasks out and follow them until the executor is closed; nothing else changes what is kept of them."""
         while True:
             try:
-                message: Optional[_Message] = self._inbox.get(timeout=POLL_INTERVAL)
+                message: Optional[Message] = self._inbox.get(timeout=POLL_INTERVAL)
             except queue.Empty:
                 message = None
             if message is not None:
@@ -252,11 +186,7 @@ class DaskExecutor:
         self._end()
 
     def _on_task(self, task: Task) -> None:
-        if not task.urgent:
-            self._waiting.append(task)
-            return
-        ahead = [i for i, other in enumerate(self._waiting) if other.urgent or task.since - other.since > FAIR]
-        self._waiting.insert(max(ahead, default=-1) + 1, task)
+        self._waiting.insert(place(task, self._waiting), task)
 
     def _on_event(self, event: dict) -> None:
         run = self._runs.get(event["task"])
@@ -404,22 +334,22 @@ class DaskExecutor:
                 priority=int(task.urgent),
             )
         except Exception as error:
-            self._inbox.put(_Message("done", (run.name, ("raised", error))))
+            self._inbox.put(Message("done", (run.name, ("raised", error))))
             return
         run.future.add_done_callback(lambda future: self._inbox.put(self._told(run, future)))
 
-    def _told(self, run: _Run, future: Any) -> _Message:
+    def _told(self, run: _Run, future: Any) -> Message:
         """Return what to say of a future of Dask that is done."""
         try:
             if future.status == "finished":
-                return _Message("done", (run.name, future.result(timeout=60)))
+                return Message("done", (run.name, future.result(timeout=60)))
             if future.status == "error":
                 error = future.exception(timeout=PATIENCE)
                 text = f"the Dask worker {run.address} could not run this job ({type(error).__name__}); see its log"
-                return _Message("done", (run.name, ("raised", WorkerDied(text))))
+                return Message("done", (run.name, ("raised", WorkerDied(text))))
         except Exception as error:
             log.error("the outcome of %s is lost: %s", run.name, error)
-        return _Message("lost", run.name)
+        return Message("lost", run.name)
 
     def _on_lost(self, name: str) -> None:
         """Dask has forgotten a task: with its scheduler, or its worker; the next looks at the cluster tell."""
@@ -471,6 +401,6 @@ class DaskExecutor:
         if client is not None:
             for run in self._runs.values():
                 self._cancelled(run)
-            self._let_go(client)
+            let_go(client)
         self._runs.clear()
         self._slots = {}

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any
 from typing import Callable
 from typing import Optional
 
-__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "start", "stop", "wait_for"]
+__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
 
 POLL_INTERVAL = 0.1  # seconds between two checks whether somebody still waits
+FAIR = 5.0  # seconds after which a task is no longer overtaken
 GRACE = 0.15  # seconds that somebody waits for a task that was asked to stop
 
 
@@ -80,6 +82,14 @@ class Task(Future):
             self.stop_time = time.monotonic()
             self.grace = grace
             self.stop_reason = reason
+
+
+def place(task: Task, waiting: Sequence[Task]) -> int:
+    """Return the place of a task in a queue: an urgent one goes before those that have not waited long."""
+    if not task.urgent:
+        return len(waiting)
+    ahead = [i for i, other in enumerate(waiting) if other.urgent or task.since - other.since > FAIR]
+    return max(ahead, default=-1) + 1
 
 
 def start(

@@ -18,13 +18,13 @@ from .future import Task
 from .future import TaskError
 from .future import TaskStopped
 from .future import WorkerDied
+from .future import place
 from .worker import run_tasks
 from .worker_handle import WorkerHandle
 
 __all__ = ["WorkerPool"]
 
 POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
-FAIR = 5.0  # seconds after which a task is no longer overtaken
 FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
 
 log = logging.getLogger(__name__)
@@ -86,16 +86,9 @@ class WorkerPool(Executor):
         with self._change:
             if self._closed:
                 raise RuntimeError("the pool is closed, no task can be started")
-            self._waiting.insert(self._place(task), task)
+            self._waiting.insert(place(task, self._waiting), task)
             self._change.notify_all()
         return task
-
-    def _place(self, task: Task) -> int:
-        """Return the place of a task in the queue: an urgent one goes before those that have not waited long."""
-        if not task.urgent:
-            return len(self._waiting)
-        ahead = [i for i, other in enumerate(self._waiting) if other.urgent or task.since - other.since > FAIR]
-        return max(ahead, default=-1) + 1
 
     def health(self) -> dict:
         """Count workers by what they do, and the tasks that wait."""
