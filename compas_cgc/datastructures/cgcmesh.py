@@ -46,6 +46,7 @@ from ..model.problem import Names
 from ..model.roles import ROLES
 from .check import diagnostics_of_keys
 from .pluggables import mesh_from_3dm
+from .pluggables import mesh_from_brep
 from .pluggables import mesh_to_3dm
 
 __all__ = ["CGCMesh"]
@@ -269,12 +270,13 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_surface(cls, surface: Any, edge_length: float) -> CGCMesh:
-        """Make a mesh of even triangles on an untrimmed parametric surface. Takes the extra ``mesher``.
+        """Make a mesh of even triangles on a surface, with creases where it bends sharply. Takes the extra ``mesher``.
 
         Parameters
         ----------
         surface
-            Of COMPAS (``point_at``, ``domain_u``, ``domain_v``), of rhino3dm or RhinoCommon (``PointAt``, ``Domain``).
+            An untrimmed one of COMPAS (``point_at``, ``domain_u``, ``domain_v``), of rhino3dm or RhinoCommon (``PointAt``,
+            ``Domain``); or a Brep, an extrusion or a SubD of rhino3dm.
         edge_length
             Length of edges aimed at [L].
 
@@ -285,20 +287,25 @@ class CGCMesh(Mesh):
         """
         from ..meshing.surface_mesh import mesh_from_surface
 
-        if hasattr(surface, "PointAt"):
-            spans = [surface.Domain(k) for k in range(2)]
-            (u0, u1), (v0, v1) = ((float(span.T0), float(span.T1)) for span in spans)
+        if hasattr(surface, "PointAt") and hasattr(surface, "Domain") and type(surface).__name__ != "Extrusion":
+            (u0, u1), (v0, v1) = ((float(span.T0), float(span.T1)) for span in (surface.Domain(k) for k in range(2)))
+            spans = (list(surface.GetSpanVector(0)), list(surface.GetSpanVector(1)))
             at, axes = surface.PointAt, "XYZ"
-        else:
+        elif hasattr(surface, "point_at"):
             (u0, u1), (v0, v1) = ((float(span[0]), float(span[1])) for span in (surface.domain_u, surface.domain_v))
+            spans = (list(getattr(surface, "knots_u", ())), list(getattr(surface, "knots_v", ())))
             at, axes = surface.point_at, "xyz"
+        else:
+            return mesh_from_brep(surface, edge_length)
 
         def evaluate(parameters: FloatArray) -> FloatArray:
             found = [at(u, v) for u, v in parameters.tolist()]
             return np.array([[getattr(point, axis) for axis in axes] for point in found]).reshape(-1, 3)
 
-        made = mesh_from_surface(evaluate, ((u0, u1), (v0, v1)), edge_length)
-        return cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
+        made = mesh_from_surface(evaluate, ((u0, u1), (v0, v1)), edge_length, spans)
+        mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
+        mesh.set_creases(made.creases)
+        return mesh
 
     def to_3dm(self, path: Union[str, os.PathLike], version: int = 7) -> None:
         """Write the mesh with supports, creases, targets and constraints as a Rhino file that :meth:`from_3dm` reads.

@@ -13,13 +13,19 @@ from typing import Union
 from compas.datastructures import Mesh
 from compas.plugins import pluggable
 
-__all__ = ["mesh_from_3dm", "mesh_to_3dm"]
+__all__ = ["mesh_from_3dm", "mesh_from_brep", "mesh_to_3dm"]
 
 
 @pluggable(category="cgc_files")
 def mesh_from_3dm(path: Union[str, os.PathLike[str]], **options: object) -> Any:
     """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
     return _plugin("mesh_from_3dm")(path, **options)
+
+
+@pluggable(category="cgc_files")
+def mesh_from_brep(geometry: Any, edge_length: float) -> Any:
+    """Return a mesh of a Brep, an extrusion or a SubD of rhino3dm, with its sharp joints as creases."""
+    return _plugin("mesh_from_brep")(geometry, edge_length)
 
 
 @pluggable(category="cgc_files")

@@ -16,13 +16,17 @@ from ..discrete.arrays import IntArray
 from ..errors import MeshError
 from .edge_flips import flipped
 from .edge_flips import turn
+from .kinks import JOINT
+from .kinks import angles_between
+from .kinks import sharp_parameters
+from .kinks import sharp_seam
 from .weld import clean_faces
 from .weld import weld
 
 if TYPE_CHECKING:
     import shapely
 
-__all__ = ["FaceMesh", "mesh_face", "mesh_from_surface"]
+__all__ = ["FaceMesh", "SurfaceMesh", "mesh_face", "mesh_from_surface"]
 
 GRID = 24  # divisions of the domain along which lengths are measured
 NEAR = 0.75  # of the edge length, that points keep from each other
@@ -43,6 +47,15 @@ class FaceMesh(NamedTuple):
     faces: IntArray  # (m, 3), anticlockwise in the parameters
     deviation: float  # largest distance between a triangle's centre and the surface there [L]
     kinks: tuple[FloatArray, ...] = ()  # (k, 3) lines along edges of the mesh where the surface bends sharply [L]
+
+
+class SurfaceMesh(NamedTuple):
+    """A mesh of a whole surface."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 3)
+    deviation: float  # largest distance between a triangle's centre and the surface there [L]
+    creases: list[list[int]]  # vertices along each kink
 
 
 def mesh_face(
@@ -233,8 +246,13 @@ def _smoothed(plan: FloatArray, place: FloatArray, faces: IntArray, held: int, e
     return moved, spots
 
 
-def mesh_from_surface(evaluate: Evaluate, domain: tuple[tuple[float, float], tuple[float, float]], edge_length: float) -> FaceMesh:
-    """Mesh an untrimmed parametric surface evenly; where its sides meet they are joined.
+def mesh_from_surface(
+    evaluate: Evaluate,
+    domain: tuple[tuple[float, float], tuple[float, float]],
+    edge_length: float,
+    spans: tuple[Sequence[float], Sequence[float]] = ((), ()),
+) -> SurfaceMesh:
+    """Mesh an untrimmed parametric surface evenly, with creases along its kinks; where its sides meet they are joined.
 
     Parameters
     ----------
@@ -244,6 +262,8 @@ def mesh_from_surface(evaluate: Evaluate, domain: tuple[tuple[float, float], tup
         First and last parameter in both directions.
     edge_length
         Length of edges aimed at [L].
+    spans
+        The knots in each direction, at which alone it may have kinks, and its sides corners.
 
     Raises
     ------
@@ -251,13 +271,37 @@ def mesh_from_surface(evaluate: Evaluate, domain: tuple[tuple[float, float], tup
         If the mesher is not installed, or the surface has no area.
     """
     (u0, u1), (v0, v1) = domain
+    whole = np.array(domain, dtype=np.float64)
+    kinks = sharp_parameters(evaluate, whole, spans)
     corners = np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1], [u0, v0]], dtype=np.float64)
-    sides = [_divided_side(evaluate, a, b, edge_length) for a, b in zip(corners[:-1], corners[1:])]
-    loop = np.concatenate([side[:-1] for side in sides])
-    made = mesh_face(evaluate, [loop], [evaluate(loop)], edge_length)
+    stops = [stop for k in range(4) for stop in _stops(evaluate, corners[k], corners[k + 1], k % 2, kinks, spans[k % 2])]
+    loop = np.concatenate([_divided_side(evaluate, a, b, edge_length)[:-1] for a, b in zip(stops, [*stops[1:], stops[0]])])
+    made = mesh_face(evaluate, [loop], [evaluate(loop)], edge_length, kinks)
     joined = weld(made.vertices, made.faces, JOINED * edge_length)
     clean = clean_faces(joined.faces)
-    return made._replace(vertices=joined.vertices, faces=clean.faces)
+    lines = list(made.kinks)
+    for axis in range(2):
+        if sharp_seam(evaluate, whole, axis, JOINED * edge_length):
+            side = loop[loop[:, axis] == whole[axis, 0]]
+            lines.append(evaluate(side[np.argsort(side[:, 1 - axis])]))
+    tree = cKDTree(joined.vertices)
+    return SurfaceMesh(joined.vertices, clean.faces, made.deviation, [tree.query(line)[1].tolist() for line in lines])
+
+
+def _stops(
+    evaluate: Evaluate, first: FloatArray, last: FloatArray, axis: int, kinks: Sequence[tuple[int, float]], knots: Sequence[float]
+) -> list[FloatArray]:
+    """Return the parameters (2,) along a side, without its last ones, that become vertices: its start, kinks and corners."""
+    low, high = sorted((first[axis], last[axis]))
+    step = 1e-5 * (high - low) * np.eye(2)[axis]
+    found = {value for way, value in kinks if way == axis}
+    for knot in (float(knot) for knot in knots if low < knot < high):
+        at = np.where(np.arange(2) == axis, knot, first)
+        before, here, after = evaluate(np.array([at - step, at, at + step]))
+        if angles_between((here - before)[None], (after - here)[None])[0] > JOINT:
+            found.add(knot)
+    ordered = sorted(found, reverse=bool(last[axis] < first[axis]))
+    return [first, *(np.where(np.arange(2) == axis, value, first) for value in ordered)]
 
 
 def _divided_side(evaluate: Evaluate, first: FloatArray, last: FloatArray, edge_length: float) -> FloatArray:

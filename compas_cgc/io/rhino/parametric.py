@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from collections.abc import Sequence
 from typing import Any
 from typing import Optional
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ...discrete.arrays import FloatArray
+from ...meshing.kinks import sharp_parameters
 from ...meshing.polyline import arc_lengths
 from ...meshing.polyline import nearest_on_polyline
 
-__all__ = ["JOINT", "ParametricSurface", "angle_between"]
+__all__ = ["ParametricSurface"]
 
-JOINT = np.radians(10.0)  # angle between the normals of two faces from which their joint is a crease
 SNAP = 1e-3  # of the range of a parameter, within which a vertex of an edge is put on a kink
 GRID = 16  # divisions of a surface in which the parameters of a point are looked for first
 STEPS = 30  # of Newton's method towards them
@@ -30,7 +32,7 @@ class ParametricSurface:
         self.domain = np.array([[surface.Domain(k).T0, surface.Domain(k).T1] for k in range(2)])
         self._grid: Optional[tuple[FloatArray, FloatArray]] = None
         self._sides = self._natural_sides()
-        self.kinks = self._sharp_knots()
+        self.kinks = sharp_parameters(self.at, self.domain, [surface.GetSpanVector(k) for k in range(2)])
 
     def snapped_to_kinks(self, loops: Sequence[FloatArray], points: Sequence[FloatArray]) -> tuple[list[FloatArray], Sequence[FloatArray]]:
         """Return loops (k, 2) whose points that all but lie on a kink do."""
@@ -41,36 +43,6 @@ class ParametricSurface:
                 loop[near, axis] = value
         return snapped, points
 
-    def _sharp_knots(self) -> list[tuple[int, float]]:
-        """Return the knots of full multiplicity inside at which the normal turns: the parameter, 0 or 1, and its value."""
-        # Other surfaces (planes, sums, revolutions of arcs) have parameters of their own, and are smooth or fall into faces.
-        nurbs = self._surface.ToNurbsSurface()
-        if nurbs is None or any(
-            abs(nurbs.Domain(k).T0 - self.domain[k, 0]) + abs(nurbs.Domain(k).T1 - self.domain[k, 1]) > 0.0 for k in range(2)
-        ):
-            return []
-        found = []
-        for axis, knots, degree in ((0, nurbs.KnotsU, nurbs.Degree(0)), (1, nurbs.KnotsV, nurbs.Degree(1))):
-            values, count = np.unique([knots[i] for i in range(len(knots))], return_counts=True)
-            low, high = self.domain[axis]
-            inside = (values > low) & (values < high) & (count >= degree)
-            found += [(axis, float(value)) for value in values[inside] if self._turns_at(axis, float(value)) > JOINT]
-        return found
-
-    def _turns_at(self, axis: int, value: float) -> float:
-        """Return the angle by which the normal turns across a line of constant parameter, at most [rad]."""
-        low, high = self.domain[1 - axis]
-        step = 1e-5 * float(np.ptp(self.domain[axis]))
-        most = 0.0
-        for other in np.linspace(low, high, 7)[1:-1]:
-            normals = []
-            for side in (-step, step):
-                uv = np.empty(2)
-                uv[axis], uv[1 - axis] = value + side, other
-                normals.append(self.normal(uv))
-            most = max(most, angle_between(*normals))
-        return most
-
     def at(self, parameters: FloatArray) -> FloatArray:
         """Return the places (k, 3) of parameters (k, 2), brought into the domain."""
         inside = np.clip(parameters, self.domain[:, 0], self.domain[:, 1])
@@ -80,6 +52,33 @@ class ParametricSurface:
         """Return the normal (3,) at parameters (2,)."""
         normal = self._surface.NormalAt(*map(float, parameters))
         return np.array([normal.X, normal.Y, normal.Z])
+
+    def crossings(self, line: FloatArray, reach: float) -> list[float]:
+        """Return the lengths [L] along an edge (k, 3) at which it crosses the kinks."""
+        if not self.kinks:
+            return []
+        length = arc_lengths(line)
+        uv = self.pulled_back(line, reach)
+        return [t for axis, value in self.kinks for t in self._meets(line, length, uv, axis, value)]
+
+    def _meets(self, line: FloatArray, length: FloatArray, uv: FloatArray, axis: int, value: float) -> Iterator[float]:
+        off = uv[:, axis] - value
+        crossed = (off[:-1] < 0) != (off[1:] < 0)
+        # An edge that runs along a kink is to neither side of it.
+        crossed &= np.maximum(np.abs(off[:-1]), np.abs(off[1:])) > SNAP * np.ptp(self.domain[axis])
+        for i in np.flatnonzero(crossed).tolist():
+
+            def beyond(t: float, i: int = i) -> float:
+                share = (t - length[i]) / (length[i + 1] - length[i])
+                start = uv[i] + share * (uv[i + 1] - uv[i])
+                return float(self._newton(line[i] + share * (line[i + 1] - line[i]), start)[axis]) - value
+
+            low, high = length[i : i + 2].tolist()
+            first, last = beyond(low), beyond(high)
+            if first * last < 0:
+                yield float(brentq(beyond, low, high, xtol=1e-12 * float(length[-1])))
+            else:
+                yield low if abs(first) < abs(last) else high
 
     def pulled_back(self, line: FloatArray, reach: float) -> FloatArray:
         """Return the parameters (k, 2) of points along an edge, on a side of the domain where it runs along one."""
@@ -165,8 +164,3 @@ class ParametricSurface:
             if (moved <= 1e-10 * (high - low)).all():
                 break
         return here
-
-
-def angle_between(one: FloatArray, other: FloatArray) -> float:
-    """Return the angle between two vectors (3,) [rad]."""
-    return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))

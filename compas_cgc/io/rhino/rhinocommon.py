@@ -229,6 +229,8 @@ def _meshed(
 def _in_rhino3dm(geometry: Rhino.Geometry.GeometryBase) -> Any:
     """Return an object of Rhino as one of rhino3dm."""
     rhino3dm = rhino3dm_module()
+    if isinstance(geometry, rhino3dm.CommonObject):
+        return geometry
     import Rhino
 
     made = rhino3dm.CommonObject.Decode(json.loads(geometry.ToJSON(Rhino.FileIO.SerializationOptions())))

@@ -13,16 +13,18 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
 from ...errors import MeshError
+from ...meshing.kinks import JOINT
+from ...meshing.kinks import angles_between
 from ...meshing.polyline import arc_lengths
+from ...meshing.polyline import point_at
+from ...meshing.polyline import resample_all
 from ...meshing.surface_mesh import FaceMesh
 from ...meshing.surface_mesh import mesh_face
 from ._types import Geometry
 from .archive import Item
 from .archive import rhino3dm_module
 from .curves import curve_points
-from .parametric import JOINT
 from .parametric import ParametricSurface
-from .parametric import angle_between
 from .sketch import Drawn
 from .sketch import Part
 from .user_text import user_target
@@ -31,6 +33,8 @@ __all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_pa
 
 EDGES = 30  # along the diagonal of a surface, where no edge length is asked for
 KINK = np.radians(20.0)  # turn of an edge from which it has a vertex there
+REACH = 0.05  # of the edge length, within which an edge runs along a side of its surface
+ONE = 1e-3  # of the edge length, within which two stops of an edge are one
 LEVELS = 5  # of subdivision at most
 ATTEMPTS = 3  # each with edges half as long
 
@@ -94,7 +98,7 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     if length < edge_length:
         text += f"; with {edge_length:g}{unit} its edges would cross"
     if creases:
-        text += f"; {len(creases)} joint{'s' if len(creases) > 1 else ''} where it bends sharply became creases"
+        text += f"; {len(creases)} joints where it bends sharply became creases" if len(creases) > 1 else "; a sharp joint became a crease"
     drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in creases]
     target = user_target({**item.layer_text, **item.text})
     return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, target, item.text), drawn, [text])
@@ -127,40 +131,63 @@ def _meshed(geometry: Geometry, edge_length: float, tolerance: float) -> Meshed:
 
 def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Meshed:
     """Return vertices, faces, sharp joints and the largest deviation."""
-    fine = max(0.25 * tolerance, 1e-6 * edge_length)
-    edges = [_divided(curve_points(brep.Edges[i], min(fine, 0.02 * edge_length)), edge_length) for i in range(len(brep.Edges))]
+    fine = min(max(0.25 * tolerance, 1e-6 * edge_length), 0.02 * edge_length)
+    lines = [curve_points(brep.Edges[i], fine) for i in range(len(brep.Edges))]
+    surfaces = [ParametricSurface(brep.Faces[i].UnderlyingSurface()) for i in range(len(brep.Faces))]
+    stops = _crossings(brep, surfaces, lines, edge_length)
+    edges = [_divided(line, edge_length, stops.get(i, [])) for i, line in enumerate(lines)]
     vertices, faces, count, deviation = [], [], 0, 0.0
     kinks: list[FloatArray] = []
     normals: dict[int, list[FloatArray]] = {}
-    for i in range(len(brep.Faces)):
-        made, ends = _face(brep.Faces[i], brep, edges, edge_length)
+    for face, surface in zip(brep.Faces, surfaces):
+        made, ends = _face(face, surface, edges, edge_length)
         vertices.append(made.vertices)
         faces.append(made.faces + count)
         count += len(made.vertices)
         deviation = max(deviation, made.deviation)
         kinks.extend(made.kinks)
-        for edge, normal in ends.items():
+        for edge, normal in ends:
             normals.setdefault(edge, []).append(normal)
-    sharp = [edge for edge, found in normals.items() if len(found) == 2 and angle_between(*found) > JOINT]
+    sharp = [edge for edge, found in normals.items() if len(found) == 2 and angles_between(*found).max() > JOINT]
     return np.concatenate(vertices), np.concatenate(faces), [edges[edge] for edge in sorted(sharp)] + kinks, deviation
 
 
-def _face(face: Any, brep: Geometry, edges: Sequence[FloatArray], edge_length: float) -> tuple[FaceMesh, dict[int, FloatArray]]:
-    """Return the mesh of a face, and its normal half way along every edge."""
-    surface = ParametricSurface(face.UnderlyingSurface())
+def _crossings(
+    brep: Geometry, surfaces: Sequence[ParametricSurface], lines: Sequence[FloatArray], edge_length: float
+) -> dict[int, list[float]]:
+    """Return the lengths [L] along each edge at which it crosses a kink of one of its surfaces."""
+    found: dict[int, list[float]] = {}
+    for face, surface in zip(brep.Faces, surfaces):
+        loops = [face.Loops[k] for k in range(len(face.Loops))] if surface.kinks else []
+        for trim in (trim for loop in loops for trim in _trims(loop)):
+            line = resample_all(lines[trim.EdgeIndex], edge_length)
+            met = np.array(surface.crossings(line[:: -1 if trim.IsReversed else 1], REACH * edge_length))
+            found.setdefault(trim.EdgeIndex, []).extend(arc_lengths(line)[-1] - met if trim.IsReversed else met)
+    return found
+
+
+def _trims(loop: Any) -> list[Any]:
+    """Return the trims of a loop along edges, without the poles, where two corners of the parameters are one point."""
+    return [trim for trim in (loop.Trims[t] for t in range(loop.TrimCount)) if trim.EdgeIndex >= 0]
+
+
+def _face(
+    face: Any, surface: ParametricSurface, edges: Sequence[FloatArray], edge_length: float
+) -> tuple[FaceMesh, list[tuple[int, FloatArray]]]:
+    """Return the mesh of a face, and its normals (k - 1, 3) between the points of every edge."""
     sense = -1.0 if face.OrientationIsReversed else 1.0
-    loops, points, normals = [], [], {}
+    loops, points, normals = [], [], []
     order = sorted(range(len(face.Loops)), key=lambda k: face.Loops[k].LoopType != rhino3dm_module().BrepLoopType.Outer)
     for k in order:
         own, places = [], []
-        for trim in (face.Loops[k].Trims[t] for t in range(face.Loops[k].TrimCount)):
-            if trim.EdgeIndex < 0:  # a pole, where two corners of the parameters are one point
-                continue
+        for trim in _trims(face.Loops[k]):
             line = edges[trim.EdgeIndex][::-1] if trim.IsReversed else edges[trim.EdgeIndex]
-            uv = surface.pulled_back(line, 0.05 * edge_length)
+            uv = surface.pulled_back(line, REACH * edge_length)
             own.append(uv)
             places.append(line)
-            normals[trim.EdgeIndex] = sense * surface.normal(uv[len(uv) // 2])
+            between = 0.5 * (uv[:-1] + uv[1:])
+            found = sense * np.array([surface.normal(one) for one in between])
+            normals.append((trim.EdgeIndex, found[::-1] if trim.IsReversed else found))
         if own:
             uv, place = _without_repeats(np.concatenate(own), np.concatenate(places), surface.domain)
             loops.append(uv)
@@ -178,18 +205,24 @@ def _without_repeats(uv: FloatArray, places: FloatArray, domain: FloatArray) -> 
     return uv[fresh], places[fresh]
 
 
-def _divided(line: FloatArray, edge_length: float) -> FloatArray:
-    """Return points spread evenly along a curve between its kinks and ends; three pieces at least where it is closed."""
+def _divided(line: FloatArray, edge_length: float, meets: Sequence[float]) -> FloatArray:
+    """Return points spread evenly along a curve between its ends, its kinks and the lengths where it meets those of surfaces.
+
+    They are three pieces at least where it is closed.
+    """
     at = arc_lengths(line)
     closed = bool((line[0] == line[-1]).all()) or np.linalg.norm(line[0] - line[-1]) <= 1e-9 * at[-1]
     ahead = np.diff(line, axis=0)
     turn = np.arctan2(np.linalg.norm(np.cross(ahead[:-1], ahead[1:]), axis=1), np.einsum("ij,ij->i", ahead[:-1], ahead[1:]))
-    stops = np.concatenate([[0], np.flatnonzero(turn > KINK) + 1, [len(line) - 1]])
+    corners = at[np.concatenate([[0], np.flatnonzero(turn > KINK) + 1, [len(line) - 1]])]
+    fresh = [t for t in sorted(meets) if np.abs(corners - t).min() > ONE * edge_length]
+    stops = np.sort(np.concatenate([corners, fresh]))
+    stops = stops[np.append(True, np.diff(stops) > ONE * edge_length)]
     least = (6 if float(at[-1]) < 3 * edge_length else 3) if closed and len(stops) == 2 else 1
     t = [at[0]]
-    for first, last in zip(at[stops[:-1]], at[stops[1:]]):
+    for first, last in zip(stops[:-1], stops[1:]):
         t.extend(np.linspace(first, last, max(least, round(float(last - first) / edge_length)) + 1)[1:])
-    return np.column_stack([np.interp(t, at, line[:, k]) for k in range(3)])
+    return point_at(line, np.array(t))
 
 
 def _subdivided(subd: Geometry, edge_length: float) -> Meshed:

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import rhino3dm
 
+from compas_cgc import CGCMesh
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
+from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.meshing import boundary_loops
 from compas_cgc.model.checks import check
@@ -135,20 +137,90 @@ def folded(heights):
     [
         ([[0, 0], [2, 2], [2, 2], [0, 0]], 2, 3, 6.0),
         ([[0, 0, 0], [2, 3, 2], [0, 0, 0]], 4, 4, 4 * 3.0),
+        ([[0, 0], [0.3, 0.3], [0, 0]], 1, 2, 3.0),
+        ([[0, 0, 0, 0], [0, 2, 2, 0], [0, 2, 2, 0], [0, 0, 0, 0]], 12, 9, 12 * 3.0),
         ([[0, 0], [0.1, 0.1], [0, 0]], 0, 1, 0.0),
     ],
-    ids=["two folds", "folds that cross", "all but flat"],
+    ids=["two folds", "folds that cross", "less than an edge's corner", "none at the edge", "all but flat"],
 )
 def test_a_kink_inside_a_face_is_a_crease(tmp_path, heights, folds, regions, length):
     model = read_3dm(saved(tmp_path, folded(heights)), edge_length=0.5)
     V, F, sharp = model.problem.vertices, model.problem.faces, model.problem.creases
-    assert any(f"{folds} joints" in note for note in model.notes) == (folds > 0) and model.problem.regions().max() + 1 == regions
+    said = f"{folds} joints" if folds > 1 else "a sharp joint"
+    assert any(said in note for note in model.notes) == (folds > 0) and model.problem.regions().max() + 1 == regions
     plan = np.linalg.norm((V[sharp[:, 0]] - V[sharp[:, 1]])[:, :2], axis=1).sum()
     assert plan == pytest.approx(length)
     # The vertices of creases lie on the lines between the squares.
     on = V[np.unique(sharp)][:, :2]
     assert not len(on) or np.abs(on / 3.0 - np.round(on / 3.0)).min(axis=1).max() < 1e-9
     assert smallest_angles(V, F).min() >= 20
+    mesh = CGCMesh.from_surface(folded(heights), 0.5)
+    assert len(mesh.regions()) == regions and len(mesh.crease_edges()) == len(sharp)
+    assert smallest_angles(*mesh.arrays()).min() >= 20
+
+
+def spline(heights, knots, span=6.0):
+    """Return a cubic barrel over a strip, with control points that may lie on each other."""
+    rows = len(heights)
+    surface = rhino3dm.NurbsSurface.Create(3, False, 4, 2, rows, 2)
+    for i, (x, z) in enumerate(heights):
+        for j in range(2):
+            surface.Points[i, j] = rhino3dm.Point4d(x, span * j, z, 1.0)
+    for k, knot in enumerate(knots):
+        surface.KnotsU[k] = knot
+    surface.KnotsV[0], surface.KnotsV[1] = 0.0, 1.0
+    return surface
+
+
+GABLE = [(0, 0), (1, 0.5), (2, 1.2), (3, 2), (4, 1.2), (5, 0.5), (6, 0)]
+
+
+@pytest.mark.parametrize(
+    "points, knots, regions",
+    [
+        (GABLE, [0, 0, 0, 1, 1, 1, 2, 2, 2], 2),
+        (GABLE[:4] + 2 * GABLE[3:4] + GABLE[4:], [0, 0, 0, 1, 2, 3, 4, 5, 6, 6, 6], 2),
+        (GABLE, [0, 0, 0, 1, 2, 3, 4, 4, 4], 1),
+    ],
+    ids=["a knot of full multiplicity", "control points on each other", "smooth"],
+)
+def test_a_spline_has_creases_at_the_knots_where_it_bends_sharply(points, knots, regions):
+    mesh = CGCMesh.from_surface(spline(points, knots), 0.5)
+    assert len(mesh.regions()) == regions
+    ridge = {vertex for edge in mesh.crease_edges() for vertex in edge}
+    assert all(mesh.vertex_coordinates(vertex)[::2] == pytest.approx([3.0, 2.0], abs=1e-6) for vertex in ridge)
+
+
+def tube():
+    """Return a surface of four walls that closes at a corner."""
+    surface = rhino3dm.NurbsSurface.Create(3, False, 2, 2, 5, 2)
+    for i, (x, y) in enumerate([(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]):
+        for j in range(2):
+            surface.Points[i, j] = rhino3dm.Point4d(x, y, 3.0 * j, 1.0)
+        surface.KnotsU[i] = float(i)
+    surface.KnotsV[0], surface.KnotsV[1] = 0.0, 1.0
+    return surface
+
+
+@pytest.mark.parametrize("make, regions", [(tube, 4), (box, 6), (extrusion, 6), (cylinder, 1)])
+def test_joints_and_seams_of_surfaces_and_breps_are_creases(tmp_path, make, regions):
+    mesh = CGCMesh.from_surface(make(), 0.5)
+    assert len(mesh.regions()) == regions
+    assert read_3dm(saved(tmp_path, make()), edge_length=0.5).problem.regions().max() + 1 == regions
+
+
+def test_a_corner_of_the_side_of_a_surface_is_a_vertex():
+    surface = folded([[0, 0], [0, 0], [0, 0]])
+    surface.Points[1, 0] = rhino3dm.Point4d(3.0, 1.0, 0.0, 1.0)
+    mesh = CGCMesh.from_surface(surface, 0.5)
+    V, F = mesh.arrays()
+    assert np.linalg.norm(V - [3, 1, 0], axis=1).min() == 0.0 and len(mesh.regions()) == 1
+    assert face_areas(V, F).sum() == pytest.approx(6 * 3 - 3)
+
+
+def test_what_is_no_surface_is_named():
+    with pytest.raises(MeshError, match="a str is no surface"):
+        CGCMesh.from_surface("roof", 0.5)
 
 
 def test_vertices_lie_on_the_surface_within_what_is_said(tmp_path):
