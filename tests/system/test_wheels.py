@@ -56,7 +56,8 @@ def resolve(python: str, system: str, folder: Path) -> subprocess.CompletedProce
     return subprocess.run([*words, *base(python, system)], capture_output=True, text=True, timeout=300)
 
 
-# Newer versions of pip come to other ends here, and a wheel may appear.
+# No lower bound brings it: the only wheels for Python 3.14 that call themselves universal are numba 0.63.0b1 and llvmlite 0.46.0b1,
+# and the library in the latter is for Apple's chips alone. Newer versions of pip come to other ends here, and a wheel may appear.
 MISSING = {("macOS 12, Intel", "3.14"): "Numba makes no wheels for Intel Macs from Python 3.14 on"}
 CASES = [
     pytest.param(
