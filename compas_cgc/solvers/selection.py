@@ -192,7 +192,7 @@ def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice
     """Return the solution that was found, with a sentence on why it was made so, and on what was tried before."""
     before = [f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged"]
     if choice.second:
-        before.append("in its plan it is rough")
+        before.append("as it was tried first it is rough")
     text = f"{choice.method}, as {choice.reason}: {solution.message}"
     if before:
         text += f" ({', '.join(before)})"
