@@ -10,12 +10,13 @@ from .arrays import Mask
 from .local_fits import LocalFits
 from .local_fits import local_fits
 
-__all__ = ["is_irregular", "layout_errors"]
+__all__ = ["is_irregular", "is_regular", "layout_errors"]
 
 DEGREE, RINGS = 4, 3  # of the polynomials
 REGULAR = 0.9  # part of the vertices with six neighbours from which a mesh is regular
 WAVY = 0.2, 0.4  # distance of the rings from a fit, against its bending, up to which it is believed, and not at all
 SINGULAR = 3.0, 6.0  # squares of the curvatures, against the median, likewise
+FAINT = 0.1  # principal curvature, against the other, that is none
 SEEN = 0.03  # error of the layout, against the largest K̄, whose wrinkles show
 
 
@@ -37,15 +38,29 @@ def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatAr
     ----------
     Borrelli, Cazals, Morvan, doi:10.1016/S0167-8396(03)00077-3. Stetter, doi:10.1007/BF01432879.
     """
-    return _believed(local_fits(vertices, faces, asked, asked, DEGREE, RINGS, pinned=False))
+    return _believed(_fits(vertices, faces, asked))
 
 
 def is_irregular(vertices: FloatArray, faces: IntArray, asked: Mask, targets: FloatArray) -> bool:
     """Return whether a surface that meets its targets (n,) by angle defects would show the layout of its mesh as wrinkles."""
-    if not asked.any() or np.mean(np.bincount(faces.ravel(), minlength=len(vertices))[asked] == 6) >= REGULAR:
+    if not asked.any() or is_regular(faces, asked):
         return False
-    largest = float(np.abs(targets[asked]).max())
-    return bool(np.median(np.abs(layout_errors(vertices, faces, asked)[asked])) > SEEN * largest > 0.0)
+    fits = _fits(vertices, faces, asked)
+    least = float(np.abs(targets[asked]).max())
+    if least == 0.0:
+        # A developable is held against one with a principal curvature of a part of its other.
+        bent = fits.mean[np.isfinite(fits.mean)]
+        least = FAINT * float(np.median(4.0 * bent**2)) if len(bent) else 0.0
+    return bool(np.median(np.abs(_believed(fits)[asked])) > SEEN * least > 0.0)
+
+
+def is_regular(faces: IntArray, asked: Mask) -> bool:
+    """Return whether nearly all vertices where K is asked for have six neighbours."""
+    return bool(np.mean(np.bincount(faces.ravel(), minlength=len(asked))[asked] == 6) >= REGULAR)
+
+
+def _fits(vertices: FloatArray, faces: IntArray, asked: Mask) -> LocalFits:
+    return local_fits(vertices, faces, asked, asked, DEGREE, RINGS, pinned=False)
 
 
 def _believed(fits: LocalFits) -> FloatArray:

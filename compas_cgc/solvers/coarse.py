@@ -29,7 +29,7 @@ from ..model.roles import FIXED
 from ..model.roles import FREE
 from ..model.roles import INTERNAL
 
-__all__ = ["Coarse", "coarsened"]
+__all__ = ["Coarse", "coarsened", "laid_out_anew"]
 
 UPRIGHT = 0.05  # area in plan of a face, against its own, from which a drawing has a plan
 LARGEST = 0.6  # of the vertices, that a coarser mesh may have
@@ -86,6 +86,16 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     Coarse or None
         None where there is none to be had: the drawing has no plan, or lines are too close for so few vertices.
     """
+    return _laid_out(problem, count, LARGEST, True)
+
+
+def laid_out_anew(problem: CGCProblem, count: int) -> Optional[Coarse]:
+    """Return a problem as :func:`coarsened` does, but of as many vertices as are wanted, and with equilateral faces in plan."""
+    return _laid_out(problem, count, math.inf, False)
+
+
+def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) -> Optional[Coarse]:
+    """Return a problem on another mesh, with faces as stretched as those of the drawing or with equilateral ones."""
     V, F = problem.vertices, problem.faces
     kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
     if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.constraints):
@@ -93,6 +103,7 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     plan = _plan(V, F)
     if plan is None:
         return None
+    plan = plan @ _evened(plan, F) if stretched else plan
     fixed = _fixed(problem)
     lines = _lines(problem, fixed)
     corners = plan[F]
@@ -100,7 +111,7 @@ def coarsened(problem: CGCProblem, count: int) -> Optional[Coarse]:
     area = 0.5 * float((side[:, 0] * other[:, 1] - side[:, 1] * other[:, 0]).sum())
     step = math.sqrt(area / count * 2.0 / math.sqrt(3.0))
     found = coarse_plan(plan, F, lines, _kept(problem, fixed, lines), step)
-    if found is None or len(found.kept) + len(found.within) > LARGEST * len(V):
+    if found is None or len(found.kept) + len(found.within) > largest * len(V):
         return None
     coarse = _posed(problem, found)
     labels = problem.regions()
@@ -149,8 +160,7 @@ def _plan(V: FloatArray, F: IntArray) -> Optional[FloatArray]:
         return None
     side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
     side /= np.linalg.norm(side)
-    plan = V @ np.array([side, np.cross(up, side)]).T
-    return plan @ _evened(plan, F)
+    return np.asarray(V @ np.array([side, np.cross(up, side)]).T)
 
 
 def _evened(plan: FloatArray, F: IntArray) -> FloatArray:

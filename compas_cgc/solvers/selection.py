@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 from typing import NamedTuple
@@ -25,6 +26,7 @@ from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.verdict import verdict
+from .anew import solved_anew
 from .limits import is_held_all_round
 from .limits import largest_target
 from .method import Method
@@ -49,11 +51,13 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
+    anew: bool = False  # on a mesh of the same drawing laid out anew first, where the layout is what may be rough
 
 
 # What it has not reached by then it does not reach, and meshes of some size would take their time.
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": 400}))
 SECOND = [
+    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape"}), True),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
 ]
@@ -130,11 +134,15 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     for choice in choose(problem, settings):
-        if choice.second is not bool(rough):
+        if choice.second is not bool(rough) and not choice.anew:
             if rough:
                 break
             continue
-        solution = run_method(METHODS[choice.method], problem, settings=settings, options=choice.options, callback=callback)
+        run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
+        found = solved_anew(problem, run, callback) if choice.anew else run(problem)
+        if found is None:
+            continue
+        solution = found
         tried.append((solution, choice))
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)

@@ -7,12 +7,14 @@ import pytest
 
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete.smooth_measure import is_irregular
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 
 from ..support import shapes
+from ..system.fairness_study import case
 
 
 def bent_sheet(n: int = 20) -> CGCProblem:
@@ -50,3 +52,20 @@ def test_what_is_cancelled_is_not_tried_again(status):
     steps = []
     result = solve(bent_sheet(10), callback=lambda state: steps.append(state.step) or len(steps) == 2)
     assert result.status == status and len(steps) == 2
+
+
+def test_a_pseudosphere_on_an_anisotropic_mesh_is_found_on_one_laid_out_anew():
+    problem = case(5).problem
+    steps = []
+    found = solve(problem, callback=lambda state: steps.append(len(state.vertices)))
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "laid out anew" in found.message and set(steps) == {len(problem.vertices)}
+
+
+def test_a_cone_on_an_anisotropic_mesh_is_measured_smoothly():
+    """With K̄ = 0 the layout of the mesh shows as well, against the square of the bending."""
+    found = solve(case(21).problem)
+    assert found.verdict.fair and "smooth measure" in found.message
+    flat = np.zeros_like(found.vertices)
+    flat[:, :2] = case(21).problem.vertices[:, :2]
+    assert not is_irregular(flat, found.problem.faces, found.problem.asked, found.problem.targets)

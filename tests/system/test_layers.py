@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"method", "carried", "coarse"},
         {"newton", "projection"},
-        {"flow", "limits"},
+        {"anew", "flow", "limits"},
         {"registry"},
         {"selection"},
         {"run", "sensitivity"},

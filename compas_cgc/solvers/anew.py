@@ -1,0 +1,61 @@
+"""A start for irregular meshes: the surface on a mesh of the same drawing laid out anew, carried over."""
+
+from __future__ import annotations
+
+from typing import Callable
+from typing import Optional
+
+from ..discrete.smooth_measure import is_regular
+from ..model.problem import CGCProblem
+from ..model.recorder import Callback
+from ..model.result import Solution
+from ..model.result import SolveState
+from .coarse import Coarse
+from .coarse import laid_out_anew
+from .projection.projector import Projector
+
+__all__ = ["solved_anew"]
+
+FEWEST, MOST = 200, 3000  # vertices: with fewer the shape of the plan is lost, and with more it takes minutes
+
+
+def solved_anew(problem: CGCProblem, solve: Callable[[CGCProblem], Solution], callback: Callback = None) -> Optional[Solution]:
+    """Return the solution from the surface that a problem has on a mesh laid out anew.
+
+    Angle defects hold an irregular mesh so tightly, where K < 0 above all, that a search wrinkles it on its way. On near-regular
+    triangles it does not, and from the smooth shape that it comes to the irregular mesh needs to be moved by little.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets.
+    solve
+        Solves the problem with that surface drawn.
+    callback
+        Called after every step on the other mesh, with the shape carried over.
+
+    Returns
+    -------
+    Solution or None
+        None where the mesh is regular, there is no such other mesh, or no surface on it.
+    """
+    if problem.constraints or len(problem.vertices) > MOST or is_regular(problem.faces, problem.asked):
+        return None
+    anew = laid_out_anew(problem, max(FEWEST, len(problem.vertices)))
+    if anew is None:
+        return None
+    solution = Projector(anew.problem).solve(callback=_carried(anew, callback))
+    carried = anew.carried(solution.vertices)
+    if solution.status == "cancelled":
+        return solution._replace(vertices=carried)
+    return solve(problem.with_vertices(carried)) if solution.status == "converged" else None
+
+
+def _carried(anew: Coarse, callback: Callback) -> Callback:
+    if callback is None:
+        return None
+
+    def told(state: SolveState) -> object:
+        return callback(state._replace(vertices=anew.carried(state.vertices)))
+
+    return told
