@@ -16,7 +16,7 @@ from scipy import sparse
 
 __all__ = ["remembered"]
 
-SMALL = 100_000  # bytes of arguments above which nothing is kept
+SMALL = 400_000  # bytes of arguments above which nothing is kept
 RECENT = 8  # results of each function
 
 Function = TypeVar("Function", bound=Callable[..., Any])

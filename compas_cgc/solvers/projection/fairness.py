@@ -130,9 +130,13 @@ class Fairness:
 
     def metric(self, freedoms: Freedoms) -> Metric:
         """Return the metric in the free directions, which is also E's second derivative; the last one while they are the same."""
-        if self._last is None or not _same(self._last.basis, freedoms.basis):
-            self._last = Metric(self.plan, self.height, self.axes, freedoms.basis)
-        return self._last
+        return self._metric(freedoms.basis)
+
+    def _metric(self, basis: Optional[sparse.csr_matrix]) -> Metric:
+        last = self._last
+        if last is None or not _same(last.basis, basis):
+            last = self._last = Metric(self.plan, self.height, self.axes, basis)
+        return last
 
     def along_normals(self) -> tuple[sparse.csr_matrix, Callable[[FloatArray], FloatArray]]:
         """Return what moves (c,) across the surface cost, and the inverse of that."""
@@ -141,7 +145,7 @@ class Fairness:
     def fairest_through(self, vertices: FloatArray) -> FloatArray:
         """Return the shape (n, 3) of least energy through the vertices that may not move."""
         shape = vertices.copy()
-        step = Metric(self.plan, self.height, self.axes).solve(-self.energy(vertices)[1])
+        step = self._metric(None).solve(-self.energy(vertices)[1])
         shape[self._columns] += step.reshape(-1, 3)
         return shape
 

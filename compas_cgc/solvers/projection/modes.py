@@ -44,12 +44,19 @@ def bending_modes(
     list of (n, 3) float64
         Moves whose longest is one, the most effective first; none that bring nothing.
     """
+    signs = np.where(lacking >= 0.0, 1.0, -1.0)
+    key = vertices.tobytes() + signs.tobytes()
+    if key not in system.modes:
+        system.modes[key] = _bending_modes(system, equations, vertices, signs, count)
+    return system.modes[key]
+
+
+def _bending_modes(system: System, equations: CurvatureEquations, vertices: FloatArray, signs: FloatArray, count: int) -> list[FloatArray]:
     columns, size = system.columns, len(system.columns)
     if size < FEWEST:
         return []
     normals = vertex_normals(vertices, system.faces)[columns]
     stiffness, solve = system.fairness.along_normals()
-    signs = np.where(lacking >= 0.0, 1.0, -1.0)
 
     def brought(heights: FloatArray) -> FloatArray:
         move = system.full((heights.reshape(-1, 1) * normals).ravel())

@@ -23,7 +23,7 @@ from .symmetry import MOST
 from .symmetry import Image
 from .symmetry import keep_faces
 
-__all__ = ["own_symmetries"]
+__all__ = ["colours", "own_symmetries"]
 
 EXACT = 1e-7  # how far an image may be from its vertex, against the size of the mesh
 PROBES = 12  # vertices that are looked at before all are
@@ -46,7 +46,7 @@ def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:
     middle = V.mean(axis=0)
     arms = V - middle
     size = float(np.linalg.norm(arms, axis=1).max())
-    colour = _colours(problem, np.linalg.norm(arms, axis=1) / size)
+    colour = colours(problem)
     tree, rule = cKDTree(arms), _Rule(problem, goals, colour)
     found = [identity]
     for turn in _turns(arms, faces, colour):
@@ -63,8 +63,10 @@ def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:
     return found
 
 
-def _colours(problem: CGCProblem, radius: FloatArray) -> IntArray:
+def colours(problem: CGCProblem) -> IntArray:
     """Return a number of every vertex (n,), the same where role, target, valence and distance from the middle are."""
+    radius = np.linalg.norm(problem.vertices - problem.vertices.mean(axis=0), axis=1)
+    radius /= radius.max()
     valence = np.bincount(problem.faces.ravel(), minlength=len(radius))
     unknown = np.zeros(len(radius))
     for region in unknown_regions(problem):

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...discrete import edge_faces
+from ...discrete._memo import remembered
 from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from ...discrete.space_form import SpaceFormEquations
@@ -35,6 +37,7 @@ from .limits import limit
 from .messages import cause
 from .messages import found
 from .messages import message
+from .own_symmetry import colours
 from .own_symmetry import own_symmetries
 from .settings import AUTO
 from .settings import ProjectionSettings
@@ -42,6 +45,7 @@ from .strategies import ways
 from .symmetric import kept_symmetries
 from .symmetric import made_symmetric
 from .symmetric import symmetric_start
+from .symmetry import Image
 from .system import System
 
 __all__ = ["Projector", "project"]
@@ -95,6 +99,8 @@ class Projector:
         self._system = System(self._local, self.settings, bind(self._local, problem.constraints))
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
+        self._symmetries: tuple[bytes, list[Image]] = b"", []
+        self._kept: tuple[bytes, Optional[System]] = b"", None
 
     def solve(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None, *, callback: Callback = None) -> Solution:
         """Return the fairest surface with the curvature asked for.
@@ -186,11 +192,10 @@ class Projector:
 
     def _symmetric(self, reached: Point, local: CGCProblem, goal: float) -> Point:
         """Return a surface with the symmetries that it nearly has, if the drawing has them; else the surface itself."""
-        drawn = replace(self._local, targets=local.targets)
-        kept = kept_symmetries(reached.vertices, self._system.size, own_symmetries(drawn, self._system.goals))
+        kept = kept_symmetries(reached.vertices, self._system.size, self._own_symmetries(replace(self._local, targets=local.targets)))
         if kept is None:
             return reached
-        system = System(drawn, self.settings, self._system.goals, own=kept)
+        system = self._keeping(kept)
         equations = system.equations(local.targets)
         best = symmetric_start(system, equations, reached.vertices)
         for taken in islice(made_symmetric(system, equations, reached.vertices), POLISHING):
@@ -201,6 +206,23 @@ class Projector:
         told = [self._system.at(self._frame.to_local(self._to_model(one.vertices)), equations).residual for one in (best, reached)]
         left, had = (float(np.abs(residual).max(initial=0.0)) for residual in told)
         return best if best.fulfils(goal, system.floor) and left <= max(had, ROUNDED) else reached
+
+    def _own_symmetries(self, drawn: CGCProblem) -> list[Image]:
+        """Return the symmetries of the drawing with some targets, the last ones again where these are equal at the same vertices."""
+        key, (name, symmetries) = colours(drawn).tobytes(), self._symmetries
+        if name != key:
+            symmetries = own_symmetries(drawn, self._system.goals)
+            self._symmetries = key, symmetries
+        return symmetries
+
+    def _keeping(self, symmetries: list[Image]) -> System:
+        """Return the system that keeps some symmetries, the last one again where they are the same."""
+        key = b"".join(image.to.tobytes() for image in symmetries)
+        name, system = self._kept
+        if system is None or name != key:
+            system = System(self._local, self.settings, self._system.goals, own=symmetries)
+            self._kept = key, system
+        return system
 
     def _found(self, point: Point, equations: CurvatureEquations, guess: FloatArray) -> Optional[FloatArray]:
         """Return the targets with those that were found (n,) [1/L^2], None where all were given."""
@@ -239,6 +261,12 @@ class Projector:
         columns = self._system.columns
         result[columns] = self._frame.to_model(vertices[columns])
         return result
+
+
+@remembered
+def _ready(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntArray, settings: ProjectionSettings) -> Projector:
+    """Return the projector of a drawing that asks for nothing but K, which is varied on one mesh more than anything else."""
+    return Projector(CGCProblem(vertices, faces, roles, creases=creases), settings=settings)
 
 
 def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
@@ -289,7 +317,11 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     >>> project(plan).status
     'converged'
     """
-    solution = Projector(problem, settings=settings).solve(callback=callback)
+    if problem.constraints:
+        solution = Projector(problem, settings=settings).solve(callback=callback)
+    else:
+        ready = _ready(problem.vertices, problem.faces, problem.roles, problem.creases, settings or ProjectionSettings())
+        solution = ready.solve(problem.targets, callback=callback)
     if solution.status != "stalled" or not bind(problem).whole:
         return solution
     had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))

@@ -128,6 +128,7 @@ class System:
         if (group >= 0).any():
             group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
             self._equations = FoundCurvature(F, problem.targets, self.rows, self.columns, group, leading)
+        self.modes: dict[bytes, list[FloatArray]] = {}  # that were looked for, see bending_modes
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
         self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
@@ -141,7 +142,7 @@ class System:
     def keeping(self, keep: str, smoother: float = 1.0) -> System:
         """Return the same system for another setting of what is kept of the drawing, with so many times the smoothness."""
         system = copy.copy(self)
-        system.keep, system.fairness = keep, self._fairness(keep, self.places.start, smoother)
+        system.keep, system.fairness, system.modes = keep, self._fairness(keep, self.places.start, smoother), {}
         return system
 
     def without_goals(self, keep_contact: bool = False) -> System:
