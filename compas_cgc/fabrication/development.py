@@ -10,23 +10,28 @@ from typing import Union
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
+from ..discrete import edge_faces
 from ..discrete import mesh_arrays
 from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
-from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
 from ..discrete.space_form import circumradii
 from ..errors import CGCError
+from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
-from . import _layout
 from . import space_form
-from .cuts import automatic_seam
-from .cuts import opened
-from .cuts import seam_edges
+from .layout import among
+from .layout import cut_open
+from .layout import lay
+from .seams import along_paths
+from .seams import opens_to_disks
+from .seams import seam_edges
 
 __all__ = ["Development", "Seam", "develop", "lay_out"]
 
@@ -208,37 +213,46 @@ def lay_out(
     if (filled >= 1.0).any():
         a, b, c = part[np.argmax(filled)].tolist()
         raise CGCError(f"the face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there")
+    edges = _edges_of(V, part, seam)
+    joined = _joined(part, edges, name)
+    laid = lay(V, part, joined, K, arc)
+    points = space_form.turned(laid.points, space_form.to_pole(space_form.midpoint(laid.points, K), K))
+    return Development(K, points, laid.faces, laid.origin, own, edges, laid.gap, laid.edge_error)
+
+
+def _edges_of(vertices: Vertices, faces: Faces, seam: Seam) -> Edges:
+    """Return the edges (e, 2) of a seam."""
     if isinstance(seam, str):
         if seam != "auto":
             raise CGCError(f"seam must be a path of vertices or 'auto', not {seam!r}")
-        edges = automatic_seam(V, part)
-    else:
-        edges = np.empty((0, 2), np.int64) if seam is None else seam_edges(part, seam)
-    way = opened(V, part, edges, name)
-    corners = _layout.laid(V, part, way.order, way.before, way.side, K, arc)
-    points, gap = _joined(corners, way.corner, len(way.source), K)
-    laid = Development(K, points, way.corner, way.source, own, edges, gap, 0.0)
-    laid = laid._replace(edge_error=_edge_error(laid, V, arc))
-    return laid.turned(space_form.to_pole(space_form.midpoint(points, K), K))
+        return seam_edges(vertices, faces, np.zeros(len(vertices), bool))
+    return np.empty((0, 2), np.int64) if seam is None else along_paths(faces, seam)
 
 
-def _joined(corners: FloatArray, label: Faces, count: int, K: float) -> tuple[FloatArray, float]:
-    """Return the mean of the corners (m, 3, 3) at every place (p, 3), and how far apart they are at most."""
-    flat, where = corners.reshape(-1, 3), label.ravel()
-    total = np.bincount(where, minlength=count)
-    mean = np.column_stack([np.bincount(where, flat[:, k], count) / total for k in range(3)])
-    first = np.empty(count, np.int64)
-    first[where[::-1]] = np.arange(len(where))[::-1]
-    apart = space_form.chords(flat, flat[first[where]], K)
-    # Back onto the surface, which the mean of a few near points has not left by more than rounding where all is exact.
-    length: PerVertex = np.sqrt(mean[:, 0] ** 2 + K * (mean[:, 1] ** 2 + mean[:, 2] ** 2))
-    return mean / length[:, None], float(apart.max(initial=0.0))
+def _joined(faces: Faces, seam: Edges, name: str) -> Edges:
+    """Return the edges (e, 4) of faces (m, 3) that a seam leaves closed.
+
+    Raises
+    ------
+    CGCError
+        If what it opens is not one piece without holes.
+    """
+    edges = edge_faces(faces)
+    joined = edges[(edges[:, 3] >= 0) & ~among(edges[:, :2], seam, int(faces.max()) + 1)]
+    graph = sparse.coo_matrix((np.ones(len(joined), np.int8), (joined[:, 2], joined[:, 3])), shape=(len(faces),) * 2)
+    if connected_components(graph, directed=False)[0] > 1:
+        raise CGCError(f"{name} is in several pieces; lay each of them out by itself, or give another seam")
+    if not opens_to_disks(cut_open(faces, joined)[0]):
+        raise CGCError(_not_a_disk(name, faces, seam))
+    return joined
 
 
-def _edge_error(laid: Development, vertices: Vertices, arc: bool) -> float:
-    """Return the largest difference between edges of the mesh and of the layout, against the first."""
-    a, b = laid.faces.ravel(), np.roll(laid.faces, -1, axis=1).ravel()
-    long = np.linalg.norm(vertices[laid.vertices[a]] - vertices[laid.vertices[b]], axis=1)
-    chord = space_form.chords(laid.points[a], laid.points[b], laid.K)
-    own = space_form.geodesics(chord, laid.K) if arc else chord
-    return float((np.abs(own - long) / long).max(initial=0.0))
+def _not_a_disk(name: str, faces: Faces, seam: Edges) -> str:
+    loops = len(boundary_loops(faces))
+    if len(seam):
+        return f"the seam does not open {name} to one piece without holes; lead it from edge to edge, or give seam='auto'"
+    if loops == 0:
+        return f"{name} is closed; give a seam to open it along, a path of vertices"
+    if loops == 1:
+        return f"{name} has a handle; give a seam that opens it"
+    return f"{name} has a hole, so it needs a seam: a path of vertices from one edge to the other, or seam='auto'"

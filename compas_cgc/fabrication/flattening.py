@@ -8,6 +8,7 @@ from typing import Optional
 
 import numpy as np
 from numpy.typing import ArrayLike
+from numpy.typing import NDArray
 
 from ..discrete import face_areas
 from ..discrete import mesh_arrays
@@ -17,7 +18,6 @@ from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..meshing import boundary_loops
-from .plane_layout import flat_triangles
 
 __all__ = ["LONG", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
 
@@ -141,7 +141,7 @@ def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
 
 def principal_strains(vertices: Vertices, faces: Faces, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the principal strains (m, 2) of faces whose corners lie in the plane (m, 3, 2), and the larger one's direction there."""
-    flat = flat_triangles(vertices, faces)
+    flat = _flat_triangles(vertices, faces)
     own = np.stack([flat.real, flat.imag], axis=2)
     before = np.stack([own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]], axis=2)
     after = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
@@ -181,3 +181,13 @@ def area_change(vertices: Vertices, faces: Faces, corners: FloatArray) -> PerFac
     """Return the area of every face in the plane, as corners (m, 3, 2), against that in space, less one (m,)."""
     ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]) / face_areas(vertices, faces) - 1.0
+
+
+def _flat_triangles(vertices: Vertices, faces: Faces) -> NDArray[np.complex128]:
+    """Return every face by itself in the plane, its first corner at 0 and its first edge along x: complex (m, 3) [L]."""
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    ab, ac = b - a, c - a
+    length = np.linalg.norm(ab, axis=1)
+    x = np.einsum("ij,ij->i", ab, ac) / length
+    y = np.linalg.norm(np.cross(ab, ac), axis=1) / length
+    return np.column_stack([0.0 * length, length, x + 1j * y])

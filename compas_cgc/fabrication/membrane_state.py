@@ -33,7 +33,7 @@ from ..linalg import factorise
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import FIXED
-from .plane_layout import among
+from .layout import among
 from .shape_operators import principal_curvatures
 from .shape_operators import shape_operators
 from .solved import solved_problem

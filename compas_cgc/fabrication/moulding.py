@@ -18,7 +18,6 @@ from ..discrete.space_form import space_form_angle_sums
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
-from ..model.verdict import verdict
 from . import space_form
 from .caps import smallest_cap
 from .development import Development
@@ -34,6 +33,7 @@ from .mould_report import PanelFit
 from .mould_surface import Surface
 from .mould_surface import surface_for
 from .panelling import Panel
+from .solved import solved_problem
 
 __all__ = ["moulds"]
 
@@ -106,16 +106,13 @@ def moulds(
     >>> len(moulds(result, panels(result, 3.0), material="timber").panels)
     6
     """
-    problem = mesh.to_problem().without_dummies()
+    problem = solved_problem(mesh, rough)
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not (math.isfinite(thickness) and thickness > 0.0):
         raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
     _check_panels(problem, panels)
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
-    found = None if rough else verdict(problem)
-    if found is not None and not found.fair:
-        raise CGCError(f"the surface is {found}; solve it better, or ask for moulds of a rough one")
     fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
     by_arcs = _by_arcs(problem) if arc is None else arc
     pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]

@@ -28,6 +28,8 @@ from ..model.problem import PosesProblem
 from ..model.roles import INTERNAL
 from .flattening import flatten
 from .flattening import principal_strains
+from .layout import among
+from .layout import cut_open
 from .nesting import nest
 from .outlines import Loop
 from .outlines import Seam
@@ -45,8 +47,6 @@ from .patchwork import outline_sides
 from .patchwork import weights_in
 from .pieces import best_box
 from .pieces import cut_to_fit
-from .plane_layout import among
-from .plane_layout import cut_open
 from .plane_layout import unfold
 from .rulings import Ruling
 from .rulings import Straightness

@@ -1,6 +1,9 @@
-"""Seams: the shortest edges to cut a surface along until it can lie in the plane."""
+"""Seams: the edges to cut a surface along until it can be laid out, the shortest ones or those of given paths."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Union
 
 import numpy as np
 from scipy import sparse
@@ -14,9 +17,12 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
+from ..errors import CGCError
 from ..meshing import boundary_loops
+from ..meshing import lost_edges
+from ..meshing import path_edges
 
-__all__ = ["opens_to_disks", "seam_edges"]
+__all__ = ["along_paths", "opens_to_disks", "seam_edges"]
 
 
 def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
@@ -52,6 +58,23 @@ def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
     tree = _tree(vertices, inner, node, int(terminals[0]))
     crossed = _cotree(len(faces), inner, tree)
     return inner[_pruned(node[inner[:, :2]], ~crossed, terminals), :2]
+
+
+def along_paths(faces: Faces, seam: Union[Sequence[int], Sequence[Sequence[int]]]) -> Edges:
+    """Return the edges (e, 2) of a seam: one path of vertices, or several.
+
+    Raises
+    ------
+    CGCError
+        If it does not follow edges of the faces.
+    """
+    paths = [seam] if len(seam) and np.ndim(seam[0]) == 0 else seam
+    edges = np.array(path_edges(paths), dtype=np.int64).reshape(-1, 2)  # type: ignore[arg-type]
+    lost = lost_edges(faces, edges)
+    if lost.any():
+        a, b = edges[np.argmax(lost)].tolist()
+        raise CGCError(f"the seam from vertex {a} to {b} does not follow an edge of the region; lead it along edges")
+    return edges
 
 
 def opens_to_disks(faces: Faces) -> bool:
