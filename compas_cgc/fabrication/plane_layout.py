@@ -56,6 +56,7 @@ def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = N
 
     Examples
     --------
+    >>> import numpy as np
     >>> roof = np.array([[0, 0, 0], [3, 0, 0], [3, 1, 1], [0, 1, 1.0]])
     >>> type(unfold(roof, np.array([[0, 1, 2], [0, 2, 3]]))).__name__
     'PlaneLayout'
