@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from .panelling import Panel
     from .panelling import panels
     from .patterns import Patterns
-    from .patterns import unroll
     from .plane_layout import unfold
+    from .unrolling import unroll
 
 # Looked up when they are first used.
 _HOMES = {
@@ -46,7 +46,7 @@ _HOMES = {
     "moulds": ".moulding",
     "panels": ".panelling",
     "unfold": ".plane_layout",
-    "unroll": ".patterns",
+    "unroll": ".unrolling",
     "widest_panel": ".flattening",
 }
 

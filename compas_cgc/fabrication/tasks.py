@@ -63,7 +63,7 @@ def _mould(surface: PosesProblem, settings: dict[str, Any]) -> Any:
 
 
 def _unroll(surface: PosesProblem, settings: dict[str, Any]) -> Any:
-    from .patterns import unroll
+    from .unrolling import unroll
 
     size = settings.pop("sheet", None)
     units = surface.to_problem().drawing.units

@@ -1,0 +1,205 @@
+"""Unrolling: a surface cut into flat pieces, each within a sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import edge_faces
+from ..discrete.arrays import Edges
+from ..errors import CGCError
+from ..meshing import path_edges
+from ..model.problem import CGCProblem
+from ..model.problem import PosesProblem
+from .flattening import flatten
+from .layout import among
+from .layout import cut_open
+from .nesting import nest
+from .patchwork import Patchwork
+from .patchwork import weights_in
+from .patterns import Patterns
+from .patterns import patterns_of
+from .piece_strains import strains_of
+from .pieces import best_box
+from .pieces import cut_to_fit
+from .regions_in_plane import developed
+from .rulings import rulings_of
+from .solved import solved_problem
+
+__all__ = ["unroll"]
+
+ROOM = 1e-9  # of a sheet, that is left free at its edges
+
+
+def unroll(
+    surface: PosesProblem,
+    sheet: Optional[tuple[float, float]] = None,
+    *,
+    strain: Optional[float] = None,
+    seams: Optional[Iterable[Sequence[int]]] = None,
+    regions: Optional[Sequence[int]] = None,
+    spacing: float = 0.0,
+    rulings: Optional[float] = None,
+    rough: bool = False,
+) -> Patterns:
+    """Lay a surface out as flat pieces, each within a sheet.
+
+    Regions of K = 0 keep all their lengths. Others are cut into panels and flattened with the least distortion.
+
+    Parameters
+    ----------
+    surface
+        A problem, a mesh, or what has ``to_problem()``; its creases divide it into regions.
+    sheet
+        Length and width of the sheets [L]. Default: no end of it, so that nothing is cut but seams.
+    strain
+        Largest strain of flattened pieces. Default: what comes of the sheet.
+    seams
+        Paths of vertices (by their names) to cut along. Default: the shortest ones that open every region.
+    regions
+        Which to take. Default: all.
+    spacing
+        Distance between pieces on a sheet [L].
+    rulings
+        Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size.
+    rough
+        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
+
+    Returns
+    -------
+    Patterns
+
+    Raises
+    ------
+    CGCError
+        If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, or the sheet is no sheet.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> len(patterns.pieces), patterns.sheets
+    (18, 18)
+    """
+    problem = solved_problem(surface, rough)
+    sheet = _checked_sheet(sheet)
+    if strain is not None and not strain > 0:
+        raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
+    given = None if seams is None else _given_seams(problem, seams)
+    flat, cuts, unrollings = developed(problem, _chosen(problem, regions), given)
+    curved = {own.region for own in unrollings if not own.unrolled}
+
+    def flattened(own: Patchwork, piece: int) -> Patchwork:
+        return _flattened(problem, cuts, own, piece) if own.region[own.piece == piece][0] in curved else own
+
+    def too_wide(own: Patchwork, piece: int) -> bool:
+        faces = own.piece == piece
+        if strain is None or own.region[faces][0] not in curved:
+            return False
+        worst = float(np.abs(strains_of(own, faces)).max())
+        if worst > strain:
+            _check_fineness(problem, own, faces, strain, worst)
+        return worst > strain
+
+    limits = (np.inf, np.inf) if sheet is None else (sheet[0] * (1 - ROOM), sheet[1] * (1 - ROOM))
+    try:
+        cut = cut_to_fit(flat, limits, flattened, too_wide)
+    except ValueError as error:
+        raise CGCError(str(error)) from None
+    placed, on_sheet = _on_sheets(cut, sheet, spacing)
+    ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
+    lines, straightness = rulings_of(problem, placed, ruled, rulings)
+    return patterns_of(problem, placed, on_sheet, unrollings, sheet, lines, straightness)
+
+
+def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
+    if sheet is None:
+        return None
+    length, width = (float(x) for x in sheet)
+    if not (np.isfinite([length, width]).all() and min(length, width) > 0):
+        raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
+    return max(length, width), min(length, width)
+
+
+def _chosen(problem: CGCProblem, regions: Optional[Sequence[int]]) -> list[int]:
+    count = int(problem.regions().max(initial=-1)) + 1
+    if regions is None:
+        return list(range(count))
+    wrong = [region for region in regions if not 0 <= region < count]
+    if wrong:
+        raise CGCError(f"there is no region {wrong[0]}; the mesh has {count}, from 0 to {count - 1}")
+    return sorted(set(regions))
+
+
+def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
+    edges = np.array(path_edges([problem.positions(path).tolist() for path in seams]), dtype=np.int64).reshape(-1, 2)
+    lost = ~among(edges, edge_faces(problem.faces)[:, :2], len(problem.vertices))
+    if lost.any():
+        u, v = problem.names.vertices[edges[np.argmax(lost)]].tolist()
+        raise CGCError(f"the seam from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
+    return edges
+
+
+def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> Patchwork:
+    """Flatten a curved piece by itself: the whole faces that it has a part of, so that no sliver has a say."""
+    faces = own.piece == piece
+    parents, position = np.unique(own.parent[faces], return_inverse=True)
+    whole = problem.faces[parents]
+    edges = edge_faces(whole)
+    joined = edges[(edges[:, 3] >= 0) & ~among(edges[:, :2], cuts, len(problem.vertices))]
+    opened, origin = cut_open(whole, joined)
+    corners = flatten(problem.vertices[origin], opened).plane[opened]
+    weights = weights_in(np.repeat(problem.vertices[whole][position], 3, axis=0), own.space[own.faces[faces]].reshape(-1, 3))
+    plane = own.plane.copy()
+    plane[faces] = np.einsum("fcw,fwk->fck", weights.reshape(-1, 3, 3), corners[position])
+    return replace(own, plane=plane)
+
+
+def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, strain: float, worst: float) -> None:
+    """Refuse to cut a piece smaller than the edges of the mesh: it is flattened with the faces that it is of, so that nothing is won.
+
+    Raises
+    ------
+    ValueError
+        With what would help.
+    """
+    whole = problem.vertices[problem.faces[np.unique(own.parent[faces])]]
+    edge = float(np.median(np.linalg.norm(np.roll(whole, -1, axis=1) - whole, axis=2)))
+    if np.ptp(own.plane[faces].reshape(-1, 2), axis=0).max() < edge:
+        raise ValueError(
+            f"region {own.region[faces][0]} would be cut into pieces smaller than the edges of its mesh, {edge:.2g}, for a strain of "
+            f"{100 * strain:.2g} %; allow more than {100 * worst:.2g} %, or solve a finer mesh"
+        )
+
+
+def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: float) -> tuple[Patchwork, list[int]]:
+    """Turn and shift the pieces to their places, and return the sheet of each."""
+    count = int(own.piece.max()) + 1
+    limits = (np.inf, np.inf) if sheet is None else sheet
+    turned, sizes = [], []
+    for piece in range(count):
+        corners = own.plane[own.piece == piece]
+        box = best_box(corners.reshape(-1, 2), limits)
+        along = corners @ np.column_stack([box.along, [-box.along[1], box.along[0]]])
+        turned.append(along - along.min(axis=(0, 1)))
+        sizes.append(tuple(np.ptp(along.reshape(-1, 2), axis=0).tolist()))
+    room = sheet or _roll(sizes, spacing)
+    places = nest(sizes, room, spacing)
+    plane = np.empty_like(own.plane)
+    for piece, place in enumerate(places):
+        corners = turned[piece]
+        if place.turned:
+            corners = corners @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+            corners = corners - corners.min(axis=(0, 1))
+        plane[own.piece == piece] = corners + [place.x, place.y]
+    return replace(own, plane=plane), [place.sheet for place in places]
+
+
+def _roll(sizes: list[tuple[float, float]], spacing: float) -> tuple[float, float]:
+    """Return a sheet that has room for all pieces, about square [L]."""
+    side = max(max(max(size) for size in sizes), 1.2 * float(np.sqrt(sum(length * width for length, width in sizes))))
+    return side, sum(max(size) + spacing for size in sizes)
