@@ -13,6 +13,8 @@ from ..discrete.topology import boundary_mask
 
 __all__ = ["boundary_loops", "named_supports"]
 
+SHARPER = 0.05  # cosine by which a neighbour turns more where it was lifted out of the edge
+
 
 def boundary_loops(faces: IntArray) -> list[IntArray]:
     """Return the loops of vertices around the open edges, with the surface to their left.
@@ -65,7 +67,8 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     name
-        ``"boundary"`` for all of them, ``"corners"`` for those where an open edge turns by more than 30 degrees.
+        ``"boundary"`` for all of them, ``"corners"`` for those where an open edge turns by more than 30 degrees. Beside a
+        corner that was lifted out of the edge it turns too; that is no corner.
 
     Returns
     -------
@@ -86,12 +89,25 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     if name not in ("boundary", "corners"):
         raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
     loops = boundary_loops(faces)
-    chosen = loops if name == "boundary" else [loop[_turns(vertices[loop])] for loop in loops]
+    chosen = loops if name == "boundary" else [loop[_corners(vertices[loop])] for loop in loops]
     return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
 
 
-def _turns(points: FloatArray, angle: float = 30.0) -> Mask:
-    """Tell where a closed polyline (b, 3) turns by more than an angle in degrees (b,)."""
+def _corners(points: FloatArray, angle: float = 30.0) -> Mask:
+    """Tell where a closed polyline (b, 3) turns by more than an angle in degrees (b,), and not only towards a lifted corner."""
+    least = np.cos(np.radians(angle))
+    cosine = _cosines(points)
+    turns = cosine < least
+    facing = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    square = float(facing @ facing)
+    if not square > 0.0:
+        return turns
+    in_plan = _cosines(points - np.outer(points @ facing, facing) / square) < least
+    sharper = np.minimum(np.roll(cosine, 1), np.roll(cosine, -1)) < cosine - SHARPER
+    return turns & (in_plan | ~sharper)
+
+
+def _cosines(points: FloatArray) -> FloatArray:
+    """Return the cosines of the angles by which a closed polyline (b, 3) turns (b,)."""
     ahead = unit_vectors(np.roll(points, -1, axis=0) - points)
-    cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))
-    return cosine < np.cos(np.radians(angle))
+    return np.asarray(np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0)))

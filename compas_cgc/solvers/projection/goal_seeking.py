@@ -43,9 +43,9 @@ def goal_ways(system: System, equations: CurvatureEquations, start: Point, setti
     guess = equations.guessed() if isinstance(equations, FoundCurvature) else equations
     alone = system.without_goals()
     drawing = alone.at(start.vertices, guess)
-    tried = [drawing] if warm else starts(alone, guess, drawing, settings)[:TRIED]
+    tried = [drawing] if warm else starts(alone, guess, drawing, settings).all[:TRIED]
     if warm or system.keep == "shape":
-        tried += [one for one in starts(alone, guess, drawing, settings)[:TRIED] if warm and settings.retry]
+        tried += [one for one in starts(alone, guess, drawing, settings).all[:TRIED] if warm and settings.retry]
     for first in tried:
         reached = yield from _sought(system, equations, first)
         if reached is not None:

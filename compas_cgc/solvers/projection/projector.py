@@ -29,6 +29,7 @@ from ...model.recorder import Recorder
 from ...model.result import Solution
 from .coarse_to_fine import MANY
 from .coarse_to_fine import ways_from_coarse
+from .drawing import as_meant
 from .energy import energy_meter
 from .found_curvature import FoundCurvature
 from .goal_seeking import goal_ways
@@ -95,7 +96,8 @@ class Projector:
                 [f"K is not found in the measure {self.settings.measure}; find it in the measure defect, then ask for it here"]
             )
         self.problem = guessed(problem)
-        self._local, self._frame = self.problem.local()
+        drawn, self._frame = self.problem.local()
+        self._local = as_meant(drawn)
         self._system = System(self._local, self.settings, bind(self._local, problem.constraints))
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)

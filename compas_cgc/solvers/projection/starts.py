@@ -20,14 +20,19 @@ from .system import System
 from .vectors import dot
 from .vectors import norm
 
-__all__ = ["is_flat", "starts"]
+__all__ = ["Starts", "is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
-AMPLITUDES = 0.02 * 1.25 ** np.arange(17)  # of a mode, against the size of the mesh
+FINER = 1.25  # quotient of amplitudes that are tried
+AMPLITUDES = 0.02 * FINER ** np.arange(17)  # of a mode, against the size of the mesh
+LOWEST = 1e-4  # amplitude, likewise, below which nothing is seen
 OTHER_SIDE = 1.5  # how much dearer a start is on the side away from the drawing
+SAID = 0.02  # how far a drawing lies to one side, against what is needed, to say so
+BULGE = 0.3  # mean of a mode, against its mean square, from which it is a bulge
+TRIED = 2  # whose results are compared
 CANDIDATES = 4  # of which the move to the equations is worked out
-DEAREST = 3.0  # a start, against the cheapest, that is worth a try
+DEAREST, MEANT = 3.0, 15.0  # a start, against the cheapest, that is worth a try, and one to the side that is meant
 UNSOLVED = 0.5  # part of the right side that no move accounts for, from which a start is hopeless, such as a flat one
 ROUGH = 1e-2  # residual of the linear system for that
 
@@ -35,19 +40,33 @@ ROUGH = 1e-2  # residual of the linear system for that
 class _Candidate(NamedTuple):
     point: Point
     factor: float  # on its cost
+    bulge: int = 0  # where nothing else says which way: 1 with the normals, -1 against them
 
 
-def starts(system: System, equations: CurvatureEquations, drawing: Point, settings: ProjectionSettings) -> list[Point]:
+class Starts(NamedTuple):
+    """Shapes to set out from, the cheapest to finish first."""
+
+    rivals: list[Point]  # whose results are compared
+    others: list[Point]  # for when these lead nowhere
+
+    @property
+    def all(self) -> list[Point]:
+        """All of them, in the order that they are to be tried in."""
+        return self.rivals + self.others
+
+
+def starts(system: System, equations: CurvatureEquations, drawing: Point, settings: ProjectionSettings) -> Starts:
     """Return the drawing, and shapes bent from the fairest surface through the supports, the cheapest to finish first.
 
     The cost is the metric length of the least move that fulfils the linear equations. Where the
-    drawing is nearly there, or its shape is to be kept and has curvature, it is the only start.
+    drawing is nearly there, or its shape is to be kept and has curvature, it is the only start. Where it
+    says nothing of a side, what bulges with the normals comes before what hangs.
     """
     flat = is_flat(system, equations, drawing)
     seed = _seeded(system, equations, drawing, settings.seed_height) if flat and settings.seed_height > 0.0 else None
     drawing = system.at(system.settled(drawing.vertices), equations)
     if settings.seed_height == 0.0 or system.missing(drawing, equations) <= NEARLY or (system.keep == "shape" and not flat):
-        return [drawing]
+        return Starts([drawing], [])
     candidates = [_Candidate(drawing, 1.0)]
     if seed is not None:
         candidates.append(_Candidate(seed, 1.0))
@@ -56,8 +75,10 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     candidates = [one for one in candidates if not is_flat(system, equations, one.point)] or candidates
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
-    order = np.argsort(costs, kind="stable")
-    return [best[k].point for k in order if costs[k] <= DEAREST * costs[order[0]]]
+    order = [int(k) for k in np.argsort(costs, kind="stable") if costs[k] <= (MEANT if best[k].bulge > 0 else DEAREST) * min(costs)]
+    bulging = [k for k in order if best[k].bulge > 0]
+    rivals = bulging or order[:TRIED]
+    return Starts([best[k].point for k in rivals], [best[k].point for k in order if k not in rivals])
 
 
 def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: Point) -> list[_Candidate]:
@@ -68,16 +89,42 @@ def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: 
     except ArpackError:
         return []
     found = []
+    drawn = (drawing.vertices - plate.vertices).ravel()
     for mode in modes:
-        side = dot(mode.ravel(), (drawing.vertices - plate.vertices).ravel())
+        side = dot(mode.ravel(), drawn) / dot(mode.ravel(), mode.ravel())
         for sign in (1.0, -1.0):
-            trials = [system.at(plate.vertices + sign * amplitude * system.size * mode, equations) for amplitude in AMPLITUDES]
-            brought = [abs(dot(signs, point.residual)) for point in trials]
-            point = trials[int(np.argmin(brought))]
-            point = system.at(system.settled(point.vertices), equations)
-            away = sign * side < 0.0 if side != 0.0 else sign < 0.0
-            found.append(_Candidate(point, OTHER_SIDE if away else 1.0))
+            amplitude = _amplitude(system, equations, plate.vertices, sign * mode, signs)
+            point = system.at(system.settled(plate.vertices + sign * amplitude * mode), equations)
+            # A drawing that says next to nothing leaves it to the normals, to which modes point.
+            said = abs(side) > SAID * amplitude
+            away = sign * side < 0.0 if said else sign < 0.0
+            bulge = 0 if said or not _is_bulge(mode) else int(sign)
+            found.append(_Candidate(point, OTHER_SIDE if away else 1.0, bulge))
     return found
+
+
+def _amplitude(system: System, equations: CurvatureEquations, plate: FloatArray, mode: FloatArray, signs: FloatArray) -> float:
+    """Return how much of a mode (n, 3) brings all the curvature asked for, where it is counted with its signs (k,)."""
+
+    def off(amplitude: float) -> float:
+        return abs(dot(signs, system.at(plate + amplitude * system.size * mode, equations).residual))
+
+    found = [off(float(amplitude)) for amplitude in AMPLITUDES]
+    least = float(AMPLITUDES[int(np.argmin(found))])
+    best = min(found)
+    # Panels bulge far less than a roof as wide.
+    while least <= AMPLITUDES[0] and least > LOWEST:
+        lower = off(least / FINER)
+        if lower >= best:
+            break
+        least, best = least / FINER, lower
+    return least * system.size
+
+
+def _is_bulge(mode: FloatArray) -> bool:
+    """Return whether a move (n, 3) is to one side of the surface more than to the other."""
+    mean = mode.mean(axis=0)
+    return float(mean @ mean) > BULGE**2 * float(np.einsum("ij,ij->i", mode, mode).mean())
 
 
 def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:

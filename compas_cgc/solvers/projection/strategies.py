@@ -29,6 +29,7 @@ from .sequential import approach
 from .settings import AUTO
 from .settings import ProjectionSettings
 from .smooth_shape import smooth_shape
+from .starts import Starts
 from .starts import is_flat
 from .starts import starts
 from .system import System
@@ -43,7 +44,7 @@ SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
 GROWING = 15  # most steps for each
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
-TRIED = 2  # starts whose results are compared
+CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
 class _Found(NamedTuple):
@@ -60,11 +61,12 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     A warm start is gone on from; others are compared with starts of our own. The smooth measure is turned to once
     the surface is fair by angle defects: only then do fits tell the layout of the mesh from wrinkles.
     """
-    tried = [system.at(system.settled(start.vertices), equations)] if warm else starts(system, equations, start, settings)
+    warmed = Starts([system.at(system.settled(start.vertices), equations)], []) if warm else None
+    tried = warmed or starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
         # Over-determined: to insist on it would crumple the surface.
         drawn = system.at(system.settled(start.vertices), equations)
-        first = tried[0] if is_flat(system, equations, drawn) else drawn
+        first = tried.rivals[0] if is_flat(system, equations, drawn) else drawn
         vertices = first.vertices
         for taken in descend(system.keeping("shape"), equations, first, IMPATIENT):
             vertices = taken.vertices
@@ -77,16 +79,16 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
-        found = yield from _closing(system, equations, tried[0])
+        found = yield from _closing(system, equations, tried.rivals[0])
     else:
-        found = yield from _fairest(system, equations, tried[:TRIED])
+        found = yield from _fairest(system, equations, tried.rivals)
     if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
         found = yield from _better(found, _grown(system, equations, start, settings), system)
     if found is None and settings.retry:
-        others = starts(system, equations, start, settings) if warm else tried if system.keep == "shape" else tried[TRIED:]
+        others = starts(system, equations, start, settings).all if warm else tried.all if system.keep == "shape" else tried.others
         found = yield from _fairest(system, equations, others)
     if found is None and settings.retry:
-        found = yield from _nearest(system, equations, tried[0])
+        found = yield from _nearest(system, equations, tried.rivals[0])
         system = system.keeping("shape")
     if found is None:
         return
@@ -129,12 +131,15 @@ def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) 
 
 
 def _better(found: Optional[_Found], search: _Search, system: System) -> _Search:
-    """Search on; return what that comes to where it has less energy than what was found, or nothing was."""
+    """Search on; return what that comes to where it has clearly less energy than what was found, or nothing was.
+
+    Two sides that a surface may bulge to are often as good as each other: the one that is tried first is the one meant.
+    """
     other = yield from search
     if found is None or other is None:
         return found or other
     energies = [system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other)]
-    return found if energies[0] <= energies[1] else other
+    return found if energies[0] <= CLEARLY * energies[1] else other
 
 
 def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
@@ -161,7 +166,7 @@ def _grown(system: System, equations: CurvatureEquations, start: Point, settings
     found: Optional[_Found] = None
     for share in SHARES:
         part = system.equations(share * equations.targets)
-        point = starts(system, part, start, settings)[0] if point is None else system.at(point.vertices, part)
+        point = starts(system, part, start, settings).rivals[0] if point is None else system.at(point.vertices, part)
         found = yield from _approached(system, part, point, GROWING)
         if found is None:
             return None

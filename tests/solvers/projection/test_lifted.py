@@ -1,0 +1,86 @@
+"""Columns given their heights in a flat mesh leave no spikes, and what nothing says to hang bulges with the normals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import solve
+from compas_cgc.meshing import named_supports
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection.drawing import as_meant
+
+from ...support import shapes
+
+N = 11
+CORNERS = [0, N, N * (N + 1), (N + 1) ** 2 - 1]
+
+
+def lifted(heights, target=0.01, relief=0.0, width=(10.0, 10.0)) -> CGCProblem:
+    """A sheet over a rectangle, flat but for a relief, whose corners were lifted."""
+    vertices, faces = shapes.grid(N)
+    x, y, _ = vertices.T
+    vertices = np.column_stack([width[0] * x, width[1] * y, relief * np.sin(np.pi * x) * np.sin(np.pi * y)])
+    vertices[CORNERS, 2] = heights
+    return CGCProblem(vertices, faces, targets=target).with_supports(CORNERS)
+
+
+@pytest.mark.parametrize("heights", [(3, 3, 3, 3), (3, 0, 0, 3), (3, 3, 0, 0), (1, 2, 2, 3), (0, 0, 1.7, 3.3)])
+@pytest.mark.parametrize("target", [0.005, 0.012, -0.012])
+def test_a_lifted_canopy_bulges_up(heights, target):
+    problem = lifted(heights, target, width=(11.0, 15.0))
+    result = solve(problem)
+    assert result.converged and result.verdict.fair
+    x, y, z = result.vertices.T
+    plane = np.linalg.lstsq(np.column_stack([x, y, np.ones_like(x)])[CORNERS], z[CORNERS], rcond=None)[0]
+    over = z - (plane[0] * x + plane[1] * y + plane[2])
+    assert over.mean() > (0.5 if target > 0 else -0.5)
+
+
+def test_it_does_not_depend_on_how_the_flat_sheet_lay():
+    """Lifted from the ground, or drawn as the plate that the columns carry already."""
+    one, other = (solve(lifted((3, 0, 0, 3)).with_vertices(drawn)) for drawn in (lifted((3, 0, 0, 3)).vertices, plate()))
+    assert np.abs(one.vertices - other.vertices).max() < 0.15
+
+
+def plate() -> np.ndarray:
+    problem = lifted((3, 0, 0, 3))
+    x, y, _ = problem.vertices.T / 10.0
+    return np.column_stack([10 * x, 10 * y, 3 * (1 - x) * (1 - y) + 3 * x * y])
+
+
+def test_a_relief_is_carried_and_says_the_side():
+    low, high = (as_meant(lifted((2, 2, 2, 2), relief=relief)).vertices[:, 2] for relief in (-1.0, 1.0))
+    middle = (N // 2) * (N + 1) + N // 2
+    assert low[middle] == pytest.approx(1.0, abs=0.4) and high[middle] == pytest.approx(3.0, abs=0.4)
+    assert (
+        solve(lifted((2, 2, 2, 2), relief=-1.0)).vertices[middle, 2]
+        < 1.0
+        < 3.0
+        < solve(lifted((2, 2, 2, 2), relief=1.0)).vertices[middle, 2]
+    )
+
+
+def test_drawings_that_are_meant_stay_to_the_bit():
+    vertices, faces = shapes.grid(N, 10.0)
+    x, y, _ = vertices.T
+    for heights in (3 - 0.06 * ((x - 5) ** 2 + (y - 5) ** 2), 0.06 * x * y, np.hypot(x - 5, y - 5), 0.0 * x):
+        drawn = CGCProblem(np.column_stack([x, y, heights]), faces, targets=0.01)
+        for supports in ("corners", "boundary", [*CORNERS, (N // 2) * (N + 1) + N // 2]):
+            problem = drawn.with_supports(supports)
+            assert as_meant(problem) is problem
+
+
+def test_beside_a_lifted_corner_there_is_none():
+    for height in (0.6, 2.0, 6.0):
+        problem = lifted((0, height, height, 0))
+        assert sorted(named_supports(problem.vertices, problem.faces, "corners").tolist()) == CORNERS
+    mesh = CGCMesh.from_meshgrid(dx=10, nx=9)
+    mesh.vertex_attribute(0, "z", 3.0)
+    mesh.set_supports("corners")
+    assert len(mesh.supports()) == 4
+    zigzag = lifted((0, 0, 0, 0)).vertices.copy()
+    zigzag[1:N:2, 2] = 1.0
+    folded = named_supports(zigzag, lifted((0, 0, 0, 0)).faces, "corners")
+    assert set(range(1, N - 1)) <= set(folded.tolist()), "an edge that goes up and down has its corners there"
