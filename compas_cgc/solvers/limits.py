@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from dataclasses import dataclass
 from dataclasses import replace
@@ -14,6 +15,7 @@ from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..errors import ProblemError
+from ..linalg.work import Work
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.result import Solution
@@ -68,7 +70,9 @@ class _Carried:
     judged: Verdict
 
 
-def largest_target(posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = FINE) -> Limit:
+def largest_target(
+    posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = FINE, work: Optional[Work] = None
+) -> Limit:
     """Return how large the targets can be for a fair surface over the supports as they are.
 
     All targets are multiplied by one factor: with K̄ > 0 it leads to the largest, with K̄ < 0 to the smallest. From a
@@ -85,6 +89,8 @@ def largest_target(posed: PosesProblem, *, tolerance: float = 0.02, solves: int 
         Most surfaces to solve for.
     vertices
         Of a larger mesh the search is made on a coarser one.
+    work
+        That the search may take; what is carried by then is returned. Default: any.
 
     Returns
     -------
@@ -112,22 +118,24 @@ def largest_target(posed: PosesProblem, *, tolerance: float = 0.02, solves: int 
     largest = float(targets[np.argmax(np.abs(targets))])
     several = bool((targets * largest < 0).any() or np.ptp(targets) > 0)
     coarse = coarsened(problem, round(PART * vertices)) if len(problem.vertices) > vertices else None
-    limit = _search(problem if coarse is None else coarse.problem, largest, several, tolerance, solves)
-    if limit.status == "none" and coarse is None:
+    work = Work(math.inf) if work is None else work
+    limit = _search(problem if coarse is None else coarse.problem, largest, several, tolerance, solves, work)
+    if limit.status == "none" and coarse is None and not work.spent:
         # Where it is the layout of the mesh that is rough, one laid out anew tells what the supports can carry.
         coarse = coarsened(problem, len(problem.vertices) // 2)
-        return limit if coarse is None else _search(coarse.problem, largest, several, tolerance, solves)
+        return limit if coarse is None else _search(coarse.problem, largest, several, tolerance, solves, work)
     return limit
 
 
-def _search(problem: CGCProblem, largest: float, several: bool, tolerance: float, solves: int) -> Limit:
+def _search(problem: CGCProblem, largest: float, several: bool, tolerance: float, solves: int, work: Work) -> Limit:
     solve = _solver(problem)
     count = 0
 
     def tried(factor: float, last: Optional[_Carried]) -> Optional[_Carried]:
         nonlocal count
         count += 1
-        solution = solve(factor, None if last is None else last.vertices)
+        with work.counted():
+            solution = solve(factor, None if last is None else last.vertices)
         if solution.status != "converged":
             return None
         shape = replace(problem, targets=factor * problem.targets, vertices=solution.vertices)
@@ -137,17 +145,19 @@ def _search(problem: CGCProblem, largest: float, several: bool, tolerance: float
     total = abs(largest) * float(face_areas(problem.vertices, problem.faces).sum())
     factor = first = min(1.0, LOW / total)
     carried = tried(factor, None)
-    while carried is None and factor > LEAST * first:
+    while carried is None and factor > LEAST * first and not work.spent:
         factor /= 4.0
         carried = tried(factor, None)
     if carried is None:
         return Limit("none", 0.0, 0.0, largest * factor, _none(largest * factor), None, count)
     beyond: Optional[float] = None
-    while count < solves and (beyond is None or beyond - carried.factor > tolerance * carried.factor):
+    while count < solves and not work.spent and (beyond is None or beyond - carried.factor > tolerance * carried.factor):
         if beyond is None and carried.factor * total > HIGH:
             break
         factor = GROWTH * carried.factor if beyond is None else 0.5 * (carried.factor + beyond)
         found = tried(factor, carried)
+        if work.spent and found is None:
+            break
         carried, beyond = (found, beyond) if found is not None else (carried, factor)
     message = _found(largest, carried.factor, beyond, several)
     status = "open" if beyond is None else "found"

@@ -13,6 +13,7 @@ from typing import Optional
 import numpy as np
 
 from ..errors import ProblemError
+from ..linalg.work import Work
 from ..model.bulging import two_sided_supports
 from ..model.goals.bound import bind
 from ..model.goals.bound import held_by_newton
@@ -26,6 +27,7 @@ from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.verdict import verdict
+from .allowance import Allowance
 from .anew import solved_anew
 from .limits import is_held_all_round
 from .limits import largest_target
@@ -38,6 +40,7 @@ from .settings import Settings
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
 ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
+SEARCH = 6e6  # right sides times unknowns that it may take, about two seconds
 FEWER = 8  # solves where goals make each longer
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
 NOTHING = "; no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
@@ -54,8 +57,9 @@ class Choice(NamedTuple):
     anew: bool = False  # on a mesh of the same drawing laid out anew first, where the layout is what may be rough
 
 
+FLOW_STEPS = 400
 # What it has not reached by then it does not reach, and meshes of some size would take their time.
-FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": 400}))
+FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": FLOW_STEPS}))
 SECOND = [
     Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape"}), True),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
@@ -133,13 +137,17 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     """
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
+    allowed = Allowance(problem, settings)
     for choice in choose(problem, settings):
+        if allowed.spent and tried:
+            break
         if choice.second is not bool(rough) and not choice.anew:
             if rough:
                 break
             continue
-        run = partial(run_method, METHODS[choice.method], settings=settings, options=choice.options, callback=callback)
-        found = solved_anew(problem, run, callback) if choice.anew else run(problem)
+        options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
+        run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
+        found = allowed.solved(partial(solved_anew, problem, run, callback) if choice.anew else partial(run, problem))
         if found is None:
             continue
         solution = found
@@ -178,7 +186,7 @@ def _why_rough(problem: CGCProblem) -> str:
     if said:
         return f"; {said[0]}"
     asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    return _carried(problem, NOTHING) if asking else ""
+    return _carried(problem, NOTHING if asking else "")
 
 
 def _carried(problem: CGCProblem, otherwise: str) -> str:
@@ -188,12 +196,14 @@ def _carried(problem: CGCProblem, otherwise: str) -> str:
     if not known or (problem.constraints and len(problem.vertices) > LARGE):
         return ""
     try:
-        limit = largest_target(problem, tolerance=ROUGHLY, solves=FEWER if problem.constraints else FEW, vertices=SMALL)
+        solves = FEWER if problem.constraints else FEW
+        work = None if problem.constraints else Work(SEARCH)
+        limit = largest_target(problem, tolerance=ROUGHLY, solves=solves, vertices=SMALL, work=work)
     except ProblemError:  # What the goals name is not on a coarser mesh.
         return ""
     if limit.status == "none":
-        return otherwise
-    return f"; {limit.message}" if limit.status == "found" and not limit.carries_what_is_asked else ""
+        return otherwise or f"; {limit.message}"
+    return "" if limit.carries_what_is_asked else f"; {limit.message}"
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:

@@ -12,6 +12,7 @@ import pytest
 from compas_cgc.cli.main import main
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
+from compas_cgc.linalg.work import Work
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
@@ -85,3 +86,19 @@ def test_the_command_says_it(tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "found" and told["target"] < -1.0 and told["verdict"]["fair"]
     assert main(["limits", str(mesh), "--supports", "corners", "--target", "1", "--tolerance", "2"]) == 2
+
+
+def test_a_solve_is_given_up_after_a_count_of_work_and_ends_at_the_same_place_each_time(monkeypatch):
+    problem = roof(9.0)
+    whole = solve(problem)
+    monkeypatch.setattr("compas_cgc.solvers.allowance.EACH", 200)
+    first, again = solve(problem), solve(problem)
+    assert first.status == again.status == "stalled" and first.iterations == again.iterations < whole.iterations
+    assert "given up for the time it takes" in first.message and "given up" not in whole.message
+    np.testing.assert_array_equal(first.vertices, again.vertices)
+
+
+def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
+    work = Work(2e5)
+    short, long = largest_target(roof(1.0), work=work), largest_target(roof(1.0))
+    assert work.spent and short.solves < long.solves and 0.0 < short.target <= long.target

@@ -30,7 +30,7 @@ PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which 
 INSIDE = {
     "solvers": [
         {"settings"},
-        {"method", "carried", "coarse"},
+        {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
         {"anew", "flow", "limits"},
         {"registry"},

@@ -19,6 +19,7 @@ from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
+from ...linalg.work import until_spent
 from ...model.goals.bound import bind
 from ...model.goals.bound import unknown_regions
 from ...model.goals.contradictions import refuse_impossible
@@ -150,7 +151,7 @@ class Projector:
             steps = ways(system, equations, drawn, settings, True)
         else:
             steps = ways_from_coarse(local, system, equations, drawn, settings)
-        for taken in steps if status == "stalled" else ():
+        for taken in until_spent(steps) if status == "stalled" else ():
             here = system.at(taken.vertices, taken.equations or asked)
             if here.badness < best.badness:
                 best, layout = here, taken.equations is not None

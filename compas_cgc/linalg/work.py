@@ -1,0 +1,69 @@
+"""Work counted, not timed, so that a search given up for it ends at the same place on every machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Optional
+from typing import TypeVar
+
+__all__ = ["Work", "spend", "until_spent"]
+
+T = TypeVar("T")
+
+
+class Work:
+    """So much work as a search may take, in unknowns times right sides solved for.
+
+    Examples
+    --------
+    >>> work = Work(10.0)
+    >>> with work.counted():
+    ...     steps = list(until_spent(iter([spend(4.0), spend(4.0)])))
+    >>> work.left, work.spent
+    (2.0, False)
+    """
+
+    def __init__(self, left: float):
+        self.left = left
+
+    @property
+    def spent(self) -> bool:
+        """Whether nothing is left."""
+        return self.left < 0.0
+
+    @contextmanager
+    def counted(self) -> Iterator[None]:
+        """Count the work within this context."""
+        token = _COUNTED.set(self)
+        try:
+            yield
+        finally:
+            _COUNTED.reset(token)
+
+
+class _Spent(Exception):
+    """The work is used up."""
+
+
+_COUNTED: ContextVar[Optional[Work]] = ContextVar("work", default=None)
+
+
+def spend(amount: float) -> None:
+    """Take an amount off what is left, where it is counted; the first that is too much ends the steps that it is for."""
+    work = _COUNTED.get()
+    if work is None:
+        return
+    before = work.left
+    work.left = before - amount
+    if before >= 0.0 > work.left:
+        raise _Spent
+
+
+def until_spent(steps: Iterator[T]) -> Iterator[T]:
+    """Pass on steps until the work that is counted is used up."""
+    try:
+        yield from steps
+    except _Spent:
+        return

@@ -1,0 +1,58 @@
+"""How much work a solve by `auto` may take: a problem without a surface should be told soon."""
+
+from __future__ import annotations
+
+import math
+from typing import Callable
+from typing import Optional
+
+from ..linalg.work import Work
+from ..model.problem import CGCProblem
+from ..model.result import Solution
+from .settings import Settings
+
+__all__ = ["Allowance"]
+
+# Right sides solved for, with all coordinates unknown; a thousand take 0.6 s for 1,000 vertices.
+EACH, ALL = 6500, 10_000
+SMALLEST = 400  # vertices, of which smaller problems are taken to have as many
+FLOW_STEP = 25  # right sides that a step of the flow takes as long as
+GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
+
+
+class Allowance:
+    """What is left of the work that all methods together may take, counted and not timed: the same input has the same result.
+
+    Parameters
+    ----------
+    problem
+        Goals may take their time, and are not counted.
+    settings
+        Steps that are given are bound enough.
+    """
+
+    def __init__(self, problem: CGCProblem, settings: Optional[Settings]):
+        given = settings is not None and settings.to_dict().get("steps") is not None
+        self._unit = 3.0 * max(SMALLEST, len(problem.vertices))
+        self._left = math.inf if problem.constraints or given else ALL * self._unit
+
+    def flow_steps(self, most: int) -> int:
+        """Return how many steps of the flow are allowed, at most so many."""
+        return min(most, max(1, int(self._left / (FLOW_STEP * self._unit)))) if self._left < math.inf else most
+
+    @property
+    def spent(self) -> bool:
+        """Whether nothing is left."""
+        return self._left <= 0.0
+
+    def solved(self, run: Callable[[], Optional[Solution]]) -> Optional[Solution]:
+        """Return what a run comes to within what is allowed for one, or None where it comes to nothing."""
+        granted = min(self._left, EACH * self._unit)
+        work = Work(granted if self._left < math.inf else math.inf)
+        with work.counted():
+            solution = run()
+        if self._left < math.inf:
+            self._left -= granted - max(0.0, work.left)
+        if solution is None or not work.spent or solution.status != "stalled":
+            return solution
+        return solution._replace(message=solution.message + GIVEN_UP)
