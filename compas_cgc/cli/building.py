@@ -37,6 +37,7 @@ def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = 
         metavar="[REGION=]K",
         help="K that the surface has been solved for, where the file does not say",
     )
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     add_reading(parser)
 
 
@@ -87,7 +88,7 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     from ..io import read_problem
 
     read = read_problem(arguments.input, **reading(arguments), result=True)
-    if not getattr(arguments, "quiet", False):
+    if not arguments.quiet:
         for note in read.notes:
             print(f"{arguments.input}: {note}")
     return with_targets(read.checked(), arguments.target)
@@ -105,12 +106,13 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     problem = read_solved(arguments)
     if supports:
         problem = problem.with_supports(supports)
-    parts = Parts(1 + len(arguments.output))
+    say = (lambda text: None) if arguments.quiet else print
+    parts = Parts(1 + len(arguments.output), quiet=arguments.quiet)
     with parts.part(f"working out the {task}"):
         report = build(task, problem, settings)
-    print(report)
+    say(str(report))
     for output in arguments.output:
         with parts.part(f"writing {output}"):
             write_build(output, task, problem, report, nodes=settings.get("nodes", True))
-        print(f"wrote {output}")
+        say(f"wrote {output}")
     return DONE

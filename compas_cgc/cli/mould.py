@@ -51,7 +51,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm")
     parser.add_argument("--no-page", action="store_true", help="write no page of pictures")
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
 
 

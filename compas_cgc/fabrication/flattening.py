@@ -19,9 +19,10 @@ from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..meshing import boundary_loops
 
-__all__ = ["LONG", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
+__all__ = ["LONG", "STRAIN", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
 
 
+STRAIN = 2e-3  # of a flat sheet pressed into double curvature, that reports quote widths for: many sheet materials take it
 SQUARE = 24.0  # k of the rule of thumb
 STRIP = 16.0  # k of a panel without end
 LONG = 10.0  # times as long as wide is as good as without end

@@ -13,14 +13,13 @@ from ..discrete.arrays import Vertices
 from .development import Development
 from .fitting import Fit
 from .flattening import LONG
+from .flattening import STRAIN
 from .flattening import widest_panel
 from .materials import Material
 from .mould_surface import Surface
 from .panelling import Panel
 
 __all__ = ["Mould", "MouldReport", "PanelFit"]
-
-STRAIN = 1e-3  # of a sheet pressed into double curvature, for comparison
 
 
 @dataclass(frozen=True)

@@ -129,7 +129,7 @@ class Patterns:
         """Return what was made, in lines."""
         count = len(self.pieces)
         area = f"area {self.area:.8g} (in space {self.area_in_space:.8g})"
-        lines = [f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seams, {area}"]
+        lines = [f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, {area}"]
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
             lines.append(f"{self.sheets} sheets of {self.sheet[0]:g} x {self.sheet[1]:g}, {100 * used:.0f} % used")

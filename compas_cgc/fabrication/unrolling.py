@@ -119,7 +119,10 @@ def unroll(
 def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
     if sheet is None:
         return None
-    length, width = (float(x) for x in sheet)
+    try:
+        length, width = (float(x) for x in sheet)
+    except (TypeError, ValueError):
+        raise CGCError(f"a sheet must have a length and a width, such as (3.0, 1.5), not {sheet!r}") from None
     if not (np.isfinite([length, width]).all() and min(length, width) > 0):
         raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
     return max(length, width), min(length, width)

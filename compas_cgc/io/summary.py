@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..fabrication.flattening import LONG
+from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
 from ..model.checks import check
@@ -11,8 +12,6 @@ from .reading import ReadProblem
 from .rhino.units import unit_suffix
 
 __all__ = ["describe"]
-
-STRAIN = 0.002  # that many sheet materials take
 
 
 def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:

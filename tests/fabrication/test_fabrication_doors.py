@@ -52,6 +52,8 @@ def test_commands_write_what_python_gives(files, tmp_path, capsys):
     assert main(["net", str(files / "saddle.3dm"), "-o", str(tmp_path / "net.json"), "--spacing", "1"]) == 0
     assert "asymptotic curves" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {"cut.svg", "cut.csv", "forces.inp", "net.json"}
+    assert main(["unroll", str(files / "cone.3dm"), "-o", str(tmp_path / "quiet.svg"), "-q"]) == 0
+    assert not any(capsys.readouterr()) and (tmp_path / "quiet.svg").exists()
 
 
 @pytest.mark.parametrize(

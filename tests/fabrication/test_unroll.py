@@ -278,13 +278,14 @@ def crumpled() -> CGCProblem:
         (lambda: unroll(ring(), seams=[[0, 1]]), "no seam opens"),
         (lambda: unroll(ring(), seams=[[0, 200]]), "does not follow an edge"),
         (lambda: unroll(ring(), (0.0, 1.0)), "a sheet must have a length and a width"),
+        (lambda: unroll(ring(), 3.0), "a sheet must have a length and a width, such as .3.0, 1.5., not 3.0"),
         (lambda: unroll(ring(), (0.004, 0.003)), "give a larger one"),
         (lambda: unroll(ring(), regions=[3]), "there is no region 3"),
         (lambda: unroll(ring(), strain=-1.0), "more than 0"),
         (lambda: unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), strain=1e-4, rough=True), "smaller than the edges of its mesh"),
         (lambda: flatten(*icosphere(1)), "0 open edges"),
     ],
-    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a tiny sheet", "no region", "strain", "a coarse mesh", "closed"],
+    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a number for a sheet", "a tiny sheet", "no region", "strain", "a coarse mesh", "closed"],
 )
 def test_what_cannot_be_unrolled_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(CGCError, match=sentence):
