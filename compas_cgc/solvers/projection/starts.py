@@ -76,8 +76,8 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
     order = [int(k) for k in np.argsort(costs, kind="stable") if costs[k] <= (MEANT if best[k].bulge > 0 else DEAREST) * min(costs)]
-    bulging = [k for k in order if best[k].bulge > 0]
-    rivals = bulging or order[:TRIED]
+    bulging = [k for k in order if best[k].bulge > 0][:1]
+    rivals = (bulging + [k for k in order if best[k].bulge >= 0 and k not in bulging] if bulging else order)[:TRIED]
     return Starts([best[k].point for k in rivals], [best[k].point for k in order if k not in rivals])
 
 

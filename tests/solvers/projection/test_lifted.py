@@ -84,3 +84,17 @@ def test_beside_a_lifted_corner_there_is_none():
     zigzag[1:N:2, 2] = 1.0
     folded = named_supports(zigzag, lifted((0, 0, 0, 0)).faces, "corners")
     assert set(range(1, N - 1)) <= set(folded.tolist()), "an edge that goes up and down has its corners there"
+
+
+def test_two_bays_held_all_around_are_domes_of_one_height():
+    mesh = CGCMesh.from_meshgrid(dx=14, nx=14, dy=7, ny=7)
+    vertices, _ = mesh.arrays()
+    mesh.set_supports("boundary")
+    across = np.flatnonzero(np.abs(vertices[:, 0] - 7.0) < 1e-9)
+    mesh.set_creases([across[np.argsort(vertices[across, 1])].tolist()])
+    mesh.set_target(0.012)
+    result = solve(mesh)
+    heights = result.vertices[:, 2]
+    left, right = (heights[side] for side in (vertices[:, 0] < 7.0, vertices[:, 0] > 7.0))
+    assert result.converged and result.verdict.fair
+    assert left.max() == pytest.approx(right.max(), rel=0.02) and heights.mean() > 0.46
