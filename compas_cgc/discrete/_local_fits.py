@@ -24,12 +24,36 @@ TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without th
 SPARE = 1.25  # points against terms below which the degree is lowered
 CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
 SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
-CHUNK = 4000  # vertices that are fitted at once
+CHUNK = 300  # vertices that are fitted at once, as many as a cache holds
+PART = 50_000  # vertices whose rings are held at once
+
+
+class Rings(NamedTuple):
+    """The rings around some vertices, in the order of these, and where in them the faces at each have their outer corners."""
+
+    near: sparse.csr_matrix  # (k, n) vertices of the rings
+    start: IntArray  # (k + 1,) where the faces at a vertex begin
+    left: IntArray  # (c,) place of the corner of a face after the vertex, among those of its rings
+    right: IntArray  # (c,) of the other one
 
 
 @remembered
-def neighbourhoods(F: Faces, n: int, rows: Indices, through: Mask, rings: int) -> sparse.csr_matrix:
-    """Return the vertices of the rings around some (k, n), themselves left out; farther rings are reached through `through` only."""
+def rings_around(F: Faces, n: int, rows: Indices, through: Mask, rings: int) -> Rings:
+    """Return the rings around some vertices (k,), themselves left out; farther ones are reached through `through` only."""
+    near = _neighbourhoods(F, n, rows, through, rings)
+    fans = _fans(F, n)
+    count = fans.start[rows + 1] - fans.start[rows]
+    start = np.concatenate([[0], np.cumsum(count)])
+    row = np.repeat(np.arange(len(rows)), count)
+    corner = fans.corners[np.arange(len(row)) + (fans.start[rows] - start[:-1])[row]]
+    f, c = corner // 3, corner % 3
+    keys = np.repeat(np.arange(len(rows)), np.diff(near.indptr)) * n + near.indices
+    left, right = (np.searchsorted(keys, row * n + F[f, (c + turn) % 3]) - near.indptr[row] for turn in (1, 2))
+    return Rings(near, start, left, right)
+
+
+def _neighbourhoods(F: Faces, n: int, rows: Indices, through: Mask, rings: int) -> sparse.csr_matrix:
+    """Return the vertices of the rings around some (k, n)."""
     u, v = np.concatenate([F.ravel(), np.roll(F, -1, axis=1).ravel()]), np.concatenate([np.roll(F, -1, axis=1).ravel(), F.ravel()])
     near = sparse.csr_matrix((np.ones(len(u), np.float32), (u, v)), shape=(n, n))
     reached = near[rows]
@@ -50,45 +74,52 @@ def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degre
     """Return what polynomials around the wanted vertices tell (n, 6), else NaN: the columns of `LocalFits`."""
     out = np.full((len(V), 6), np.nan)
     rows = np.flatnonzero(wanted & (N != 0).any(axis=1))
-    fans = _fans(F, len(V))
-    for chunk in (rows[k : k + CHUNK] for k in range(0, len(rows), CHUNK)):
-        near = neighbourhoods(F, len(V), chunk, through, rings)
-        count = np.diff(near.indptr)
-        used = np.full(len(chunk), degree)
+    for part in (rows[k : k + PART] for k in range(0, len(rows), PART)):
+        around, frames = rings_around(F, len(V), part, through, rings), _frames(N[part])
+        count = np.diff(around.near.indptr)
+        used = np.full(len(part), degree)
         for lower in range(degree, 2, -1):
             used[(used == lower) & (count < SPARE * TERMS[lower])] = lower - 1
         for own in np.unique(used):
             group = np.flatnonzero((used == own) & (count >= TERMS[own]))
-            if len(group):
-                out[chunk[group]] = _group(V, N, near[group], chunk[group], fans, int(own), pinned)
+            # New memory for every chunk would take as long to come by as the fits themselves.
+            room = np.empty((CHUNK, TERMS[own] + (not pinned), count[group].max(initial=0)))
+            for chunk in (group[k : k + CHUNK] for k in range(0, len(group), CHUNK)):
+                out[part[chunk]] = _group(V, frames[chunk], around, part[chunk], chunk, int(own), room)
     return out
 
 
-def _group(V: Vertices, N: Vectors, near: sparse.csr_matrix, rows: Indices, fans: Fans, degree: int, pinned: bool) -> FloatArray:
-    """Return the columns (k, 6) of fits of one degree."""
+def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: Indices, degree: int, room: FloatArray) -> FloatArray:
+    """Return the columns (k, 6) of fits of one degree, of vertices that are a group (k,) of those with rings.
+
+    In the `room` the monomials are put; where it has one more than there are, the polynomial is not pinned, and the last unknown
+    is its height over the vertex, which is one of the points.
+    """
     out = np.full((len(rows), 6), np.nan)
-    count = np.diff(near.indptr)
-    row = np.repeat(np.arange(len(rows)), count)
-    column = np.arange(len(row)) - near.indptr[row]
-    there = np.arange(count.max()) < count[:, None]
-    flat = np.einsum("kxy,ky->kx", _frames(N[rows])[row], V[near.indices] - V[rows[row]])
-    points = np.zeros((len(rows), count.max(), 3))
-    points[row, column] = flat
-    scale = np.sqrt((points**2).sum(axis=2).max(axis=1))
+    near = around.near
+    first = near.indptr[group]
+    count = near.indptr[group + 1] - first
+    column = np.arange(count.max())
+    there = column < count[:, None]
+    # What fills shorter rows up lies at the vertex itself.
+    others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
+    points = (V[others] - V[rows][:, None]) @ frames.transpose(0, 2, 1)
+    scale = np.sqrt(np.einsum("kcx,kcx->kc", points, points).max(axis=1))
     good = scale > 0
     points /= np.where(good, scale, 1.0)[:, None, None]
-    u, v, w = np.moveaxis(points, 2, 0)
+    u, v, w = np.ascontiguousarray(np.moveaxis(points, 2, 0))
     terms = int(TERMS[degree])
-    monomials = powers(u, v, degree)
-    if not pinned:
-        # The last unknown is the height of the polynomial over the vertex, which is one of the points.
-        monomials = np.concatenate([monomials, np.ones((*u.shape, 1))], axis=2)
-    weight = np.where(there, 1.0 / (u * u + v * v + CENTRED), 0.0)
-    weighted = monomials * weight[..., None]
-    M = weighted.transpose(0, 2, 1) @ monomials
+    pinned = room.shape[1] == terms
+    # By the roots of their weights, so that their products are those of the least squares.
+    root = np.where(there, 1.0 / np.sqrt(u * u + v * v + CENTRED), 0.0)
+    weighted = room[: len(rows), :, : len(column)]
+    weighted[:, -1] = root
+    for k, power in enumerate(_powers(u, v, degree)):
+        np.multiply(power, root, out=weighted[:, k])
+    M = weighted @ weighted.transpose(0, 2, 1)
     if not pinned:
         M[:, terms, terms] += 1.0 / CENTRED
-    r = cholesky_solved(M, np.einsum("kct,kc->kt", weighted, w))
+    r = cholesky_solved(M, (weighted @ (w * root)[..., None])[..., 0])
     if not pinned:
         w = w - r[:, terms, None]
     r = r[:, :terms]
@@ -97,15 +128,15 @@ def _group(V: Vertices, N: Vectors, near: sparse.csr_matrix, rows: Indices, fans
     g = 1.0 + a * a + b * b
     out[:, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
     out[:, 1] = -((1 + b * b) * uu - 2 * a * b * uv + (1 + a * a) * vv) / (2 * g * np.sqrt(g)) / scale
-    height = np.einsum("kct,kt->kc", monomials[..., :terms], r)
-    second = np.einsum("kct,kt->kc", monomials[..., 2:5], r[:, 2:5])
+    unweighted = np.where(there, np.sqrt(u * u + v * v + CENTRED), 0.0)
+    height = (r[:, None] @ weighted[:, :terms])[:, 0] * unweighted
+    second = (r[:, None, 2:5] @ weighted[:, 2:5])[:, 0] * unweighted
     enough = count >= terms + 2
     off = np.where(there, height - w, 0.0)
     out[enough, 3] = (scale * np.sqrt((off**2).sum(axis=1) / np.maximum(count - terms, 1)))[enough]
-    out[enough, 4] = (scale * np.sqrt(np.where(there, second**2, 0.0).sum(axis=1) / count))[enough]
+    out[enough, 4] = (scale * np.sqrt((second**2).sum(axis=1) / count))[enough]
     out[:, 5] = scale
-    on_surface = np.stack([u, v, height], axis=2)
-    defect, area = _defects(near, on_surface, rows, fans)
+    defect, area = _defects(around, group, np.stack([u, v, height], axis=2))
     held = area > 0
     out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
     out[~good] = np.nan
@@ -126,26 +157,21 @@ def _fans(F: Faces, n: int) -> Fans:
     return Fans(F, start, np.argsort(F.ravel(), kind="stable"))
 
 
-def _defects(near: sparse.csr_matrix, points: FloatArray, rows: Indices, fans: Fans) -> tuple[FloatArray, FloatArray]:
+def _defects(around: Rings, group: Indices, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the angle defects (k,) and mixed areas (k,) of fans whose outer corners are points (k, c, 3) seen from their vertices."""
-    count = fans.start[rows + 1] - fans.start[rows]
-    row = np.repeat(np.arange(len(rows)), count)
-    corner = fans.corners[np.arange(len(row)) + (fans.start[rows] - np.cumsum(count) + count)[row]]
-    f, c = corner // 3, corner % 3
-    keys = np.repeat(np.arange(len(rows)), np.diff(near.indptr)) * near.shape[1] + near.indices
-    sides = []
-    for turn in (1, 2):
-        at = np.searchsorted(keys, row * near.shape[1] + fans.faces[f, (c + turn) % 3])
-        sides.append(points[row, at - near.indptr[row]])
-    angle, area = corners_of(*sides)
-    defect = np.asarray(2.0 * math.pi - np.bincount(row, angle, len(rows)), dtype=np.float64)
-    return defect, np.asarray(np.bincount(row, area, len(rows)), dtype=np.float64)
+    count = around.start[group + 1] - around.start[group]
+    row = np.repeat(np.arange(len(group)), count)
+    corner = np.arange(len(row)) + (around.start[group] - np.cumsum(count) + count)[row]
+    angle, area = corners_of(points[row, around.left[corner]], points[row, around.right[corner]])
+    defect = np.asarray(2.0 * math.pi - np.bincount(row, angle, len(group)), dtype=np.float64)
+    return defect, np.asarray(np.bincount(row, area, len(group)), dtype=np.float64)
 
 
 def corners_of(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the angles (k,) between two sides (k, 3) at a vertex, and their shares of the mixed area."""
-    double = np.linalg.norm(np.cross(a, b), axis=1)
-    dot, aa, bb = ((x * y).sum(axis=1) for x, y in ((a, b), (a, a), (b, b)))
+    (a0, a1, a2), (b0, b1, b2) = a.T, b.T
+    double = np.sqrt((a1 * b2 - a2 * b1) ** 2 + (a2 * b0 - a0 * b2) ** 2 + (a0 * b1 - a1 * b0) ** 2)
+    dot, aa, bb = (np.einsum("ij,ij->i", x, y) for x, y in ((a, b), (a, a), (b, b)))
     sharp = 0.125 * (aa * (bb - dot) + bb * (aa - dot)) / np.where(double > 0, double, 1.0)
     obtuse = np.where(dot < 0, 0.25, 0.125) * double
     return np.arctan2(double, dot), np.where((dot < 0) | (aa < dot) | (bb < dot), obtuse, np.where(double > 0, sharp, 0.0))
@@ -161,18 +187,22 @@ def _frames(N: Vectors) -> FloatArray:
 
 def powers(u: FloatArray, v: FloatArray, degree: int) -> FloatArray:
     """Return the monomials of degree 1 to `degree`, u before v, in a last axis."""
+    return np.stack(_powers(u, v, degree), axis=-1)
+
+
+def _powers(u: FloatArray, v: FloatArray, degree: int) -> list[FloatArray]:
     found = level = [u, v]
     for _ in range(degree - 1):
         # By products: a power of an array takes twenty times as long.
         level = [*(u * own for own in level), v * level[-1]]
         found = found + level
-    return np.stack(found, axis=-1)
+    return found
 
 
 def cholesky_solved(M: FloatArray, r: FloatArray) -> FloatArray:
-    """Return the solutions (k, t) of systems (k, t, t); pivots are kept from vanishing where these determine too little."""
+    """Return the solutions (k, t) of systems (k, t, t), which are lost; pivots are kept from vanishing where they determine too little."""
     n = M.shape[1]
-    L, x = np.zeros_like(M), r.copy()
+    L, x = M, r.copy()  # the lower triangle, column by column in the place of the system's own
     soft = SOFT * np.trace(M, axis1=1, axis2=2)
     for k in range(n):
         below = M[:, k:, k] - np.einsum("ijm,im->ij", L[:, k:, :k], L[:, k, :k])

@@ -7,7 +7,6 @@ from collections import OrderedDict
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
-from typing import Optional
 from typing import TypeVar
 from typing import cast
 
@@ -16,24 +15,26 @@ from scipy import sparse
 
 __all__ = ["remembered"]
 
-SMALL = 400_000  # bytes of arguments above which nothing is kept
+SMALL = 1_500_000  # bytes of arguments above which nothing is kept: those of a mesh of 20,000 vertices
+ALL = 4_000_000  # bytes of the arguments of all that is kept
 RECENT = 8  # results of each function
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-def remembered(function: Function) -> Function:
+def remembered(function: Function, recent: int = RECENT) -> Function:
     """Return a function that keeps its last results for small arguments: arrays and numbers that alone decide what it returns.
 
     What it returns belongs to the caller: arrays are copied.
     """
     kept: OrderedDict[tuple, Any] = OrderedDict()
+    sizes: dict[tuple, int] = {}
     lock = threading.Lock()
 
     @wraps(function)
     def called(*args: Any) -> Any:
-        key = _key(args)
-        if key is None:
+        size, key = _key(args)
+        if size > SMALL:
             return function(*args)
         with lock:
             found = kept.get(key)
@@ -42,26 +43,20 @@ def remembered(function: Function) -> Function:
         if found is None:
             found = (function(*args),)
             with lock:
-                kept[key] = found
-                if len(kept) > RECENT:
-                    kept.popitem(last=False)
+                kept[key], sizes[key] = found, size
+                while len(kept) > recent or sum(sizes.values()) > ALL:
+                    del sizes[kept.popitem(last=False)[0]]
         return _copied(found[0])
 
     return cast(Function, called)
 
 
-def _key(args: tuple) -> Optional[tuple]:
-    """Return what tells arguments from others, None where they are too large."""
-    size, key = 0, []
-    for own in args:
-        if isinstance(own, np.ndarray):
-            size += own.nbytes
-            if size > SMALL:
-                return None
-            key.append((own.dtype.char, own.shape, own.tobytes()))
-        else:
-            key.append(own)
-    return tuple(key)
+def _key(args: tuple) -> tuple[int, tuple]:
+    """Return the bytes of the arguments, and what tells them from others where these are few."""
+    size = sum(own.nbytes for own in args if isinstance(own, np.ndarray))
+    if size > SMALL:
+        return size, ()
+    return size, tuple((own.dtype.char, own.shape, own.tobytes()) if isinstance(own, np.ndarray) else own for own in args)
 
 
 def _copied(value: Any) -> Any:

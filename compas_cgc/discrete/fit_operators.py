@@ -12,8 +12,8 @@ from ._local_fits import CENTRED
 from ._local_fits import SPARE
 from ._local_fits import TERMS
 from ._local_fits import _frames
-from ._local_fits import neighbourhoods
 from ._local_fits import powers
+from ._local_fits import rings_around
 from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Mask
@@ -110,7 +110,7 @@ def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[
     """Return the vertices and their rings, those together whose polynomials have one degree."""
     for first in range(0, len(rows), CHUNK):
         chunk = rows[first : first + CHUNK]
-        near = neighbourhoods(faces, n, chunk, through, RINGS)
+        near = rings_around(faces, n, chunk, through, RINGS).near
         count = np.diff(near.indptr)
         degree = np.where(count + 1 >= SPARE * (TERMS[DEGREE] + 1), DEGREE, LEAST)
         for own in range(LEAST, DEGREE + 1):

@@ -14,8 +14,9 @@ __all__ = ["face_normals", "unit_vectors", "vertex_normals"]
 
 def unit_vectors(vectors: Vectors) -> Vectors:
     """Return vectors ``(n, 3)`` at length one, as in Eq. 13, zero where they have none."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0)
+    length = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    length[length == 0.0] = 1.0
+    return vectors / length[:, None]
 
 
 def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:

@@ -90,8 +90,8 @@ def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Diagnost
     if twin.any():
         problems.append(Diagnostic(f"faces {listed(names[twin])} are duplicates of others; remove them"))
     corners = V[F]
-    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    flat = face_areas(V, F) <= 1e-12 * longest**2
+    sides = corners - np.roll(corners, 1, axis=1)
+    flat = face_areas(V, F) <= 1e-12 * np.einsum("ijk,ijk->ij", sides, sides).max(axis=1)
     if flat.any():
         problems.append(
             Diagnostic(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
@@ -106,13 +106,14 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     owner = np.repeat(np.arange(m), 3)
     code = np.minimum(u, v) * n + np.maximum(u, v)
     order = np.argsort(code, kind="stable")
-    edge, count = np.unique(code[order], return_counts=True)
+    code = code[order]
+    start = np.flatnonzero(np.append(True, code[1:] != code[:-1]))
+    edge, count = code[start], np.diff(np.append(start, len(code)))
     many = edge[count > 2]
     if len(many):
         ends = np.column_stack([vertex_names[many // n], vertex_names[many % n]])
         return [Diagnostic(f"edges {listed(ends)} belong to more than two faces, the mesh is not manifold; remove the surplus faces")]
 
-    start = np.concatenate([[0], np.cumsum(count)])[:-1]
     first, second = order[start[count == 2]], order[start[count == 2] + 1]
     a, b, same = owner[first], owner[second], u[first] == u[second]
     problems = []

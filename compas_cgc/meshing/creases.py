@@ -106,6 +106,8 @@ def lost_edges(faces: Faces, pairs: Edges) -> Mask:
     >>> lost_edges(np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 2], [1, 3]])).tolist()
     [False, True]
     """
+    if not len(pairs):
+        return np.zeros(0, bool)
     n = int(max(faces.max(initial=0), pairs.max(initial=0))) + 1
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     return ~np.isin(np.sort(pairs, axis=1) @ [n, 1], np.minimum(u, v) * n + np.maximum(u, v))

@@ -19,8 +19,10 @@ def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
     ends = np.column_stack([np.minimum(u, v), np.maximum(u, v)])
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    same = (ends[order[1:]] == ends[order[:-1]]).all(axis=1)
+    code = ends @ [int(F.max(initial=0)) + 1, 1]
+    order = np.argsort(code, kind="stable")
+    code = code[order]
+    same = code[1:] == code[:-1]
     owner = order // 3
     return np.column_stack([owner[:-1][same], owner[1:][same]]), ends[order[:-1][same]]
 

@@ -267,8 +267,9 @@ def _folds(problem: CGCProblem, fits: LocalFits) -> tuple[IntArray, FloatArray, 
     edges = _off_creases(problem)
     u, v, left, right = edges.T
     normals, areas = face_normals(V, F), face_areas(V, F)
-    cross = np.cross(normals[left], normals[right])
-    fold = np.arctan2(np.sqrt(np.einsum("ij,ij->i", cross, cross)), np.einsum("ij,ij->i", normals[left], normals[right]))
+    here, there = np.take(normals, left, axis=0), np.take(normals, right, axis=0)
+    apart, along = here - there, here + there
+    fold = 2.0 * np.arctan2(np.sqrt(np.einsum("ij,ij->i", apart, apart)), np.sqrt(np.einsum("ij,ij->i", along, along)))
     principal = _principal(fits)
     known = np.isfinite(principal[u]) | np.isfinite(principal[v])
     along = V[v] - V[u]
@@ -285,6 +286,8 @@ def _folds(problem: CGCProblem, fits: LocalFits) -> tuple[IntArray, FloatArray, 
 def _off_creases(problem: CGCProblem) -> IntArray:
     edges = edge_faces(problem.faces)
     edges = edges[edges[:, 3] >= 0]
+    if not len(problem.creases) and not (problem.roles == CREASE).any():
+        return edges
     n = len(problem.vertices)
     code, creases = np.sort(edges[:, :2], axis=1) @ [n, 1], np.sort(problem.creases, axis=1) @ [n, 1]
     on_crease = (problem.roles[edges[:, 0]] == CREASE) & (problem.roles[edges[:, 1]] == CREASE)

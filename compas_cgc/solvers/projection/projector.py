@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from typing import Optional
 
@@ -53,6 +54,7 @@ from .system import System
 __all__ = ["Projector", "project"]
 
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
+READY = 3  # drawings for which what does not change is kept, or ways to keep to one
 POLISHING = 4  # most steps to a surface that is symmetric to rounding; like other last digits they are not counted
 
 ROUNDED = 3e-15  # residual that the sum of the angles around a vertex has [rad]
@@ -266,7 +268,7 @@ class Projector:
         return result
 
 
-@remembered
+@partial(remembered, recent=READY)
 def _ready(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntArray, settings: ProjectionSettings) -> Projector:
     """Return the projector of a drawing that asks for nothing but K, which is varied on one mesh more than anything else."""
     return Projector(CGCProblem(vertices, faces, roles, creases=creases), settings=settings)
@@ -320,7 +322,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     >>> project(plan).status
     'converged'
     """
-    if problem.constraints:
+    if problem.constraints or len(problem.vertices) > MANY:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         ready = _ready(problem.vertices, problem.faces, problem.roles, problem.creases, settings or ProjectionSettings())
