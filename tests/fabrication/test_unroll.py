@@ -285,7 +285,19 @@ def crumpled() -> CGCProblem:
         (lambda: unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), strain=1e-4, rough=True), "smaller than the edges of its mesh"),
         (lambda: flatten(*icosphere(1)), "0 open edges"),
     ],
-    ids=["rough", "not flat", "a hole", "no edge", "no sheet", "a number for a sheet", "a tiny sheet", "no region", "strain", "a coarse mesh", "closed"],
+    ids=[
+        "rough",
+        "not flat",
+        "a hole",
+        "no edge",
+        "no sheet",
+        "a number for a sheet",
+        "a tiny sheet",
+        "no region",
+        "strain",
+        "a coarse mesh",
+        "closed",
+    ],
 )
 def test_what_cannot_be_unrolled_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(CGCError, match=sentence):
