@@ -7,15 +7,11 @@ directions. Its discrete counterpart is a force ``p fold / (2 K)`` in every edge
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from ..discrete import edge_faces
 from ..discrete import face_areas
@@ -24,25 +20,26 @@ from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..discrete.arrays import Mask
 from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
-from ..linalg import factorise
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import FIXED
+from .balance import in_balance
+from .balance import mean_size
+from .balance import pull_of
 from .layout import among
-from .shape_operators import principal_curvatures
-from .shape_operators import shape_operators
+from .membrane_fields import principal_forces
+from .membrane_fields import stress_by_formula
+from .membrane_fields import stress_of_bars
 from .solved import solved_problem
 
 __all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "nodal_load", "stress_at_vertices"]
 
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 BALANCED = 1e-9  # out of balance, against the load, of a state that is none
-LIFT = 1e-13  # of the diagonal, against bars that hold nothing
 
 
 class EdgeLoads(NamedTuple):
@@ -189,15 +186,15 @@ def membrane(
     if not edge_beams:
         rim = on.edges[on.kind == 2]
         bars, start = np.vstack([bars, _rim_bars(F, rim)]), np.r_[start, np.zeros(len(rim))]
-    forces, before, after = _in_balance(V, F, bars, start, load, balanced)
-    size = _size(load)
+    forces, before, after = in_balance(V, F, bars, start, load, balanced)
+    size = mean_size(load)
     if after > BALANCED:
         raise CGCError(_no_state(after, edge_beams))
-    tensors = _smeared(V, F, bars, forces)
+    tensors = stress_of_bars(V, F, bars, forces)
     if weight == 0.0:
-        tensors = _by_formula(problem, label, curvature, pressure)
-    values, vectors = _principal(tensors, face_normals(V, F))
-    pull = _pull(V, bars, forces)
+        tensors = stress_by_formula(problem, label, curvature, pressure)
+    values, vectors = principal_forces(tensors, face_normals(V, F))
+    pull = pull_of(V, bars, forces)
     reactions = np.where((~balanced)[:, None], -(pull + load), 0.0)
     own_load = _edge_loads(V, F, on, tensors)
     small = float(np.median(np.linalg.norm(before[inner], axis=1)) / size) if weight == 0.0 else float("nan")
@@ -227,11 +224,6 @@ def nodal_load(V: Vertices, F: Faces, pressure: float, weight: float) -> Vectors
     for corner in range(3):
         np.add.at(total, F[:, corner], each)
     return total
-
-
-# ----------------------------------------------------------------------
-# What there is
-# ----------------------------------------------------------------------
 
 
 def _check(problem: CGCProblem, targets: list[Optional[float]]) -> None:
@@ -273,102 +265,6 @@ def _folds(V: Vertices, F: Faces, bars: Edges) -> FloatArray:
     return np.arctan2(sine, np.einsum("ij,ij->i", normals[left], normals[right]))
 
 
-# ----------------------------------------------------------------------
-# Balance
-# ----------------------------------------------------------------------
-
-
-def _pull(V: Vertices, bars: Edges, forces: FloatArray) -> Vectors:
-    """Return the sum of edge forces at every vertex (n, 3) [F]."""
-    u, v = bars[:, 0], bars[:, 1]
-    along = V[v] - V[u]
-    each = forces[:, None] * along / np.linalg.norm(along, axis=1, keepdims=True)
-    total = np.zeros((len(V), 3))
-    np.add.at(total, u, each)
-    np.subtract.at(total, v, each)
-    return total
-
-
-def _size(load: Vectors) -> float:
-    """Return what loads are large or small against: the mean over vertices [F]."""
-    return float(np.linalg.norm(load, axis=1).mean())
-
-
-def _in_balance(V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vectors, balanced: Mask) -> tuple[FloatArray, Vectors, float]:
-    """Return the edge forces in balance nearest to those at the start, what these leave, and the largest rest against the load.
-
-    Nearest by the sum over all stresses squared, as in an elastic membrane.
-    """
-    A = _equilibrium(V, bars, balanced)
-    wanted = load[balanced].ravel()
-    forces = start.copy()
-    before = np.zeros_like(load)
-    before[balanced] = (A @ forces + wanted).reshape(-1, 3)
-    if not len(wanted):
-        return forces, before, 0.0
-    correct = _by_strips(V, F, bars, balanced, A) if start.any() else _by_stresses(V, F, bars, A)
-    size = _size(load)
-    rest = np.inf
-    for _ in range(20):
-        missing = A @ forces + wanted
-        largest = float(np.abs(missing).max()) / size
-        if largest < 1e-14 or largest > 0.5 * rest:
-            break
-        rest = largest
-        forces = forces - correct(missing)
-    rest = float(np.linalg.norm((A @ forces + wanted).reshape(-1, 3), axis=1).max()) / size
-    return forces, before, rest
-
-
-def _equilibrium(V: Vertices, bars: Edges, balanced: Mask) -> sparse.csr_matrix:
-    """Return the matrix from edge forces to the pull at vertices that are to balance (3 k, b)."""
-    u, v = bars[:, 0], bars[:, 1]
-    along = V[v] - V[u]
-    along = along / np.linalg.norm(along, axis=1, keepdims=True)
-    row = np.full(len(V), -1)
-    row[balanced] = np.arange(balanced.sum())
-    entries = []
-    for node, sign in ((u, 1.0), (v, -1.0)):
-        kept = np.flatnonzero(row[node] >= 0)
-        for axis in range(3):
-            entries.append((3 * row[node[kept]] + axis, kept, sign * along[kept, axis]))
-    rows, columns, values = (np.concatenate(part) for part in zip(*entries))
-    return sparse.csr_matrix((values, (rows, columns)), shape=(3 * int(balanced.sum()), len(bars)))
-
-
-def _by_strips(V: Vertices, F: Faces, bars: Edges, balanced: Mask, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
-    """Return what gives the smallest edge forces for a pull, each edge standing for a strip of the surface: for small corrections."""
-    areas = np.r_[face_areas(V, F), 0.0]
-    length = np.linalg.norm(V[bars[:, 1]] - V[bars[:, 0]], axis=1)
-    strip = (areas[bars[:, 2]] + areas[bars[:, 3]]) / length**2
-    M = A @ sparse.diags(strip) @ A.T
-    lifted = (M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
-    factor = factorise(lifted, symmetric=True, points=np.repeat(V[balanced], 3, axis=0), refine=False)
-    return lambda missing: strip * (A.T @ factor.solve(missing))
-
-
-def _by_stresses(V: Vertices, F: Faces, bars: Edges, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
-    """Return what gives the edge forces of least stress, squared and summed over the faces, for a pull: whichever way edges run."""
-    areas = face_areas(V, F)
-    vector = V[bars[:, 1]] - V[bars[:, 0]]
-    length = np.linalg.norm(vector, axis=1)
-    share = np.where(bars[:, 3] >= 0, 0.5, 1.0)
-    entries = []
-    for side in (2, 3):
-        kept = np.flatnonzero(bars[:, side] >= 0)
-        face = bars[kept, side]
-        dyad = (vector[kept, :, None] * vector[kept, None, :]).reshape(-1, 9)
-        weight = share[kept] / length[kept] / np.sqrt(areas[face])
-        entries.append((9 * face[:, None] + np.arange(9), np.repeat(kept[:, None], 9, axis=1), weight[:, None] * dyad))
-    rows, columns, values = (np.concatenate([part.ravel() for part in parts]) for parts in zip(*entries))
-    G = sparse.csr_matrix((values, (rows, columns)), shape=(9 * len(F), len(bars)))
-    W = G.T @ G
-    W = W / float(W.diagonal().mean())
-    system = sparse.bmat([[W, A.T], [A, -LIFT * sparse.identity(A.shape[0])]], format="csc")
-    factor = splu(system)
-    return lambda missing: factor.solve(np.r_[np.zeros(A.shape[1]), missing])[: A.shape[1]]
-
-
 def _no_state(rest: float, edge_beams: bool) -> str:
     if not edge_beams:
         return (
@@ -379,64 +275,6 @@ def _no_state(rest: float, edge_beams: bool) -> str:
         f"no membrane state carries this load ({rest:.2g} of it stays): hold the surface along all of its edge, or leave the load to "
         "finite elements with bending"
     )
-
-
-# ----------------------------------------------------------------------
-# Fields
-# ----------------------------------------------------------------------
-
-
-def _by_formula(problem: CGCProblem, label: IntArray, curvature: FloatArray, pressure: float) -> FloatArray:
-    """Return N = p / (2 K) cof S at the corners of every face, of shape operators fitted region by region (m, 3, 3, 3)."""
-    V, F = problem.vertices, problem.faces
-    corners = np.zeros((len(F), 3, 3, 3))
-    for region, K in enumerate(curvature.tolist()):
-        own = np.flatnonzero(label == region)
-        S, normals = shape_operators(V, F[own])
-        if not np.isfinite(S[F[own]]).all():
-            raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
-        trace = np.trace(S, axis1=1, axis2=2)
-        cofactor = trace[:, None, None] * (np.eye(3) - normals[:, :, None] * normals[:, None, :]) - S
-        corners[own] = pressure / (2.0 * K) * cofactor[F[own]]
-    return corners
-
-
-def _smeared(V: Vertices, F: Faces, bars: Edges, forces: FloatArray) -> FloatArray:
-    """Return the stress that edge forces stand for: shared out to the faces, and evened out over the rings of vertices.
-
-    At the corners of every face (m, 3, 3, 3), rings within a region only.
-    """
-    u, v, left, right = bars.T
-    vector = V[v] - V[u]
-    length = np.linalg.norm(vector, axis=1)
-    # Edges at the rim belong to one face.
-    share = np.where(right >= 0, 0.5, 1.0)
-    each = (share * forces / length)[:, None, None] * vector[:, :, None] * vector[:, None, :]
-    sums = np.zeros((len(F), 3, 3))
-    np.add.at(sums, left, each)
-    np.add.at(sums, right[right >= 0], each[right >= 0])
-    areas = face_areas(V, F)
-    label = _regions_of(F, bars)
-    corner = np.unique(np.column_stack([np.repeat(label, 3), F.ravel()]), axis=0, return_inverse=True)[1].reshape(-1, 3)
-    count = int(corner.max()) + 1
-    at_vertex, area = np.zeros((count, 3, 3)), np.zeros(count)
-    for k in range(3):
-        np.add.at(at_vertex, corner[:, k], sums)
-        np.add.at(area, corner[:, k], areas)
-    return (at_vertex / area[:, None, None])[corner]
-
-
-def _regions_of(F: Faces, bars: Edges) -> IntArray:
-    inside = bars[bars[:, 3] >= 0]
-    graph = sparse.coo_matrix((np.ones(len(inside), np.int8), (inside[:, 2], inside[:, 3])), shape=(len(F), len(F)))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
-
-
-def _principal(corners: FloatArray, normals: Vectors) -> tuple[FloatArray, FloatArray]:
-    """Return N1 and N2 (m, 2) and their directions (m, 2, 3) of the mean over the corners of every face, in its plane."""
-    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
-    found = principal_curvatures(plane @ corners.mean(axis=1) @ plane, normals)
-    return np.column_stack([found.larger, found.smaller]), np.stack([found.larger_direction, found.smaller_direction], axis=1)
 
 
 def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, corners: FloatArray) -> EdgeLoads:

@@ -18,27 +18,25 @@ from ...errors import CGCError
 from ...meshing import vertex_labels
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
-from ..patchwork import pairs_of_equal
 from ..shape_operators import shape_operators
 from ..solved import solved_problem
+from .crossings import arc_lengths_of
+from .crossings import crossings
+from .growth import curves_through
+from .growth import grown_net
 from .trace import ASYMPTOTIC
 from .trace import CURVATURE
 from .trace import RULING
 from .trace import DirectionField
 from .trace import Traced
 from .trace import direction_field
-from .trace import trace
 
 __all__ = ["CurveNet", "NetCurve", "curve_net", "plural"]
 
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 PLANE = 1e-4  # curvature times size, below which a region is a plane
-SHORT = 0.05  # of the spacing: curves shorter than this are left out
-CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
-GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
 ROUND = 1e-3  # difference of the principal curvatures, against their mean, below which a region is a sphere
-MOST = 2000  # curves of a region
 
 
 def plural(kind: str) -> str:
@@ -222,14 +220,14 @@ def curve_net(
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
-            traced = _grown(field, kind, step, size)
+            traced = grown_net(field, kind, step, size)
         else:
-            traced = _through(field, kind, points, _supports_of(problem, region, through))
+            traced = curves_through(field, kind, points, _supports_of(problem, region, through))
         if not any(traced):
             empty.append(f"region {region} has no {NAMES[kind]} to trace{_why(field, kind, size)}")
             continue
         first = sum(map(len, nodes))
-        places, pairs, along = _crossings(field, traced)
+        places, pairs, along = crossings(field, traced)
         nodes.append(places)
         sides.append(pairs + first)
         lengths.append(along)
@@ -301,216 +299,10 @@ def _supports_of(problem: CGCProblem, region: int, through: object) -> Optional[
     return problem.supports[inside[problem.supports]]
 
 
-# ----------------------------------------------------------------------
-# Which curves
-# ----------------------------------------------------------------------
-
-
-def _through(field: DirectionField, kind: int, points: Vectors, supports: Optional[IntArray]) -> list[list[Traced]]:
-    """Trace curves through points, or from supports: from a place just inside of them."""
-    if supports is not None:
-        points = field.vertices[supports]
-    centres = field.vertices[field.faces].mean(axis=1)
-    used = field.vertices[np.unique(field.faces)]
-    traced: list[list[Traced]] = [[], []]
-    for point in points:
-        near = int(np.argmin(np.linalg.norm(centres - point, axis=1)))
-        edge = np.linalg.norm(field.vertices[field.faces[near, 0]] - field.vertices[field.faces[near, 1]])
-        if np.linalg.norm(used - point, axis=1).min() > 2.0 * edge:
-            continue  # A point of another region.
-        face, place = _nearest(field, point)
-        for family in (0,) if kind == RULING else (0, 1):
-            curve = trace(field, kind, family, face, place)
-            if len(curve.points) > 1:
-                traced[family].append(curve)
-    return traced
-
-
-def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
-    """Return the face nearest to a point, and the place in it, off its edges."""
-    corners = field.vertices[field.faces]
-    middle = corners.mean(axis=1)
-    near = np.argsort(np.linalg.norm(middle - point, axis=1))[:24]
-    best = (np.inf, int(near[0]), middle[near[0]])
-    for face in near.tolist():
-        a, b, c = corners[face]
-        system = np.column_stack([b - a, c - a])
-        s, t = np.linalg.lstsq(system, point - a, rcond=None)[0]
-        weights = np.clip([1.0 - s - t, s, t], 1e-3, None)
-        place = weights / weights.sum() @ corners[face]
-        away = float(np.linalg.norm(place - point))
-        if away < best[0]:
-            best = (away, face, place)
-    return best[1], best[2]
-
-
-class _Growth:
-    """A net that grows: its curves by family, and where along each it is crossed."""
-
-    def __init__(self, field: DirectionField):
-        self.field = field
-        self.curves: list[list[Traced]] = [[], []]
-        self.crossed: list[list[list[float]]] = [[], []]  # arc lengths, by family and curve
-
-    def add(self, family: int, curve: Traced) -> list[tuple[int, int]]:
-        """Add a curve, and return it and those that it crosses by family and number."""
-        number = len(self.curves[family])
-        touched = [(family, number)]
-        own: list[float] = []
-        for i, other in enumerate(self.curves[1 - family]):
-            meetings = _meetings(self.field, curve, other)
-            own += [s for s, _ in meetings]
-            self.crossed[1 - family][i] += [t for _, t in meetings]
-            if meetings:
-                touched.append((1 - family, i))
-        self.curves[family].append(curve)
-        self.crossed[family].append(own)
-        return touched
-
-    def uncrowded(self, family: int, new: Traced, place: Vectors, spacing: float) -> Traced:
-        """Return the part of a new curve around its mark up to where it comes near to one that is there, or nothing of it."""
-        if len(new.points) < 2:
-            return new
-        at = _arc_lengths(new)
-        mark = float(at[np.argmin(np.linalg.norm(new.points - place, axis=1))])
-        low, high = -np.inf, np.inf
-        for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
-            for s, own in _meetings(self.field, curve, new) if there else ():
-                if min(abs(s - t) for t in there) < CROWDED * spacing:
-                    if abs(own - mark) < 0.1 * spacing:
-                        return Traced(new.points[:1], new.faces[:0])
-                    low, high = (max(low, own), high) if own < mark else (low, min(high, own))
-        kept = np.flatnonzero((at > low) & (at < high))
-        return Traced(new.points[kept], new.faces[kept[:-1]])
-
-
-def _grown(field: DirectionField, kind: int, spacing: float, size: float) -> list[list[Traced]]:
-    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by."""
-    centres = field.vertices[field.faces].mean(axis=1)
-    face = _first_face(field, kind, centres, size)
-    growth = _Growth(field)
-    # Rulings are marked off along the first curve across them.
-    for family in (0, 1):
-        curve = trace(field, kind, family, face, centres[face])
-        if len(curve.points) < 2:
-            return [[], []]
-        growth.add(family, curve)
-    waiting = [(1, 0)] if kind == RULING else [(0, 0), (1, 0)]
-    tried = set()
-    while waiting and sum(map(len, growth.curves)) < MOST:
-        family, number = waiting.pop(0)
-        curve = growth.curves[family][number]
-        for mark in _open_marks(curve, growth.crossed[family][number], spacing, kind == CURVATURE):
-            key = (family, number, round(mark / spacing, 3))
-            if key in tried:
-                continue
-            tried.add(key)
-            start, place = _place(curve, _arc_lengths(curve), mark)
-            new = growth.uncrowded(1 - family, trace(field, kind, 1 - family, start, place), place, spacing)
-            if _long(new, spacing):
-                touched = growth.add(1 - family, new)
-                waiting += [] if kind == RULING else [each for each in touched if each not in waiting]
-    return [growth.curves[0], []] if kind == RULING else growth.curves
-
-
-def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float) -> int:
-    """Return the face to begin at: in the middle; for lines of curvature that of the half around it with the clearest directions."""
-    away = np.linalg.norm(centres - centres.mean(axis=0), axis=1)
-    if kind != CURVATURE:
-        return int(np.argmin(away))
-    S = field.operators[field.faces].mean(axis=1)
-    trace_, square = np.trace(S, axis1=1, axis2=2), np.einsum("fij,fij->f", S, S)
-    spread = np.maximum(2.0 * square - trace_**2, 0.0)
-    return int(np.argmax(np.where(away <= max(0.25 * size, away.min()), spread, -1.0)))
-
-
-def _long(curve: Traced, spacing: float) -> bool:
-    return len(curve.points) > 1 and float(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum()) > SHORT * spacing
-
-
-def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bool) -> list[float]:
-    """Return the multiples of the spacing beyond the outermost crossings of a curve, and in gaps where these are wanted."""
-    if not crossed:
-        return []
-    length = float(_arc_lengths(curve)[-1])
-    crossed = sorted(crossed)
-    marks = [*np.arange(crossed[-1] + spacing, length, spacing).tolist(), *np.arange(crossed[0] - spacing, 0.0, -spacing).tolist()]
-    for s, t in zip(crossed[:-1], crossed[1:]) if between else ():
-        count = int((t - s) / spacing + 1.0 - GAP)
-        marks += [s + (t - s) * k / (count + 1) for k in range(1, count + 1)]
-    return marks
-
-
-def _arc_lengths(curve: Traced) -> FloatArray:
-    return np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1))]
-
-
-def _place(curve: Traced, at: FloatArray, mark: float) -> tuple[int, Vectors]:
-    k = int(np.clip(np.searchsorted(at, mark) - 1, 0, len(curve.faces) - 1))
-    share = (mark - at[k]) / max(at[k + 1] - at[k], np.finfo(float).tiny)
-    return int(curve.faces[k]), (1.0 - share) * curve.points[k] + share * curve.points[k + 1]
-
-
-# ----------------------------------------------------------------------
-# Where they cross
-# ----------------------------------------------------------------------
-
-
-def _meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
-    """Return the arc lengths of both curves where they cross."""
-    common, first, second = pairs_of_equal(one.faces, other.faces)
-    if not len(common):
-        return []
-    origin, axes = field.vertices[field.faces[common, 0]], field.axes[common]
-
-    def flat(points: Vectors) -> FloatArray:
-        return np.einsum("kij,kj->ki", axes, points - origin)
-
-    a, b = flat(one.points[first]), flat(one.points[first + 1])
-    c, d = flat(other.points[second]), flat(other.points[second + 1])
-    u, v, w = b - a, d - c, c - a
-    across = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    safe = np.where(across == 0.0, 1.0, across)
-    s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / safe
-    t = (w[:, 0] * u[:, 1] - w[:, 1] * u[:, 0]) / safe
-    slack = 1e-9
-    met = (across != 0.0) & (s >= -slack) & (s <= 1.0 + slack) & (t >= -slack) & (t <= 1.0 + slack)
-    at, there = _arc_lengths(one), _arc_lengths(other)
-    found: list[tuple[float, float]] = []
-    for k in np.flatnonzero(met).tolist():
-        i, j = first[k], second[k]
-        place = (float(at[i] + s[k] * (at[i + 1] - at[i])), float(there[j] + t[k] * (there[j + 1] - there[j])))
-        # On an edge two pairs of segments meet in one place.
-        if not any(abs(place[0] - old[0]) < 1e-6 * at[-1] for old in found):
-            found.append(place)
-    return found
-
-
-def _crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vectors, IntArray, FloatArray]:
-    """Return the nodes of a net (k, 3), the sides between them (s, 2), and their lengths along the curves (s,)."""
-    nodes: list[Vectors] = []
-    on_first: dict[int, list[tuple[float, int]]] = {}
-    on_second: dict[int, list[tuple[float, int]]] = {}
-    for i, one in enumerate(traced[0]):
-        for j, other in enumerate(traced[1]):
-            for s, t in _meetings(field, one, other):
-                number = len(nodes)
-                nodes.append(_place(one, _arc_lengths(one), s)[1])
-                on_first.setdefault(i, []).append((s, number))
-                on_second.setdefault(j, []).append((t, number))
-    sides, lengths = [], []
-    for marks in [*on_first.values(), *on_second.values()]:
-        marks.sort()
-        for (s, a), (t, b) in zip(marks[:-1], marks[1:]):
-            sides.append((a, b))
-            lengths.append(t - s)
-    return np.array(nodes).reshape(-1, 3), np.array(sides, dtype=np.int64).reshape(-1, 2), np.array(lengths)
-
-
 def _curve(region: int, kind: int, family: int, curve: Traced, own: IntArray) -> NetCurve:
     chord = curve.points[-1] - curve.points[0]
     span = float(np.linalg.norm(chord))
     away = curve.points - curve.points[0]
     off = np.linalg.norm(away - np.outer(away @ chord, chord) / max(span**2, np.finfo(float).tiny), axis=1).max()
-    length = float(_arc_lengths(curve)[-1])
+    length = float(arc_lengths_of(curve)[-1])
     return NetCurve(region, NAMES[kind], family, curve.points, own[curve.faces], length, float(off) / max(span, np.finfo(float).tiny))

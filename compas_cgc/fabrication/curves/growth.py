@@ -1,0 +1,160 @@
+"""Which curves are traced: through points, or a net that grows from the middle of a region."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Vectors
+from .crossings import arc_lengths_of
+from .crossings import meetings
+from .crossings import place_at
+from .trace import CURVATURE
+from .trace import RULING
+from .trace import DirectionField
+from .trace import Traced
+from .trace import trace
+
+__all__ = ["curves_through", "grown_net"]
+
+SHORT = 0.05  # of the spacing: curves shorter than this are left out
+CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
+GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
+MOST = 2000  # curves of a region
+
+
+def curves_through(field: DirectionField, kind: int, points: Vectors, supports: Optional[IntArray]) -> list[list[Traced]]:
+    """Trace curves through points, or from supports: from a place just inside of them."""
+    if supports is not None:
+        points = field.vertices[supports]
+    centres = field.vertices[field.faces].mean(axis=1)
+    used = field.vertices[np.unique(field.faces)]
+    traced: list[list[Traced]] = [[], []]
+    for point in points:
+        near = int(np.argmin(np.linalg.norm(centres - point, axis=1)))
+        edge = np.linalg.norm(field.vertices[field.faces[near, 0]] - field.vertices[field.faces[near, 1]])
+        if np.linalg.norm(used - point, axis=1).min() > 2.0 * edge:
+            continue  # A point of another region.
+        face, place = _nearest(field, point)
+        for family in (0,) if kind == RULING else (0, 1):
+            curve = trace(field, kind, family, face, place)
+            if len(curve.points) > 1:
+                traced[family].append(curve)
+    return traced
+
+
+def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
+    """Return the face nearest to a point, and the place in it, off its edges."""
+    corners = field.vertices[field.faces]
+    middle = corners.mean(axis=1)
+    near = np.argsort(np.linalg.norm(middle - point, axis=1))[:24]
+    best = (np.inf, int(near[0]), middle[near[0]])
+    for face in near.tolist():
+        a, b, c = corners[face]
+        system = np.column_stack([b - a, c - a])
+        s, t = np.linalg.lstsq(system, point - a, rcond=None)[0]
+        weights = np.clip([1.0 - s - t, s, t], 1e-3, None)
+        place = weights / weights.sum() @ corners[face]
+        away = float(np.linalg.norm(place - point))
+        if away < best[0]:
+            best = (away, face, place)
+    return best[1], best[2]
+
+
+class _Growth:
+    """A net that grows: its curves by family, and where along each it is crossed."""
+
+    def __init__(self, field: DirectionField):
+        self.field = field
+        self.curves: list[list[Traced]] = [[], []]
+        self.crossed: list[list[list[float]]] = [[], []]  # arc lengths, by family and curve
+
+    def add(self, family: int, curve: Traced) -> list[tuple[int, int]]:
+        """Add a curve, and return it and those that it crosses by family and number."""
+        number = len(self.curves[family])
+        touched = [(family, number)]
+        own: list[float] = []
+        for i, other in enumerate(self.curves[1 - family]):
+            met = meetings(self.field, curve, other)
+            own += [s for s, _ in met]
+            self.crossed[1 - family][i] += [t for _, t in met]
+            if met:
+                touched.append((1 - family, i))
+        self.curves[family].append(curve)
+        self.crossed[family].append(own)
+        return touched
+
+    def uncrowded(self, family: int, new: Traced, place: Vectors, spacing: float) -> Traced:
+        """Return the part of a new curve around its mark up to where it comes near to one that is there, or nothing of it."""
+        if len(new.points) < 2:
+            return new
+        at = arc_lengths_of(new)
+        mark = float(at[np.argmin(np.linalg.norm(new.points - place, axis=1))])
+        low, high = -np.inf, np.inf
+        for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
+            for s, own in meetings(self.field, curve, new) if there else ():
+                if min(abs(s - t) for t in there) < CROWDED * spacing:
+                    if abs(own - mark) < 0.1 * spacing:
+                        return Traced(new.points[:1], new.faces[:0])
+                    low, high = (max(low, own), high) if own < mark else (low, min(high, own))
+        kept = np.flatnonzero((at > low) & (at < high))
+        return Traced(new.points[kept], new.faces[kept[:-1]])
+
+
+def grown_net(field: DirectionField, kind: int, spacing: float, size: float) -> list[list[Traced]]:
+    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by."""
+    centres = field.vertices[field.faces].mean(axis=1)
+    face = _first_face(field, kind, centres, size)
+    growth = _Growth(field)
+    # Rulings are marked off along the first curve across them.
+    for family in (0, 1):
+        curve = trace(field, kind, family, face, centres[face])
+        if len(curve.points) < 2:
+            return [[], []]
+        growth.add(family, curve)
+    waiting = [(1, 0)] if kind == RULING else [(0, 0), (1, 0)]
+    tried = set()
+    while waiting and sum(map(len, growth.curves)) < MOST:
+        family, number = waiting.pop(0)
+        curve = growth.curves[family][number]
+        for mark in _open_marks(curve, growth.crossed[family][number], spacing, kind == CURVATURE):
+            key = (family, number, round(mark / spacing, 3))
+            if key in tried:
+                continue
+            tried.add(key)
+            start, place = place_at(curve, arc_lengths_of(curve), mark)
+            new = growth.uncrowded(1 - family, trace(field, kind, 1 - family, start, place), place, spacing)
+            if _long(new, spacing):
+                touched = growth.add(1 - family, new)
+                waiting += [] if kind == RULING else [each for each in touched if each not in waiting]
+    return [growth.curves[0], []] if kind == RULING else growth.curves
+
+
+def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float) -> int:
+    """Return the face to begin at: in the middle; for lines of curvature that of the half around it with the clearest directions."""
+    away = np.linalg.norm(centres - centres.mean(axis=0), axis=1)
+    if kind != CURVATURE:
+        return int(np.argmin(away))
+    S = field.operators[field.faces].mean(axis=1)
+    trace_, square = np.trace(S, axis1=1, axis2=2), np.einsum("fij,fij->f", S, S)
+    spread = np.maximum(2.0 * square - trace_**2, 0.0)
+    return int(np.argmax(np.where(away <= max(0.25 * size, away.min()), spread, -1.0)))
+
+
+def _long(curve: Traced, spacing: float) -> bool:
+    return len(curve.points) > 1 and float(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum()) > SHORT * spacing
+
+
+def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bool) -> list[float]:
+    """Return the multiples of the spacing beyond the outermost crossings of a curve, and in gaps where these are wanted."""
+    if not crossed:
+        return []
+    length = float(arc_lengths_of(curve)[-1])
+    crossed = sorted(crossed)
+    marks = [*np.arange(crossed[-1] + spacing, length, spacing).tolist(), *np.arange(crossed[0] - spacing, 0.0, -spacing).tolist()]
+    for s, t in zip(crossed[:-1], crossed[1:]) if between else ():
+        count = int((t - s) / spacing + 1.0 - GAP)
+        marks += [s + (t - s) * k / (count + 1) for k in range(1, count + 1)]
+    return marks
