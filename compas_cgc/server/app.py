@@ -119,7 +119,7 @@ def create_app(
 def _root() -> Response:
     """Return the page to a browser, and the list of functions to everybody else."""
     response = index() if wants_page() else list_functions()
-    response.headers["Vary"] = "Accept"
+    response.vary.add("Accept")
     return response
 
 

@@ -11,15 +11,15 @@ import pytest
 from .server_process import wait_for
 
 BROWSERS = ("chromium", "firefox")
+WEB = Path(__file__).parent / "web" / "node_modules"  # what package-lock.json there pins
 AXE = (
     "return (await axe.run(document, {resultTypes: ['violations']})).violations.map(v => v.id + ': ' + v.nodes.map(n => n.html).join(' '))"
 )
 
 
 def axe_script():
-    """Return axe-core, None where it is not installed: ``npm install axe-core`` in the root, or its path in AXE_CORE."""
-    root = Path(__file__).parents[2]
-    found = Path(os.environ.get("AXE_CORE") or root / "node_modules" / "axe-core" / "axe.min.js")
+    """Return axe-core, None where it is not installed: ``npm ci --prefix tests/support/web``, or its path in AXE_CORE."""
+    found = Path(os.environ.get("AXE_CORE") or WEB / "axe-core" / "axe.min.js")
     return found.read_text(encoding="utf-8") if found.exists() else None
 
 

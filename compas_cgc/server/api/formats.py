@@ -22,7 +22,7 @@ from .rhino_mesh import mesh_text
 from .serialization import WORDS
 from .serialization import unpack_result
 
-__all__ = ["FORMATS", "SHOWN", "encoded", "merged_into"]
+__all__ = ["FORMATS", "SHOWN", "encoded", "merged_into", "moved"]
 
 SHOWN = ("arrays", "packed", "compas", "hops")  # others are files to keep
 OF_A_SOLVE = {**dict.fromkeys(SHOWN, "application/json"), **KINDS}
@@ -60,12 +60,17 @@ def encoded(name: str, content: bytes) -> bytes:
     return file_bytes(name, result)
 
 
+def moved(content: bytes) -> bytes:
+    """Return what somebody who sent the mesh does not have yet: all but faces, roles and creases, packed, as JSON in one line."""
+    return _arrays(*unpack_result(content), in_bytes=True, mesh=False)
+
+
 def merged_into(source: bytes, content: bytes) -> bytes:
     """Return the bytes of a .3dm file with a packed result put into it."""
     return file_bytes("3dm", unpack_result(content)[0], source)
 
 
-def _arrays(result: SolveResult, report: dict, in_bytes: bool) -> bytes:
+def _arrays(result: SolveResult, report: dict, in_bytes: bool, mesh: bool = True) -> bytes:
     """Return everything as JSON, arrays of numbers as lists with null for what is no number, or as packed arrays.
 
     Straight from the arrays: with the COMPAS mesh in between it would take thrice the time.
@@ -73,14 +78,17 @@ def _arrays(result: SolveResult, report: dict, in_bytes: bool) -> bytes:
     rows: Callable = packed if in_bytes else np.ndarray.tolist
     column: Callable = packed if in_bytes else _column
     problem = result.problem
+    known = {
+        "faces": lambda: rows(problem.faces),
+        "roles": lambda: np.array(ROLES, dtype=object)[problem.roles].tolist(),
+        "creases": lambda: crease_paths(map(tuple, problem.names.vertices[problem.creases].tolist())),
+    }
     body = {
         **{word: _plain(getattr(result, word)) for word in WORDS},
         "vertices": rows(problem.vertices),
-        "faces": rows(problem.faces),
-        "roles": np.array(ROLES, dtype=object)[problem.roles].tolist(),
+        **{name: value() for name, value in known.items() if mesh},
         "targets": column(problem.targets),
         "curvature": column(result.curvature),
-        "creases": crease_paths(map(tuple, problem.names.vertices[problem.creases].tolist())),
         "history": _plain(result.history.to_dict()),
         "report": _plain(report),
     }

@@ -45,6 +45,7 @@ OPERATIONS = {
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
 }
+EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
 _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
 
 
@@ -86,11 +87,17 @@ def _description() -> dict:
                 "post": {
                     **_operation(
                         "Submit a solve, or another task on what was solved",
-                        {"202": _json({"$ref": "#/components/schemas/Submitted"})},
+                        {"202": _json({"$ref": "#/components/schemas/Submitted"}), "200": EVENTS},
                         *("400", "401", "404", "409", "410", "413", "422", "429"),
                     ),
                     "parameters": [
                         {"name": "kind", "in": "query", "schema": {"enum": ["json", "3dm", "obj"]}},
+                        {
+                            "name": "follow",
+                            "in": "query",
+                            "schema": {"enum": ["true"]},
+                            "description": "answer with events, and in the end with one called result; 202 where no stream is free",
+                        },
                         {
                             "name": "options",
                             "in": "query",
@@ -158,7 +165,7 @@ def _description() -> dict:
                 "parameters": [_ID],
                 "get": _operation(
                     "Send states as they change",
-                    {"200": {"description": "events", "content": {"text/event-stream": {"schema": {"type": "string"}}}}},
+                    {"200": EVENTS},
                     "401",
                     "404",
                     "429",

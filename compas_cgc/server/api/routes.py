@@ -6,9 +6,11 @@ import json
 import time
 from collections.abc import Iterator
 from collections.abc import Mapping
+from contextlib import suppress
 from threading import BoundedSemaphore
 from typing import Any
 from typing import Optional
+from typing import Union
 
 from flask import Blueprint
 from flask import Response
@@ -20,6 +22,7 @@ from flask import url_for
 from ..._version import __version__
 from ..errors import BadRequest
 from ..errors import Busy
+from ..errors import RequestError
 from ..errors import Unprocessable
 from ..jobs.store import Job
 from ..security import client_name
@@ -34,6 +37,7 @@ from .formats import FORMATS
 from .formats import SHOWN
 from .formats import encoded
 from .formats import merged_into
+from .formats import moved
 from .job_status import status
 from .mesh_files import KINDS
 from .methods import methods
@@ -93,7 +97,9 @@ def submit() -> Response:
     """Accept a job."""
     started = time.perf_counter()
     limits = current_app.config["LIMITS"]
-    kind = request.args.get("kind", "json")
+    kind, follow = request.args.get("kind", "json"), request.args.get("follow")
+    if follow not in (None, "true"):
+        raise Unprocessable("'follow' can only be true, for a stream of events in the place of an answer")
     if kind == "json":
         check_length(request.content_length, limits)
     body = request.get_data(cache=False)
@@ -106,6 +112,9 @@ def submit() -> Response:
         raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
     g.spent = {"check": time.perf_counter() - started}
     job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
+    # Where all slots are taken the client is answered at once and asks again.
+    if follow and _wait_slots().acquire(blocking=False):
+        return _stream(job.id, with_surface="task" not in given.options)
     address = url_for("api.show", id=job.id)
     links = {"id": job.id, "state": job.state, "status_url": address, "events_url": f"{address}/events", "result_url": f"{address}/result"}
     return respond(links, 202, {"Location": address})
@@ -227,22 +236,32 @@ def delete(id: str) -> Response:
 @api.get("/api/v1/jobs/<id>/events")
 def events(id: str) -> Response:
     """Send the states of a job as they change."""
-    engine, wait_slots = jobs(), _wait_slots()
-    engine.get(id)
-    if not wait_slots.acquire(blocking=False):
+    jobs().get(id)
+    if not _wait_slots().acquire(blocking=False):
         raise Busy("too many event streams are open; ask for the status of the job instead")
+    return _stream(id)
 
-    def stream() -> Iterator[str]:
+
+def _stream(id: str, with_surface: bool = False) -> Response:
+    """Return the states of a job as they change and, where it is wanted, its surface in the end; who calls has taken a slot."""
+    engine = jobs()
+
+    def stream() -> Iterator[Union[str, bytes]]:
         for job in engine.follow(id):
             if job is None:
                 yield ": still here\n\n"
                 continue
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
-            yield f"event: {kind}\ndata: {json.dumps(status(job, engine.positions().get(id)), ensure_ascii=False)}\n\n"
+            told = status(job, engine.positions().get(id))
+            yield f"event: {kind}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n"
+            if with_surface and told["has_result"]:
+                # Where it is gone by now, the client asks for it and is told so.
+                with suppress(RequestError):
+                    yield b"event: result\ndata: " + moved(engine.result(id)) + b"\n\n"
 
     answer = Response(stream(), mimetype="text/event-stream")
     # Called in the end, even when the stream was never begun.
-    answer.call_on_close(wait_slots.release)
+    answer.call_on_close(_wait_slots().release)
     return answer
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import gzip
 import math
 from pathlib import Path
 from typing import Optional
@@ -83,11 +85,21 @@ def file(name: str) -> Response:
 
 def _file(name: str) -> Response:
     path = FILES[name]
-    answer = Response(path.read_bytes(), mimetype=TYPES[path.suffix])
+    packed = path.suffix != ".png" and request.accept_encodings["gzip"] > 0
+    answer = Response(_packed(path, path.stat().st_mtime_ns) if packed else path.read_bytes(), mimetype=TYPES[path.suffix])
     answer.headers["Cache-Control"] = "no-cache"
+    answer.vary.add("Accept-Encoding")
+    if packed:
+        answer.headers["Content-Encoding"] = "gzip"
     answer.add_etag()
     answer.make_conditional(request)
     return answer
+
+
+@functools.lru_cache(maxsize=256)
+def _packed(path: Path, changed: int) -> bytes:
+    """Return a file as gzip, which over a network is a quarter; the same bytes for the same file."""
+    return gzip.compress(path.read_bytes(), mtime=0)
 
 
 @page.post("/api/v1/models")

@@ -251,6 +251,19 @@ def test_events_arrive_while_it_solves_and_cancel_is_quick(server):
     assert ask(server, "GET", f"/api/v1/jobs/{id}")[0] == 404
 
 
+def test_one_request_solves_and_brings_the_surface(server):
+    """The stream of a job that is followed ends with what its client lacks, the same bits as by the other way."""
+    body = json.dumps(request(id="followed-1")).encode()
+    status, headers, content = ask(server, "POST", "/api/v1/jobs?follow=true", body)
+    assert status == 200 and headers["Content-Type"].startswith("text/event-stream")
+    blocks = [dict(line.split(b": ", 1) for line in block.split(b"\n")) for block in content.split(b"\n\n") if block.startswith(b"event")]
+    assert [block[b"event"] for block in blocks][-2:] == [b"done", b"result"]
+    found = json.loads(blocks[-1][b"data"])
+    asked = json.loads(ask(server, "GET", "/api/v1/jobs/followed-1/result?format=packed")[2])
+    assert {name: value for name, value in asked.items() if name not in ("faces", "roles", "creases")} == found
+    assert ask(server, "POST", "/api/v1/jobs?follow=oops", body)[0] == 422
+
+
 def test_health_answers_while_all_workers_are_busy(server):
     ids = [json.loads(post(server, endless())[2])["id"] for _ in range(3)]
     wait_for(lambda: server.client.health()["busy"] == 2)

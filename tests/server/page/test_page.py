@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import io
 import json
@@ -26,6 +27,7 @@ from compas_cgc.server.page.preview import contents
 from compas_cgc.server.page.routes import FILES
 from compas_cgc.server.page.routes import STATIC
 
+from ...support.hands import WEB
 from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
 from ...support.server_process import running_server
@@ -79,7 +81,7 @@ def file_of(mesh, kind, tmp_path):
 def test_browsers_get_the_page_and_everybody_else_the_list_of_functions(client):
     for accept in (CHROME, "text/html", "text/html;q=0.9,application/json;q=0.5"):
         answer = client.get("/", headers={"Accept": accept})
-        assert answer.mimetype == "text/html" and answer.headers["Vary"] == "Accept" and b"<!doctype html>" in answer.data
+        assert answer.mimetype == "text/html" and set(answer.vary) == {"Accept", "Accept-Encoding"} and b"<!doctype html>" in answer.data
     lists = [client.get("/", headers={"Accept": kind} if kind else {}) for kind in (None, "*/*", "application/json", "text/plain, */*")]
     assert all(answer.mimetype == "application/json" and answer.headers["Vary"] == "Accept" for answer in lists)
     assert len({answer.data for answer in lists}) == 1 and lists[0].json[0]["Uri"].endswith("cgc/dome")
@@ -97,6 +99,33 @@ def test_the_page_allows_nothing_but_its_own_files(client):
     script = client.get("/page/main.js")
     assert script.mimetype == "text/javascript" and script.headers["Cache-Control"] == "no-cache"
     assert client.get("/page/main.js", headers={"If-None-Match": script.headers["ETag"]}).status_code == 304
+
+
+def test_text_goes_as_gzip_to_who_takes_it(client):
+    """A quarter of the bytes over a network, and the same text."""
+    plain = client.get("/page/main.js")
+    packed = client.get("/page/main.js", headers={"Accept-Encoding": "gzip, br"})
+    assert plain.headers.get("Content-Encoding") is None and packed.headers["Content-Encoding"] == "gzip"
+    assert gzip.decompress(packed.data) == plain.data and len(packed.data) < 0.5 * len(plain.data)
+    assert packed.headers["ETag"] != plain.headers["ETag"] and packed.vary == plain.vary
+    picture = client.get("/page/examples/example2.png", headers={"Accept-Encoding": "gzip"})
+    assert picture.headers.get("Content-Encoding") is None
+
+
+def test_the_first_page_asks_for_all_its_scripts_at_once():
+    """What main.js imports, and what that imports, stands in the head; what solves and draws is not among it."""
+
+    def imported(path, found):
+        for name in re.findall(r"^import .*?from '([^']+)'", path.read_text(encoding="utf-8"), re.MULTILINE):
+            other = (path.parent / name).resolve()
+            if other not in found:
+                found |= imported(other, found | {other})
+        return found
+
+    wanted = {path.relative_to(STATIC.resolve()).as_posix() for path in imported(STATIC / "main.js", set())}
+    text = (STATIC / "index.html").read_text(encoding="utf-8")
+    assert set(re.findall(r'rel="modulepreload" href="/page/([^"]+)"', text)) == wanted
+    assert not any("vendor" in name for name in wanted)
 
 
 @pytest.mark.parametrize(
@@ -131,11 +160,11 @@ def test_scripts_import_what_is_there_and_keep_to_themselves():
 
 
 def test_types_of_the_scripts_agree():
-    """``npm install typescript`` in the root, or the path of tsc in TSC."""
+    """``npm ci --prefix tests/support/web``, or the path of tsc in TSC."""
     root = Path(__file__).parents[3]
-    tsc = os.environ.get("TSC") or shutil.which(str(root / "node_modules" / ".bin" / "tsc")) or shutil.which("tsc")
+    tsc = os.environ.get("TSC") or shutil.which(str(WEB / ".bin" / "tsc")) or shutil.which("tsc")
     if not tsc:
-        pytest.skip("there is no tsc to check types with (npm install typescript)")
+        pytest.skip("there is no tsc to check types with (npm ci --prefix tests/support/web)")
     said = subprocess.run(
         [tsc, "-p", str(root / "tests" / "support" / "tsconfig.json"), "--pretty", "false"], capture_output=True, text=True
     )
@@ -350,6 +379,8 @@ class Page:
     def picture(self):
         from PIL import Image
 
+        # A browser that is busy with the first frame shows an empty canvas until then.
+        self.window.execute_async_script("const [done] = arguments; requestAnimationFrame(() => requestAnimationFrame(() => done()))")
         return np.asarray(Image.open(io.BytesIO(self.one("#canvas").screenshot_as_png)).convert("RGB"), dtype=int)
 
     def at_rest(self):
@@ -503,8 +534,7 @@ def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
 def test_without_a_free_stream_of_events_the_page_asks_again_and_again(page):
     page.example("example3")
     page.window.execute_script(
-        "const real = window.fetch; window.fetch = (path, options) => path.endsWith('/events')"
-        ' ? Promise.resolve(new Response(\'{"message": "too many"}\', {status: 429})) : real(path, options)'
+        "const real = window.fetch; window.fetch = (path, options) => real(path.replace('?follow=true', ''), options)"
     )
     page.solve()
     assert page.one(".verdict h2").text == "As asked" and page.complaints() == []

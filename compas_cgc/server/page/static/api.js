@@ -127,8 +127,7 @@ export class Api {
    * @param {AbortSignal} [signal]
    */
   async solved(id, signal) {
-    const found = await this.json(`/api/v1/jobs/${id}/result?format=packed`, { signal });
-    return { ...found, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
+    return surfaceOf(await this.json(`/api/v1/jobs/${id}/result?format=packed`, { signal }));
   }
 
   /**
@@ -153,26 +152,15 @@ export class Api {
   }
 
   /**
-   * Give the states of a job as they change. EventSource would do, but cannot send a key.
-   * @param {string} id
+   * Solve, and give the states of the job as they change and its surface in the end, all by one request; nothing where no stream is free.
+   * @param {object} job
    * @param {AbortSignal} signal
-   * @returns {AsyncGenerator<import('./types.js').Status>}
+   * @returns {AsyncGenerator<{status?: import('./types.js').Status, result?: import('./types.js').Result}>}
    */
-  async *events(id, signal) {
-    const answer = await this.request(`/api/v1/jobs/${id}/events`, { signal });
-    const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
-    let text = '';
-    for (;;) {
-      const { done, value } = await reader.read();
-      if (done) return;
-      text += value;
-      const blocks = text.split('\n\n');
-      text = blocks.pop();
-      for (const block of blocks) {
-        const line = block.split('\n').find((each) => each.startsWith('data: '));
-        if (line) yield JSON.parse(line.slice(6));
-      }
-    }
+  async *solving(job, signal) {
+    const answer = await this.request('/api/v1/jobs?follow=true', { method: 'POST', body: JSON.stringify(job), signal });
+    if (!answer.headers.get('Content-Type').startsWith('text/event-stream')) return;
+    for await (const { event, data } of eventsOf(answer)) yield event === 'result' ? { result: surfaceOf(data) } : { status: data };
   }
 
   /**
@@ -212,6 +200,30 @@ export class Api {
     });
     sessionStorage.setItem(KEY, await this.asking);
   }
+}
+
+/** Give the events of a stream. EventSource would do, but can neither send a key nor a request. */
+async function* eventsOf(answer) {
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  let text = '';
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return;
+    // A surface comes in many pieces: only the new one is searched for an end.
+    let from = Math.max(0, text.length - 1);
+    text += value;
+    for (let end = text.indexOf('\n\n', from); end >= 0; end = text.indexOf('\n\n', from)) {
+      const fields = text.slice(0, end).split('\n');
+      const field = (name) => fields.find((line) => line.startsWith(`${name}: `))?.slice(name.length + 2);
+      if (field('data')) yield { event: field('event'), data: JSON.parse(field('data')) };
+      text = text.slice(end + 2);
+      from = 0;
+    }
+  }
+}
+
+function surfaceOf(found) {
+  return { ...found, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
 }
 
 async function sentence(answer) {

@@ -98,7 +98,14 @@ export class Model {
    * @returns {Float32Array}
    */
   toScene(xyz) {
-    return Float32Array.from(xyz, (value, i) => (value - this.centre[i % 3]) / this.size);
+    const [x, y, z] = this.centre;
+    const found = new Float32Array(xyz.length);
+    for (let k = 0; k < found.length; k += 3) {
+      found[k] = (xyz[k] - x) / this.size;
+      found[k + 1] = (xyz[k + 1] - y) / this.size;
+      found[k + 2] = (xyz[k + 2] - z) / this.size;
+    }
+    return found;
   }
 
   /**

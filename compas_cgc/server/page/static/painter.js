@@ -33,13 +33,13 @@ export class Painter {
    * Take note of K on a surface.
    * @param {ArrayLike<number>} xyz
    * @param {number[]} held vertices
-   * @param {?(?number)[]} [K] where the server has measured it
+   * @param {?Float64Array} [K] where the server has measured it
    */
   measure(xyz, held, K = null) {
     this.held = new Set(held);
     this.xyz = xyz;
     this.fitted = null;
-    if (K) this.K = Float64Array.from(K, (value) => value ?? Number.NaN);
+    if (K) this.K = K;
     else this.K = gaussianCurvature(xyz, this.model.faces, this.model.askedWith(held));
   }
 

@@ -42,8 +42,8 @@ export class Scene {
   }
 
   light() {
-    this.world.add(new THREE.HemisphereLight(0xffffff, 0xcfc8be, 2.1));
-    const lamp = new THREE.DirectionalLight(0xffffff, 1.5);
+    this.world.add(new THREE.HemisphereLight(0xffffff, 0xb9b0a4, 1.5));
+    const lamp = new THREE.DirectionalLight(0xfff6e8, 2.1);
     lamp.position.set(-2.2, -1.2, 3.4);
     this.world.add(lamp);
     // What throws the shadow stands nearly overhead, so that the shadow says where the surface is.
@@ -100,6 +100,8 @@ export class Scene {
    */
   fit(keep = true) {
     if (!this.surface) return;
+    // The observer tells of a new size only later.
+    this.measure();
     const box = new THREE.Box3();
     for (const xyz of [this.goal ?? this.surface.xyz, this.start]) box.union(new THREE.Box3().setFromArray(xyz));
     const ball = box.getBoundingSphere(new THREE.Sphere());
@@ -219,12 +221,17 @@ export class Scene {
   }
 
   resize() {
+    if (this.measure()) this.render();
+  }
+
+  /** Take the size that the canvas has by now, and tell whether it has one. */
+  measure() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
-    if (!width || !height) return;
+    if (!width || !height) return false;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.render();
+    return true;
   }
 
   /** Draw soon. */

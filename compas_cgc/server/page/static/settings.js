@@ -92,7 +92,8 @@ export class Settings {
 export function labelled(option, value) {
   const label = document.createElement('label');
   const name = document.createElement('abbr');
-  Object.assign(name, { textContent: option.name.replaceAll('_', ' '), title: option.description });
+  const words = option.name.replaceAll('_', ' ');
+  Object.assign(name, { textContent: words[0].toUpperCase() + words.slice(1), title: option.description });
   const choices = option.type?.includes('boolean') ? ['true', 'false'] : option.enum?.filter((choice) => choice !== null);
   const field = choices ? choiceField(choices, option.default) : numberField(option);
   field.name = option.name;

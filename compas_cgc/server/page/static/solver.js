@@ -45,14 +45,13 @@ export class Solver {
     const run = { id: newId(), abort: new AbortController(), begin: performance.now(), fetching: false };
     this.run = run;
     try {
-      await this.api.submit({ ...request, id: run.id, live: true }, run.abort.signal);
-      const status = await this.follow(run);
-      const result = status.has_result ? await this.api.solved(run.id, run.abort.signal) : null;
+      const { status, result } = await this.follow(run, { ...request, id: run.id, live: true });
       if (this.run !== run) return;
       this.run = null;
-      if (this.finished) this.forget(this.finished);
+      const before = this.finished;
       this.finished = result ? run.id : null;
       this.listener.done(result, status);
+      if (before) this.forget(before);
     } catch (error) {
       if (this.run !== run) return;
       this.run = null;
@@ -91,12 +90,13 @@ export class Solver {
     this.api.forget(id).catch(() => {});
   }
 
-  async follow(run) {
-    let status = null;
-    try {
-      for await (status of this.api.events(run.id, run.abort.signal)) this.tell(run, status);
-    } catch (error) {
-      if (!(error instanceof Refusal && error.status === 429)) throw error;
+  /** Follow a job to its end, and return how it ended and its surface. */
+  async follow(run, request) {
+    let [status, result] = [null, null];
+    for await (const told of this.api.solving(request, run.abort.signal)) {
+      result = told.result ?? result;
+      status = told.status ?? status;
+      if (told.status) this.tell(run, status);
     }
     // No stream was free, or it was cut.
     while (!isOver(status)) {
@@ -104,7 +104,8 @@ export class Solver {
       status = await this.api.status(run.id, run.abort.signal);
       this.tell(run, status);
     }
-    return status;
+    if (status.has_result) result ??= await this.api.solved(run.id, run.abort.signal);
+    return { status, result };
   }
 
   tell(run, status) {

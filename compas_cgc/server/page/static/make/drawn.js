@@ -32,7 +32,7 @@ const DRAW = {
       faces: panels.map((own) => ({ colour: colour(own.mould), vertices: own.vertices, triangles: own.triangles })),
       lines: [{ colour: '#26221d', ends: panels.flatMap((own) => own.outlines.flatMap((loop) => sides(loop, true))) }],
       labels: panels.slice(0, LABELS).map((own) => ({ text: own.panel, at: own.label_at })),
-      key: moulds.map((own) => ({ colour: colour(own.mould), text: `Mould ${own.mould}: ${own.kind}, ${own.panels} panels` })),
+      key: moulds.map((own) => ({ colour: colour(own.mould), text: `Mould ${own.mould}: ${own.kind}, ${own.panels} panel${own.panels === 1 ? '' : 's'}` })),
     };
   },
   unroll({ in_place: place, pieces }) {
