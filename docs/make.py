@@ -167,6 +167,12 @@ A rough surface has a reason. The targets may be more than the supports can carr
 K > 0 has no smooth surface; a plan may have inward corners without a fold from them (the L in
 [Start](start.md#your-own-outline)); free edges may be too long for a saddle. `measure`, `keep` and `nearness` are what to try.
 
+Of these `solve` says what it can find within about ten seconds: the held edge that turns inwards, with its place; the supports that ask
+for a dome and for a bowl; how much K the supports carry, by steps from smaller targets; and where K = 0 is asked, the K of the surface
+that bends least over them. On an irregular mesh it also solves on one of even triangles, laid out anew over the same plan, and carries
+that surface over: saddles on stretched triangles need it. What takes longer is given up after a count of work, the same on every
+machine; `method="projection"` goes on for as long as its `steps` allow.
+
 This page is made by `python docs/make.py`.
 """
 

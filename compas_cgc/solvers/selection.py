@@ -12,16 +12,7 @@ from typing import Optional
 
 import numpy as np
 
-from ..errors import ProblemError
-from ..linalg.work import Work
-from ..model.bulging import two_sided_supports
-from ..model.goals.bound import bind
 from ..model.goals.bound import held_by_newton
-from ..model.goals.bound import unknown_regions
-from ..model.goals.kinds import Bound
-from ..model.goals.kinds import EdgeInPlan
-from ..model.goals.kinds import Level
-from ..model.goals.kinds import Whole
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -30,8 +21,9 @@ from ..model.verdict import verdict
 from .allowance import Allowance
 from .anew import solved_anew
 from .limits import is_held_all_round
-from .limits import largest_target
 from .method import Method
+from .reasons import why_not_found
+from .reasons import why_rough
 from .registry import METHODS
 from .registry import method_of
 from .registry import settings_of
@@ -39,11 +31,6 @@ from .settings import Settings
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
-ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
-SEARCH = 6e6  # right sides times unknowns that it may take, about two seconds
-FEWER = 8  # solves where goals make each longer
-LARGE = 2000  # vertices of a problem with goals above which there is no such search
-NOTHING = "; no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -162,48 +149,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif solution.status in OVER:
             if not rough:
                 told = _told(solution, choice, tried)
-                return told._replace(message=told.message + _what_is_carried(problem, told.status))
+                return told._replace(message=told.message + why_not_found(problem, told.status))
             break
     if rough:
         told = _told(*min(rough, key=lambda one: one[0])[1:], tried)
-        return told._replace(message=told.message + _why_rough(problem))
+        return told._replace(message=told.message + why_rough(problem))
     told = _told(*min(tried, key=lambda pair: pair[0].max_error), tried)
-    return told._replace(message=told.message + _what_is_carried(problem, told.status))
-
-
-def _what_is_carried(problem: CGCProblem, status: str) -> str:
-    """Return how much of its targets a problem without a solution could have, where that is found soon."""
-    whole = bind(problem).whole if problem.constraints else False
-    if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
-        return ""
-    said = two_sided_supports(problem.without_dummies()) if whole else []
-    return f"; {said[0]}" if said else _carried(problem, "")
-
-
-def _why_rough(problem: CGCProblem) -> str:
-    """Return why the supports carry no fair surface of the targets, or how much of the targets they do."""
-    said = two_sided_supports(problem.without_dummies())
-    if said:
-        return f"; {said[0]}"
-    asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    return _carried(problem, NOTHING if asking else "")
-
-
-def _carried(problem: CGCProblem, otherwise: str) -> str:
-    """Return the sentence on the largest targets that are carried, where that is less than what is asked and found soon."""
-    targets = problem.targets[problem.asked]
-    known = len(targets) and np.isfinite(targets).all() and targets.any() and not unknown_regions(problem)
-    if not known or (problem.constraints and len(problem.vertices) > LARGE):
-        return ""
-    try:
-        solves = FEWER if problem.constraints else FEW
-        work = None if problem.constraints else Work(SEARCH)
-        limit = largest_target(problem, tolerance=ROUGHLY, solves=solves, vertices=SMALL, work=work)
-    except ProblemError:  # What the goals name is not on a coarser mesh.
-        return ""
-    if limit.status == "none":
-        return otherwise or f"; {limit.message}"
-    return "" if limit.carries_what_is_asked else f"; {limit.message}"
+    return told._replace(message=told.message + why_not_found(problem, told.status))
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:

@@ -102,3 +102,13 @@ def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
     work = Work(2e5)
     short, long = largest_target(roof(1.0), work=work), largest_target(roof(1.0))
     assert work.spent and short.solves < long.solves and 0.0 < short.target <= long.target
+
+
+def test_a_developable_that_cannot_be_is_told_how_far_its_supports_are_from_one():
+    vertices, faces = shapes.grid(10)
+    rim = boundary_vertices(vertices, faces)
+    x, y = 2 * vertices[:, :2].T - 1
+    vertices[:, 2] = np.where(rim, 0.3 * (x**3 * y + y**2), 0.0)
+    result = solve(CGCProblem(vertices, faces, np.where(rim, FIXED, INTERNAL), 0.0))
+    assert not (result.converged and result.verdict.fair)
+    assert "the surface that bends least over these supports has K from -" in result.message

@@ -33,7 +33,7 @@ INSIDE = {
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
         {"anew", "flow", "limits"},
-        {"registry"},
+        {"reasons", "registry"},
         {"selection"},
         {"run", "sensitivity"},
     ],

@@ -44,7 +44,8 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if point.gap[vertex] > ASTRAY:
         return _astray(vertex, system)
     if enclosed_negative(system, targets):
-        return "a region of negative K needs some free edge"
+        held = int(np.count_nonzero(~np.isin(np.unique(system.faces), system.columns)))
+        return f"a region of negative K needs some free edge, and all {held} vertices of its edge are held; let a side of it go free"
     negative = system.rows[targets[system.rows] < 0]
     lost = three_faced(system.faces, negative) if len(negative) else negative
     if len(lost):

@@ -1,0 +1,130 @@
+"""Held edges that turn inwards, which no surface of K > 0 passes without a fold."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import edge_faces
+from ..discrete.arrays import Edges
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from .problem import CGCProblem
+from .roles import FIXED
+
+__all__ = ["inward_edges"]
+
+TURN = np.radians(2.0)  # to the right, of an edge with the surface to its left
+LOOKED_AT = 64  # vertices of a region, the sharpest, that are looked at
+DIRECTIONS = (0.5, 0.25, 0.75)  # of the lines through a vertex, between the two sides that meet there
+LEVEL = 1e-6  # height, against the size of the mesh, that is none
+
+
+class _Line(NamedTuple):
+    """A straight line in plan through a vertex of a held edge, within the region up to where it meets held edges again."""
+
+    vertex: int
+    turn: float  # [rad]
+    ends: FloatArray  # (2, 3) [L]
+    over: float  # how high the vertex is over the straight way between them [L]
+
+
+def inward_edges(problem: CGCProblem) -> list[str]:
+    """Return a sentence for every region of K > 0 that is held along an edge which turns inwards, and cannot be smooth there.
+
+    Over every line in its plan such a surface is convex, or over every line concave. A line through an inward corner, or along
+    a hole, meets held edges at three places: the middle one lies higher than the others, or lower, on all such lines of a
+    region, and level with them on none.
+    """
+    found = (_of_region(problem, region) for region in range(int(problem.regions().max(initial=-1)) + 1))
+    return [said for said in found if said is not None]
+
+
+def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
+    faces = problem.faces[problem.regions() == region]
+    asked = problem.asked & problem.region_vertices(region)
+    if not asked.any() or not (problem.targets[asked] > 0.0).all():
+        return None
+    size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    lines = _lines(problem, faces)
+    level = next((line for line in lines if abs(line.over) <= LEVEL * size), None)
+    digits = 2 - int(np.floor(np.log10(size))) if size > 0.0 else 0
+    over = max(lines, key=lambda line: line.over, default=None)
+    under = min(lines, key=lambda line: line.over, default=None)
+    mend = "lead a crease to it, round it and let it go free there, or move it"
+    if level is not None:
+        turn, (one, other) = np.degrees(level.turn), (_place(end, digits) for end in level.ends)
+        return (
+            f"the held edge turns inwards by {turn:.0f} degrees {_at(problem, level.vertex, digits)}, level with the held edges across, "
+            f"at {one} and {other}, and a smooth surface of K > 0 is never straight; {mend}"
+        )
+    if over is None or under is None or not over.over > 0.0 > under.over:
+        return None
+    dome, bowl = (_at(problem, line.vertex, digits) for line in (over, under))
+    return (
+        f"the region {region} has K > 0 and so bulges to one side, but its held edge turns inwards {dome}, {over.over:.3g} over the "
+        f"straight way between held edges, as of a dome, and {bowl}, {-under.over:.3g} under it, as of a bowl; {mend}"
+    )
+
+
+def _at(problem: CGCProblem, vertex: int, digits: int) -> str:
+    return f"at vertex {problem.names.vertices[vertex]} {_place(problem.vertices[vertex], digits)}"
+
+
+def _place(point: FloatArray, digits: int) -> str:
+    x, y = (round(number, digits) + 0.0 for number in point[:2].tolist())
+    return f"({x:g}, {y:g})"
+
+
+def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
+    """Return the lines through held vertices where the edge of a region turns inwards."""
+    V, held = problem.vertices, problem.roles == FIXED
+    edges = edge_faces(faces)
+    rim: Edges = edges[edges[:, 3] < 0, :2]
+    corners = V[faces][:, :, :2]
+    up = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    if not (up > 0.0).all() and not (up < 0.0).all():
+        return []  # It has no plan.
+    if up[0] < 0.0:
+        rim = rim[:, ::-1]
+    after = dict(rim.tolist())
+    before = {v: u for u, v in rim.tolist()}
+    middle = np.array([v for v in after if held[v] and v in before and held[before[v]] and held[after[v]]], dtype=np.int64)
+    if not len(middle) or len(after) < len(rim):
+        return []
+    behind = V[middle, :2] - V[[before[v] for v in middle.tolist()], :2]
+    ahead = V[[after[v] for v in middle.tolist()], :2] - V[middle, :2]
+    turn = -np.arctan2(_cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
+    sharpest = np.argsort(-turn, kind="stable")[:LOOKED_AT]
+    found = []
+    for k in sharpest[turn[sharpest] > TURN].tolist():
+        one, other = behind[k] / np.linalg.norm(behind[k]), ahead[k] / np.linalg.norm(ahead[k])
+        for share in DIRECTIONS:
+            along = (1.0 - share) * one + share * other
+            ends = [_met(V, rim, held, int(middle[k]), sign * along) for sign in (-1.0, 1.0)]
+            if ends[0] is None or ends[1] is None:
+                continue
+            back, forth = (float(np.linalg.norm(end[:2] - V[middle[k], :2])) for end in ends if end is not None)
+            between = (forth * ends[0][2] + back * ends[1][2]) / (back + forth)
+            found.append(_Line(int(middle[k]), float(turn[k]), np.array(ends), float(V[middle[k], 2] - between)))
+    return found
+
+
+def _met(V: FloatArray, rim: Edges, held: np.ndarray, vertex: int, along: FloatArray) -> Optional[FloatArray]:
+    """Return where a ray in plan from a vertex meets the rim (3,), None where that is not held there."""
+    own = rim[(rim != vertex).all(axis=1)]
+    start, side = V[own[:, 0], :2] - V[vertex, :2], V[own[:, 1], :2] - V[own[:, 0], :2]
+    across = _cross(np.broadcast_to(along, side.shape), side)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far, part = _cross(start, side) / across, _cross(start, np.broadcast_to(along, start.shape)) / across
+    far = np.where((across != 0.0) & (part >= 0.0) & (part <= 1.0) & (far > 0.0), far, np.inf)
+    first = int(np.argmin(far)) if len(far) else 0
+    if not len(far) or not np.isfinite(far[first]) or not held[own[first]].all():
+        return None
+    return np.asarray(V[own[first, 0]] + part[first] * (V[own[first, 1]] - V[own[first, 0]]))
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
