@@ -89,7 +89,7 @@ def test_the_command_says_it(tmp_path, capsys):
 
 
 def test_a_solve_is_given_up_after_a_count_of_work_and_ends_at_the_same_place_each_time(monkeypatch):
-    problem = roof(9.0)
+    problem = roof(-9.0)
     whole = solve(problem)
     monkeypatch.setattr("compas_cgc.solvers.allowance.EACH", 200)
     first, again = solve(problem), solve(problem)
