@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import functools
+import inspect
+from collections.abc import Iterable
 from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Any
+from typing import Callable
+from typing import TypeVar
+from typing import cast
 
-__all__ = ["CGCError", "FileError", "MeshError", "ProblemError"]
+__all__ = ["CGCError", "FileError", "MeshError", "ProblemError", "find_attribute", "names_what_was_meant"]
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 class CGCError(ValueError):
@@ -31,3 +41,59 @@ class ProblemError(CGCError):
     def __init__(self, problems: Sequence[str]):
         self.problems = list(problems)
         super().__init__("; ".join(self.problems))
+
+
+def find_attribute(value: object, name: str, hint: Callable[[str], str]) -> Any:
+    """Refuse an attribute that a value does not have with a sentence that names what was meant; for its ``__getattr__``.
+
+    Parameters
+    ----------
+    value
+        What was asked.
+    name
+        For what.
+    hint
+        Returns what to write instead, or nothing.
+
+    Raises
+    ------
+    AttributeError
+    """
+    if name.startswith("_") or hasattr(type(value), name):
+        # What Python asks for by itself, and what goes wrong within a property.
+        return object.__getattribute__(value, name)
+    names = [each for each in dir(type(value)) if not each.startswith("_")]
+    raise AttributeError(f"a {type(value).__name__} has no {name!r}{_meant(name, names, hint)}")
+
+
+def names_what_was_meant(hint: Callable[[str], str]) -> Callable[[F], F]:
+    """Return a decorator of functions of one thing and named arguments, which refuse unknown ones with what was meant.
+
+    Parameters
+    ----------
+    hint
+        Returns for a name what to write instead, or nothing.
+    """
+
+    def decorated(function: F) -> F:
+        known = list(inspect.signature(function).parameters)
+
+        @functools.wraps(function)
+        def called(*args: Any, **named: Any) -> Any:
+            if len(args) > 1:
+                raise TypeError(f"{function.__name__}() takes only {known[0]!r} without a name; write {known[1]}=... and the like")
+            unknown = next((name for name in named if name not in known), None)
+            if unknown is not None:
+                raise TypeError(f"{function.__name__}() takes no {unknown!r}{_meant(unknown, known, hint)}")
+            return function(*args, **named)
+
+        return cast(F, called)
+
+    return decorated
+
+
+def _meant(name: str, names: Iterable[str], hint: Callable[[str], str]) -> str:
+    """Return the end of a sentence that says what was likely meant."""
+    instead = hint(name)
+    near = [] if instead else get_close_matches(name, list(names), 1, 0.6)
+    return f"; {instead}" if instead else f"; did you mean {near[0]!r}?" if near else ""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Callable
 from typing import Optional
 
 from ..errors import FileError
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
+PICTURES = ("regions", "K", "zebra")
+
 _EPILOG = """\
 A .3dm file brings its supports as points and its creases as curves along mesh edges. The other formats hold a mesh only
 (COMPAS .json everything): name the supports with --supports.
@@ -45,6 +49,7 @@ examples:
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.01 --target 4=0.04 --s 0.5
   compas-cgc solve plan.obj -o dome.obj --supports boundary --target 0.1
+  compas-cgc solve roof.3dm -o roof_solved.3dm --picture roof.png --picture-of zebra
   compas-cgc solve roof.3dm -o roof_solved.3dm --rise 4 --above 2.5@gate --unknown all
 """
 
@@ -65,6 +70,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
+    parser.add_argument("--picture", metavar="FILE", help="draw the surface as .png, .svg or .pdf; needs the extra 'plot'")
+    parser.add_argument(
+        "--picture-of",
+        choices=PICTURES,
+        default="regions",
+        help="what the picture shows: regions, K in colours, or stripes mirrored in the surface",
+    )
     parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each region, on the layer CGC::NURBS of a .3dm")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     add_goals(parser)
@@ -83,6 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
         raise FileError(f"--nurbs needs a .3dm to write to, not {arguments.output}")
     say = (lambda text: None) if arguments.quiet else print
+    draw = _picture(arguments)
     settings = settings_of(arguments)
     read = read_problem(arguments.input, **reading(arguments))
     for note in read.notes:
@@ -102,7 +115,34 @@ def run(arguments: argparse.Namespace) -> int:
             say(sentence)
     if arguments.report:
         _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
-    return _write_surface(arguments, result, analysis)
+    code = _write_surface(arguments, result, analysis)
+    if draw is not None and result.status not in ("infeasible", "diverged"):
+        say(f"wrote {draw(result)}")
+    return code
+
+
+def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], Path]]:
+    """Return what draws the picture that is asked for; where it could not be drawn, nobody waits for the solve."""
+    if not arguments.picture:
+        return None
+    from ..plot.output import check_picture
+
+    check_picture(arguments.picture)
+    return partial(_draw, arguments.picture, arguments.picture_of)
+
+
+def _draw(path: str, of: str, result: SolveResult) -> Path:
+    """Draw a result and return the file."""
+    from ..plot import draw_zebra
+    from ..plot import hero
+    from ..plot import save
+    from ..plot import studio
+
+    problem = result.problem
+    shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
+    if of == "zebra":
+        return save(draw_zebra(*shape).figure, path)
+    return save(studio(*shape) if of == "regions" else hero(*shape, curvature=result.curvature), path)
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:

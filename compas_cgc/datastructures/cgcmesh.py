@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
 from itertools import chain
+from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
 from typing import Union
@@ -22,6 +23,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.plan import flattened
 from ..errors import MeshError
+from ..errors import find_attribute
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing import crease_paths
@@ -107,6 +109,11 @@ class CGCMesh(Mesh):
             name=name,
             **kwargs,
         )
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            return find_attribute(self, name, _as_a_function)
 
     def __str__(self) -> str:
         """Say what the mesh is, and what is asked of it."""
@@ -771,6 +778,15 @@ class CGCMesh(Mesh):
         if key not in self.vertex:
             raise ValueError(f"there is no vertex {key!r} in the mesh")
         return int(key)
+
+
+def _as_a_function(name: str) -> str:
+    """Return how to do with a function what is no method."""
+    if name in ("solve", "analyse", "sensitivity"):
+        return f"it is a function: compas_cgc.{name}(mesh)"
+    if name in ("write", "save", "to_file"):
+        return 'it is a function: compas_cgc.write("roof.3dm", mesh)'
+    return ""
 
 
 def _copied(values: dict) -> dict:

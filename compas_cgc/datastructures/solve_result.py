@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
+from typing import Any
 from typing import Optional
 from typing import Protocol
 
@@ -13,6 +15,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
+from ..errors import find_attribute
 from ..meshing import Diagnostic
 from ..model.goals.kinds import Unknown
 from ..model.measures import measured_curvature
@@ -25,6 +28,11 @@ from ..model.verdict import verdict
 from .cgcmesh import CGCMesh
 
 __all__ = ["SolveResult"]
+
+
+def _of_the_mesh(name: str) -> str:
+    """Return where an attribute is that a result has not, but its mesh has."""
+    return f"its mesh has: result.mesh.{name}" if hasattr(CGCMesh, name) else ""
 
 
 class _Settings(Protocol):
@@ -113,6 +121,11 @@ class SolveResult:
             # Judged already, when the method was chosen.
             made.__dict__["verdict"] = solution.verdict
         return made
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            return find_attribute(self, name, _of_the_mesh)
 
     @property
     def converged(self) -> bool:

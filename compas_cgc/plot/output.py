@@ -17,7 +17,7 @@ from ..errors import FileError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["matplotlib_module", "new_figure", "save"]
+__all__ = ["check_picture", "matplotlib_module", "new_figure", "save"]
 
 DPI = 200
 FORMATS = {
@@ -88,12 +88,23 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     line.svg
     """
     path = Path(path)
-    kind = path.suffix.lower()
-    if kind not in FORMATS:
-        raise FileError(f"a picture is saved as .png, .svg or .pdf, not as {path.name!r}: change the suffix")
+    kind = _kind_of(path)
     try:
         with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
             figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
     except OSError as error:
         raise FileError(f"cannot write the picture {path}: {error.strerror or error}") from error
     return path
+
+
+def check_picture(path: Union[str, os.PathLike]) -> None:
+    """Refuse a picture that could not be drawn, before anybody waits for what it shall show."""
+    _kind_of(Path(path))
+    matplotlib_module("figure")
+
+
+def _kind_of(path: Path) -> str:
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise FileError(f"a picture is saved as .png, .svg or .pdf, not as {path.name!r}: change the suffix")
+    return kind

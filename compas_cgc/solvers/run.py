@@ -13,6 +13,7 @@ import numpy as np
 from ..datastructures import CGCMesh
 from ..datastructures import SolveResult
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraint_data import as_constraints
@@ -27,6 +28,7 @@ from ..model.result import Solution
 from ..model.roles import DUMMY
 from .registry import METHODS
 from .registry import method_of
+from .registry import options
 from .registry import settings_for
 from .selection import run_auto
 from .selection import run_method
@@ -34,7 +36,26 @@ from .settings import Settings
 
 __all__ = ["solve"]
 
+# Natural, and said of the mesh rather than of the solve.
+ON_THE_MESH = {
+    **dict.fromkeys(("target", "targets", "K", "k", "curvature"), "set_target(0.005)"),
+    **dict.fromkeys(("supports", "support", "fixed", "boundary"), 'set_supports("boundary")'),
+    **dict.fromkeys(("creases", "crease", "folds"), "set_creases(paths)"),
+}
 
+
+def _instead(name: str) -> str:
+    """Return what to write in the place of an argument that a solve does not take."""
+    if name in options():
+        return f"it is a setting: solve(mesh, settings={{{name!r}: ...}})"
+    if name in ON_THE_MESH:
+        return f"it is said of the mesh before: mesh.{ON_THE_MESH[name]}"
+    if name in ("rise", "height", "volume", "clearance"):
+        return f"it is a goal: solve(mesh, goals=[compas_cgc.{name.capitalize()}(...)])"
+    return ""
+
+
+@names_what_was_meant(_instead)
 def solve(
     problem: Union[CGCProblem, PosesProblem],
     *,

@@ -103,6 +103,23 @@ def test_every_format_goes_out_and_comes_in_again(dome, tmp_path, suffix, capsys
     assert "in 0 steps" in capsys.readouterr().out
 
 
+def test_a_picture_is_drawn_beside_the_surface(dome, tmp_path, capsys):
+    from PIL import Image
+
+    solving = ("solve", dome, "-o", tmp_path / "roof.json", "--target", "0.01")
+    drawn = {}
+    for of in ("K", "zebra"):
+        path = tmp_path / f"{of}.png"
+        assert call(*solving, "--picture", path, "--picture-of", of) == 0 and f"wrote {path}" in capsys.readouterr().out
+        drawn[of] = np.asarray(Image.open(path).convert("RGB"), dtype=float)
+    red, green = drawn["K"][..., 0], drawn["K"][..., 1]
+    assert (red - green > 40).mean() > 0.1, "K > 0 is red"
+    dark = drawn["zebra"].max(axis=2) < 80
+    assert 0.05 < dark.mean() < 0.6 and np.count_nonzero(np.diff(dark[dark.shape[0] // 2].astype(int))) > 8, "there are stripes"
+    assert call(*solving[:3], tmp_path / "none.json", "--picture", tmp_path / "roof.gif") == 2
+    assert "change the suffix" in capsys.readouterr().err and not (tmp_path / "none.json").exists()
+
+
 def test_strategies_and_flip(tmp_path, capsys):
     heights = {}
     for name, options in {"s": ["--s", "0.5"], "delay": ["--delay", "5"], "flip": ["--flip", "--s", "0.5"]}.items():
