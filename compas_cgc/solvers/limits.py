@@ -151,13 +151,13 @@ def _search(problem: CGCProblem, largest: float, several: bool, tolerance: float
     if carried is None:
         return Limit("none", 0.0, 0.0, largest * factor, _none(largest * factor), None, count)
     beyond: Optional[float] = None
-    while count < solves and not work.spent and (beyond is None or beyond - carried.factor > tolerance * carried.factor):
+    while count < solves and work.left >= 0.0 and (beyond is None or beyond - carried.factor > tolerance * carried.factor):
         if beyond is None and carried.factor * total > HIGH:
             break
         factor = GROWTH * carried.factor if beyond is None else 0.5 * (carried.factor + beyond)
         found = tried(factor, carried)
-        if work.spent and found is None:
-            break
+        if found is None and work.left < 0.0:
+            break  # It was cut short, which tells nothing of the supports.
         carried, beyond = (found, beyond) if found is not None else (carried, factor)
     message = _found(largest, carried.factor, beyond, several)
     status = "open" if beyond is None else "found"
