@@ -11,7 +11,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import Delaunay
 
+from compas_cgc import Above
 from compas_cgc import CGCMesh
+from compas_cgc import EdgeInPlan
 from compas_cgc import Rise
 from compas_cgc import fabrication
 from compas_cgc._atomic_write import write_text
@@ -214,6 +216,32 @@ def plans() -> dict[str, CGCProblem]:
     }
 
 
+def court(high: list) -> CGCMesh:
+    """Return an L folded along its mitre on nine columns, the outward corners at 3 and some between at 3.6."""
+    plan = [[0, 0, 0], [14, 0, 0], [14, 6, 0], [6, 6, 0], [6, 14, 0], [0, 14, 0], [0, 0, 0]]
+    heads = [*((*place, 3.0) for place in ((0, 0), (14, 0), (14, 6), (6, 14), (0, 14))), *((*place, 3.6) for place in high)]
+    mesh = CGCMesh.from_outline(plan, 1.0, creases=[[[0, 0, 0], [6, 6, 0]]], points=heads)
+    columns = mesh.vertices_near([head[:2] for head in heads])
+    for column, (*_, z) in zip(columns, heads):
+        mesh.vertex_attribute(column, "z", z)
+    mesh.set_supports(columns)
+    mesh.set_target(0.004)
+    return mesh
+
+
+def courts() -> None:
+    """Draw courts on nine columns at two heights."""
+    figure = Figure(figsize=(9, 3.2), dpi=130)
+    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.9, wspace=0.0)
+    layouts = [[(14, 3), (3, 14), (10, 6), (6, 10)], [(7, 0), (0, 7), (10, 6), (6, 10)]]
+    for place, high in enumerate(layouts):
+        found = solve(court(high), goals=[EdgeInPlan(), Above(2.7)])
+        ax = figure.add_subplot(1, 2, place + 1)
+        draw_shape(found.vertices, found.faces, found.problem.roles, found.problem.creases, ax=ax)
+        ax.set_title(f"3.6 at {', '.join(map(str, high))}; {found.verdict}", fontsize=8)
+    save(figure, DOCS / "images" / "court.png")
+
+
 def goals() -> None:
     """Write which K belongs to which rise into the chapter on goals, and draw the surfaces."""
     rows = ["| plan | " + " | ".join(f"rise {rise:g}" for rise in RISES) + " |", "| --- |" + " --- |" * len(RISES)]
@@ -236,4 +264,5 @@ if __name__ == "__main__":
     convention()
     moulds()
     goals()
+    courts()
     reproduction()

@@ -66,21 +66,25 @@ def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
         if abs(found.over) <= LEVEL * size:
             if not found.along:
                 at, others = problem.names.vertices[found.vertex], _named(problem, found)
+                height = float(problem.vertices[found.vertex, 2])
                 yield (
                     f"the region {region} has K > 0, but its support at vertex {at} lies level between those at {others}, and a smooth "
-                    "surface of K > 0 is never straight; raise it, or lead a crease through it"
+                    f"surface of K > 0 is never straight; raise it over {height:.4g}, or lead a crease through it"
                 )
                 return
         elif found.over > 0:
-            over = over or found
+            # Of what one support lies over it has to come under all of it, and over all of what it lies under.
+            over = found if over is None or (found.vertex == over.vertex and found.over > over.over) else over
         else:
-            under = under or found
+            under = found if under is None or (found.vertex == under.vertex and found.over < under.over) else under
     if over is not None and under is not None:
         names = problem.names.vertices
+        highest, lowest = (float(problem.vertices[found.vertex, 2]) - found.over for found in (over, under))
         yield (
             f"the region {region} has K > 0 and so bulges to one side, but its support at vertex {names[over.vertex]} lies "
             f"{over.over:.3g} over those at {_named(problem, over)}, as of a dome, and that at {names[under.vertex]} "
-            f"{-under.over:.3g} under those at {_named(problem, under)}, as of a bowl; move one of them, or lead a crease through it"
+            f"{-under.over:.3g} under those at {_named(problem, under)}, as of a bowl; raise the second over "
+            f"{lowest:.4g} or lower the first under {highest:.4g}, or lead a crease through it"
         )
 
 

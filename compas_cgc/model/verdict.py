@@ -8,9 +8,12 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import angle_defects
+from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
+from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -21,6 +24,7 @@ from ..meshing.regions import vertex_labels
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import DUMMY
+from .roles import FIXED
 
 __all__ = ["Verdict", "verdict"]
 
@@ -34,6 +38,7 @@ LEVEL = 0.01  # bending, against the radius of the fit, likewise: nobody sees wa
 BOTH = 0.05  # part of a region with K > 0 that may bulge to the other side
 SHARP = 1.6  # fold, against the most that a smooth surface through the vertices has, that is too sharp
 SLIGHT = np.radians(3.0)  # fold that nobody sees
+TIP = np.radians(9.0)  # turn of a surface of K > 0 across a single support, besides that of its curvature, that is seen
 CREASED = 0.02  # part of the edges that may fold too sharply
 NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
 LOST = 0.6  # part of the area that has to be left
@@ -172,8 +177,13 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
     if kept is not None and kept < LOST:
         reasons.append(f"it has {_percent(kept)} % of the area of the input")
+    tips, pointed = _tips(problem)
+    if (pointed > TIP).any():
+        at = problem.names.vertices[tips[int(np.argmax(pointed))]]
+        reasons.append(f"it comes to a tip of {np.degrees(pointed.max()):.0f} degrees at its support at vertex {at}")
     bad = (error - own > MOST) | (wave > WAVIEST) | other
     bad[edges[sharp]] = True
+    bad[tips[pointed > TIP]] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
 
@@ -281,6 +291,25 @@ def _folds(problem: CGCProblem, fits: LocalFits) -> tuple[IntArray, FloatArray, 
         height = np.maximum(2.0 * areas[face] / np.sqrt(squared), np.finfo(float).tiny)
         turned += height / 2.0 + np.abs(foot * (1.0 - foot)) * squared / (2.0 * height)
     return edges[known, :2], fold[known], (np.fmax(principal[u], principal[v]) * turned)[known]
+
+
+def _tips(problem: CGCProblem) -> tuple[IntArray, FloatArray]:
+    """Return single supports (k,) within K > 0, and by how much the surface turns over each as over the tip of a cone (k,) [rad].
+
+    A cone of the slope s has the angle defect ``π s^2``.
+    """
+    V, F = problem.vertices, problem.faces
+    smooth = problem.asked & (problem.targets > 0)
+    least, total, count = np.ones(len(V), bool), np.zeros(len(V)), np.zeros(len(V))
+    for one, other in ((F, np.roll(F, 1, axis=1)), (F, np.roll(F, -1, axis=1))):
+        np.logical_and.at(least, one, smooth[other])
+        np.add.at(total, one, np.where(smooth, problem.targets, 0.0)[other])
+        np.add.at(count, one, 1.0)
+    tips = np.flatnonzero((problem.roles == FIXED) & least & (count > 0) & ~boundary_vertices(V, F))
+    if not len(tips):
+        return tips, np.zeros(0)
+    excess = angle_defects(V, F) - total / np.maximum(count, 1.0) * vertex_areas(V, F)
+    return tips, 2.0 * np.sqrt(np.abs(excess[tips]) / np.pi)
 
 
 def _off_creases(problem: CGCProblem) -> IntArray:

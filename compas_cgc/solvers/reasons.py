@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..discrete.local_fits import local_fits
@@ -33,20 +35,23 @@ LAYOUT = (
 )
 
 
-def why_not_found(problem: CGCProblem, status: str) -> str:
-    """Return why no surface was found, or how much of the targets the supports carry, after a semicolon; empty where that is not known."""
+def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] = str) -> str:
+    """Return why no surface was found, or how much of the targets the supports carry, after a semicolon; empty where that is not known.
+
+    The columns that are in the way are looked for where supports by themselves contradict nothing.
+    """
     whole = bind(problem).whole if problem.constraints else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
         return ""
     if problem.constraints and not whole:
-        return _after(_carried(problem))
-    return _after(_contradiction(problem) or _carried(problem))
+        return _after(columns() or _carried(problem))
+    return _after(_contradiction(problem) or columns() or _carried(problem))
 
 
-def why_rough(problem: CGCProblem) -> str:
+def why_rough(problem: CGCProblem, columns: Callable[[], str] = str) -> str:
     """Return why the surface is rough, or how much of the targets the supports carry, after a semicolon; empty where not known."""
     asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    return _after(_contradiction(problem) or _carried(problem, NOTHING if asking else "", LAYOUT))
+    return _after(_contradiction(problem) or columns() or _carried(problem, NOTHING if asking else "", LAYOUT))
 
 
 def _after(said: str) -> str:

@@ -12,7 +12,10 @@ from typing import Optional
 
 import numpy as np
 
+from ..errors import CGCError
+from ..linalg.work import Work
 from ..model.goals.bound import held_by_newton
+from ..model.goals.bound import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
@@ -20,6 +23,8 @@ from ..model.roles import CREASE
 from ..model.verdict import verdict
 from .allowance import Allowance
 from .anew import solved_anew
+from .columns import Attempt
+from .columns import column_advice
 from .limits import is_held_all_round
 from .method import Method
 from .reasons import why_not_found
@@ -31,6 +36,7 @@ from .settings import Settings
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
+LARGE, SEARCH = 2000, 3e7  # vertices, and right sides times unknowns, of a search for heights of columns: some ten seconds at most
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -153,9 +159,35 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             break
     if rough:
         told = _told(*min(rough, key=lambda one: one[0])[1:], tried)
-        return told._replace(message=told.message + why_rough(problem))
+        return told._replace(message=told.message + why_rough(problem, partial(_columns, problem, told)))
     told = _told(*min(tried, key=lambda pair: pair[0].max_error), tried)
-    return told._replace(message=told.message + why_not_found(problem, told.status))
+    return told._replace(message=told.message + why_not_found(problem, told.status, partial(_columns, problem, told)))
+
+
+def _columns(problem: CGCProblem, rough: Solution) -> str:
+    """Return which columns are in the way of a surface of K > 0, and what heights they may have, where that is found soon."""
+    if len(problem.vertices) > LARGE or not problem.real_faces.all() or unknown_regions(problem):
+        return ""
+    judged = rough.verdict or verdict(problem.with_vertices(rough.vertices), problem.vertices)
+    with Work(SEARCH).counted():
+        return column_advice(problem, Attempt(rough.vertices, judged), _attempt)
+
+
+def _attempt(problem: CGCProblem) -> Optional[Attempt]:
+    """Return the first fair surface that the methods arrive at, else the last that they do."""
+    found: Optional[Attempt] = None
+    for choice in choose(problem):
+        if choice.options is FLOW.options or choice.anew or (choice.second and found is None):
+            continue
+        try:
+            solution = run_method(METHODS[choice.method], problem, options=choice.options)
+        except CGCError:  # Goals that name what is there no more.
+            return None
+        if solution.status == "converged":
+            found = Attempt(solution.vertices, verdict(problem.with_vertices(solution.vertices), problem.vertices))
+            if found.judged.fair:
+                break
+    return found
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:

@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
-        {"anew", "flow", "limits"},
+        {"anew", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
         {"run", "sensitivity"},
