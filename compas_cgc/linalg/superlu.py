@@ -105,8 +105,8 @@ class SuperLU:
             return self._lu.solve(rhs)
         # Several right sides at once are solved faster by the factors than by their transposed.
         which = "N" if self._symmetric and rhs.ndim == 2 else "T"
-        y = self._lu.solve(np.take(rhs, self._permutation, axis=0), which)
-        return np.take(y.T, self._places, axis=-1).T
+        y = self._lu.solve(rhs.take(self._permutation, axis=0), which)
+        return y.T.take(self._places, axis=-1).T
 
     def _refined(self, rhs: FloatArray) -> tuple[FloatArray, float]:
         """Return the solution and its relative residual."""

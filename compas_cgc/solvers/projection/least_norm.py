@@ -83,7 +83,7 @@ class LeastNorm:
         common: Optional[CommonPart] = None,
     ):
         self.metric, self._sparse = metric, J
-        transposed = J.T.tocsr()
+        transposed = J.T
         self.J: Rows = J if common is None else Rows(J.shape, lambda v: common.removed(J @ v))
         self.transposed: Rows = transposed if common is None else Rows(transposed.shape, lambda y: transposed @ common.transposed(y))
         self._common, self._across = common, across

@@ -105,8 +105,9 @@ class Metric:
         if self.height is self.plan:
             return self._factor.solve(gradient.reshape(-1, 3)).ravel()
         turned = gradient.reshape(-1, 3) @ self.axes.T
-        flat, up = self._factor.solve(np.ascontiguousarray(turned[:, :2])), self._of_height.solve(np.ascontiguousarray(turned[:, 2]))
-        return (flat @ self.axes[:2] + up[:, None] * self.axes[2]).ravel()
+        found = np.empty_like(turned)
+        found[:, :2], found[:, 2] = self._factor.solve(turned[:, :2]), self._of_height.solve(turned[:, 2])
+        return (found @ self.axes).ravel()
 
     def times(self, move: FloatArray) -> FloatArray:
         """Return W times a move (q,)."""

@@ -90,6 +90,7 @@ class Places:
             new = np.flatnonzero(np.arange(n) < self.head[image.to])
             later = image.to[new]
             self.head[later], self.turn[later], self.shift[later] = new, image.turn, image.shift
+        self._all = Freedoms(None, np.repeat(np.flatnonzero(movable), 3), None)
         self._refuse_astray()
 
     def holding(self, more: Sequence[Touching]) -> Places:
@@ -115,9 +116,9 @@ class Places:
 
     def freedoms(self, vertices: FloatArray) -> Freedoms:
         """Return what may move at a shape (n, 3)."""
-        columns = np.flatnonzero(self.movable)
         if self.trivial:
-            return Freedoms(None, np.repeat(columns, 3), None)
+            return self._all
+        columns = np.flatnonzero(self.movable)
         goal = self.symmetric(vertices)
         free, direction, shift = self._solve(*self.conditions(goal), goal)
         for ring in self.rings:

@@ -31,8 +31,9 @@ OTHER_SIDE = 1.5  # how much dearer a start is on the side away from the drawing
 SAID = 0.02  # how far a drawing lies to one side, against what is needed, to say so
 BULGE = 0.3  # mean of a mode, against its mean square, from which it is a bulge
 TRIED = 2  # whose results are compared
-CANDIDATES = 4  # of which the move to the equations is worked out
+CANDIDATES = 4  # at most, of which the move to the equations is worked out
 DEAREST, MEANT = 3.0, 15.0  # a start, against the cheapest, that is worth a try, and one to the side that is meant
+WRONG = 1.5  # residual, against the curvature asked for, of one that is bent the wrong way: of a flat one it is 1
 UNSOLVED = 0.5  # part of the right side that no move accounts for, from which a start is hopeless, such as a flat one
 ROUGH = 1e-2  # residual of the linear system for that
 
@@ -73,6 +74,9 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     plate = system.at(system.settled(system.fairness.relaxed()), equations)
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
     candidates = [one for one in candidates if not is_flat(system, equations, one.point)] or candidates
+    missing = [system.missing(one.point, equations) for one in candidates]
+    if min(missing) < 1.0:
+        candidates = [one for one, lacking in zip(candidates, missing) if lacking < WRONG]
     best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
     order = [int(k) for k in np.argsort(costs, kind="stable") if costs[k] <= (MEANT if best[k].bulge > 0 else DEAREST) * min(costs)]

@@ -257,6 +257,8 @@ class System:
 
     def settled(self, vertices: FloatArray) -> FloatArray:
         """Return a shape (n, 3) moved onto the constraints, by fair moves."""
+        if self.places.trivial:
+            return vertices
         for _ in range(SETTLING):
             freedoms = self.places.freedoms(vertices)
             if freedoms.gap is None or np.abs(freedoms.gap).max(initial=0.0) <= EPS:
