@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .curve_sampling import Cell
     from .curve_sampling import Spread
 
-CLEAR = 0.62  # of the edge length, that a lattice keeps away from curves
+CLEAR = (0.56, 0.62)  # of the edge length, that a lattice keeps away from curves: both are tried
 MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
 MET = 0.2  # of the edge length, within which a point has become a vertex
 ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
@@ -104,7 +104,8 @@ def mesh_from_outline(
     around, inner = laid.rings, laid.pieces
     areas = cells(domain, around, inner)
     fixed = np.concatenate([*around, *inner, laid.loose])
-    plan, faces = max((_tried(laid, areas, fixed, seeds) for seeds in lattices(domain, laid.sizes)), key=lambda made: _quality(*made))
+    made = (_tried(laid, areas, fixed, seeds, clear) for seeds in lattices(domain, laid.sizes) for clear in CLEAR)
+    plan, faces = max(made, key=lambda one: _quality(*one))
     on_curves = np.concatenate([*around, *inner])
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
@@ -143,9 +144,9 @@ def _closed(ring: FloatArray, tolerance: float) -> FloatArray:
     return np.concatenate([ring[:-1] if ends else ring, ring[:1]])
 
 
-def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the relaxed triangulation with the seeds that keep away from what is fixed."""
-    seeds = seeds[cKDTree(fixed).query(seeds)[0] > CLEAR * laid.sizes(seeds)]
+def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray, clear: float) -> tuple[FloatArray, IntArray]:
+    """Return the relaxed triangulation with the seeds that keep a part of the edge length away from what is fixed."""
+    seeds = seeds[cKDTree(fixed).query(seeds)[0] > clear * laid.sizes(seeds)]
     plan, faces = fill(areas, np.concatenate([seeds, laid.loose]))
     a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
     faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)

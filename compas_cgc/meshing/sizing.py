@@ -18,6 +18,7 @@ GRADE = 0.25  # of the distance from a small feature, by which edges grow
 TURN = 0.5  # most that a curve turns along an edge [rad]
 AROUND = 12  # edges of a closed curve without kinks at least
 KINK = np.radians(30.0)
+BASE = 1.4  # times the distance of a point from a curve, that edges are long there: a triangle with that height has even angles
 SMALLEST = 0.12  # of the edge length
 
 
@@ -76,7 +77,7 @@ def size_field(lines: Sequence[FloatArray], nodes: FloatArray, points: FloatArra
     if len(points):
         curves = shapely.MultiLineString([shapely.LineString(line) for line in lines])
         sources.append(points)
-        sizes.append(shapely.distance(curves, shapely.points(points)))
+        sizes.append(BASE * shapely.distance(curves, shapely.points(points)))
     return SizeField(edge_length, np.concatenate(sources), np.concatenate(sizes))
 
 

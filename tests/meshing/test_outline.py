@@ -32,6 +32,10 @@ def line(*points):
     return np.array([(*point, 0.0) for point in points])
 
 
+def wave(x):
+    return np.column_stack([x, 4 + 1.6 * np.sin(x / 4), 0 * x])
+
+
 SQUARE = ring((0, 0), (12, 0), (12, 12), (0, 12))
 ELL = ring((0, 0), (14, 0), (14, 6), (6, 6), (6, 14), (0, 14))
 # Outline, holes, creases, columns, edge length.
@@ -42,6 +46,8 @@ CASES = {
     "arc crease": (arc(0, 0, 8), [], [arc(0, -10, 12, 40, 140)], [(0, 5), (0, -3)], 0.8),
     "ell": (ELL, [], [line((6, 6), (0, 0))], [(3, 10), (10, 3)], 0.8),
     "crease that ends inside": (arc(0, 0, 8), [], [line((-3, 0), (3, 1))], [(0, 4), (4, -2)], 0.8),
+    # A column 0.2 beside the crease.
+    "winding crease": (ring((0, 0), (24, 0), (24, 8), (0, 8)), [], [wave(np.linspace(-1, 25, 200))], [(4, 2), (12, 6.3), (19, 2.2)], 0.8),
     "square hole": (SQUARE, [ring((5, 5), (7, 5), (7, 7), (5, 7))], [line((0, 0), (5, 5))], [(2, 9), (9, 2)], 0.8),
 }
 
