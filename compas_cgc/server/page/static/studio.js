@@ -47,6 +47,7 @@ export class Studio {
     this.model = null;
     this.result = null;
     this.before = null;
+    this.built = null;
     this.api = api;
     this.keep = keep;
     this.welcome = welcome;
@@ -398,7 +399,8 @@ export class Studio {
   /** Show what was built on the surface. */
   showBuilt(drawn) {
     const { surface } = this.scene;
-    if (!surface) return;
+    if (!surface || !(drawn || this.built)) return;
+    this.built = drawn;
     surface.extras.build(drawn, (point) => this.model.toScene(point));
     const faces = Boolean(drawn?.faces.length);
     surface.mesh.visible = surface.edges.visible = !faces;
