@@ -30,8 +30,8 @@ LARGE = 2000  # vertices of a problem with goals above which there is no such se
 NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
 
 LAYOUT = (
-    "times what is asked with a fair surface, so the layout of the mesh or the start stands in the way; "
-    "mesh the drawing anew with even triangles, or draw it nearer to the surface"
+    "times what is asked with a fair surface, on a coarser mesh where this one is large or rough; "
+    "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface"
 )
 
 
@@ -82,7 +82,7 @@ def _carried(problem: CGCProblem, nothing: str = "", enough: str = "") -> str:
         return nothing or limit.message
     if not limit.carries_what_is_asked:
         return limit.message
-    return "" if problem.constraints or not enough else f"from smaller targets in steps these supports carry {limit.factor:.3g} {enough}"
+    return "" if problem.constraints or not enough else f"by steps from smaller targets these supports carry {limit.factor:.3g} {enough}"
 
 
 def _far_from_developable(problem: CGCProblem) -> str:
