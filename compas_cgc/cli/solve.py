@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Callable
 from typing import Optional
+from typing import cast
 
 from ..errors import FileError
 from .arguments import add_options
@@ -27,6 +28,8 @@ from .goals import add_goals
 from .goals import goals_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ..analysis import SurfaceReport
     from ..datastructures import SolveResult
     from ..model.problem import CGCProblem
@@ -141,7 +144,7 @@ def _draw(path: str, of: str, result: SolveResult) -> Path:
     problem = result.problem
     shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
     if of == "zebra":
-        return save(draw_zebra(*shape).figure, path)
+        return save(cast("Figure", draw_zebra(*shape).figure), path)
     return save(studio(*shape) if of == "regions" else hero(*shape, curvature=result.curvature), path)
 
 

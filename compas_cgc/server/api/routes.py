@@ -10,7 +10,6 @@ from contextlib import suppress
 from threading import BoundedSemaphore
 from typing import Any
 from typing import Optional
-from typing import Union
 
 from flask import Blueprint
 from flask import Response
@@ -246,14 +245,14 @@ def _stream(id: str, with_surface: bool = False) -> Response:
     """Return the states of a job as they change and, where it is wanted, its surface in the end; who calls has taken a slot."""
     engine = jobs()
 
-    def stream() -> Iterator[Union[str, bytes]]:
+    def stream() -> Iterator[bytes]:
         for job in engine.follow(id):
             if job is None:
-                yield ": still here\n\n"
+                yield b": still here\n\n"
                 continue
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
             told = status(job, engine.positions().get(id))
-            yield f"event: {kind}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n"
+            yield f"event: {kind}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n".encode()
             if with_surface and told["has_result"]:
                 # Where it is gone by now, the client asks for it and is told so.
                 with suppress(RequestError):
