@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from itertools import islice
 from typing import Optional
 
@@ -268,10 +267,12 @@ class Projector:
         return result
 
 
-@partial(remembered, recent=READY)
-def _ready(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntArray, settings: ProjectionSettings) -> Projector:
+def _made(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntArray, settings: ProjectionSettings) -> Projector:
     """Return the projector of a drawing that asks for nothing but K, which is varied on one mesh more than anything else."""
     return Projector(CGCProblem(vertices, faces, roles, creases=creases), settings=settings)
+
+
+_ready = remembered(_made, recent=READY)
 
 
 def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
