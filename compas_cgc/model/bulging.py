@@ -132,7 +132,8 @@ def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[In
     first, second = np.triu_indices(len(supports), 1)
     along = places[second] - places[first]
     square = np.einsum("ij,ij->i", along, along)
-    first, second, along, square = (own[square > 0.0] for own in (first, second, along, square))
+    apart = square > 0.0
+    first, second, along, square = first[apart], second[apart], along[apart], square[apart]
     away = places[None] - places[first][:, None]
     share = np.einsum("pki,pi->pk", away, along) / square[:, None]
     off = np.linalg.norm(away - share[..., None] * along[:, None], axis=2)
