@@ -17,7 +17,7 @@ REGULAR = 0.9  # part of the vertices with six neighbours from which a mesh is r
 WAVY = 0.2, 0.4  # distance of the rings from a fit, against its bending, up to which it is believed, and not at all
 SINGULAR = 3.0, 6.0  # squares of the curvatures, against the median, likewise
 FAINT = 0.1  # principal curvature, against the other, that is none
-SEEN = 0.03  # error of the layout, against the largest K̄, whose wrinkles show
+SEEN = 0.01  # error of the layout, against the largest K̄, whose wrinkles show
 
 
 def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:

@@ -40,8 +40,9 @@ __all__ = ["ways", "ways_on"]
 IMPATIENT = 0.5  # what a few steps must make of the merit where the problem is over-determined
 CLOSE = 0.3  # residual, against the curvature asked for, from which least-norm steps go on
 LONG = 20  # steps after which smaller targets are tried first
-SHARES = (0.3, 0.55, 0.8, 1.0)  # of the targets, for that
-GROWING = 15  # most steps for each
+FIRST, GROWTH, LEAST = 0.3, 0.25, 0.01  # part of the targets to begin with, for that, and by how much it grows, at first and at least
+GROWING, EASY = 15, 8  # most steps for each, and of one that leads on along the same branch
+DEAR = 1.05  # energy, against another, up to which a shape that was reached from smaller targets is preferred
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
@@ -49,7 +50,7 @@ CLEARLY = 1.01  # energy of the first, against that of another, up to which it i
 
 class _Found(NamedTuple):
     reached: Reached
-    steps: int  # that it took
+    steps: int  # that it took, or another that it was compared with
 
 
 _Search = Generator[Taken, None, Optional[_Found]]
@@ -83,7 +84,9 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     else:
         found = yield from _fairest(system, equations, tried.rivals)
     if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
-        found = yield from _better(found, _grown(system, equations, start, settings), system)
+        # With K̄ > 0 a little energy counts less than that the surface goes with the targets, without a jump to another branch.
+        dear = DEAR if _is_elliptic(system, equations) else 1.0
+        found = yield from _better(found, _grown(system, equations, start, settings), system, dear)
     if found is None and settings.retry:
         others = starts(system, equations, start, settings).all if warm else tried.all if system.keep == "shape" else tried.others
         found = yield from _fairest(system, equations, others)
@@ -130,16 +133,19 @@ def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) 
     return best
 
 
-def _better(found: Optional[_Found], search: _Search, system: System) -> _Search:
-    """Search on; return what that comes to where it has clearly less energy than what was found, or nothing was.
+def _better(found: Optional[_Found], search: _Search, system: System, dear: float = 1.0) -> _Search:
+    """Search on; return what that comes to where it has clearly less energy than what was found, or up to so many times it, or nothing was.
 
     Two sides that a surface may bulge to are often as good as each other: the one that is tried first is the one meant.
     """
     other = yield from search
     if found is None or other is None:
         return found or other
-    energies = [system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other)]
-    return found if energies[0] <= CLEARLY * energies[1] else other
+    had, has = (system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other))
+    apart = max(had, has) > CLEARLY * min(had, has)
+    chosen = other if apart and has <= dear * had else found
+    # What leads to two branches counts as a long way.
+    return chosen._replace(steps=max(found.steps, other.steps)) if apart else chosen
 
 
 def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
@@ -158,19 +164,35 @@ def _approached(system: System, equations: CurvatureEquations, point: Point, mos
     return _Found(reached, steps) if system.missing(reached.point, equations) <= NEAR else None
 
 
+def _is_elliptic(system: System, equations: CurvatureEquations) -> bool:
+    """Return whether all targets are positive."""
+    return bool((equations.targets[system.rows] > 0.0).all())
+
+
 def _grown(system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings) -> _Search:
-    """Approach smaller targets first, and let them grow to those asked for, each from the shape for the last."""
+    """Approach smaller targets first, and let them grow to those asked for, each from the shape for the last.
+
+    With K̄ > 0 they grow by less where it takes more than a few steps, and the shape comes to rest in between: so it stays on one branch.
+    """
     if not equations.targets[system.rows].any():
         return None
-    point: Optional[Point] = None
-    found: Optional[_Found] = None
-    for share in SHARES:
-        part = system.equations(share * equations.targets)
-        point = starts(system, part, start, settings).rivals[0] if point is None else system.at(point.vertices, part)
-        found = yield from _approached(system, part, point, GROWING)
-        if found is None:
-            return None
-        point = found.reached.point
+    elliptic = _is_elliptic(system, equations)
+    part = system.equations(FIRST * equations.targets)
+    found = yield from _approached(system, part, starts(system, part, start, settings).rivals[0], GROWING)
+    share, growth = FIRST, GROWTH
+    while found is not None and share < 1.0:
+        if elliptic:
+            rested = yield from refine(system, part, found.reached)
+            found = found._replace(reached=rested)
+        last = found
+        part = system.equations(min(1.0, share + growth) * equations.targets)
+        found = yield from _approached(system, part, system.at(last.reached.point.vertices, part), GROWING)
+        if elliptic and (found is None or found.steps > EASY):
+            found, growth = last, 0.5 * growth
+            if growth < LEAST:
+                return None
+        else:
+            share += growth
     return found
 
 
