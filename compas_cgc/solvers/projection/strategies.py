@@ -86,7 +86,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
         # With K̄ > 0 a little energy counts less than that the surface goes with the targets, without a jump to another branch.
         dear = DEAR if _is_elliptic(system, equations) else 1.0
-        found = yield from _better(found, _grown(system, equations, start, settings), system, dear)
+        found = yield from _better(found, _grown(system, equations, start, settings), system, equations, dear)
     if found is None and settings.retry:
         others = starts(system, equations, start, settings).all if warm else tried.all if system.keep == "shape" else tried.others
         found = yield from _fairest(system, equations, others)
@@ -129,11 +129,11 @@ def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) 
     """Approach the equations from several starts; return the one that ends with the least energy, if any."""
     best: Optional[_Found] = None
     for point in tried:
-        best = yield from _better(best, _approached(system, equations, point), system)
+        best = yield from _better(best, _approached(system, equations, point), system, equations)
     return best
 
 
-def _better(found: Optional[_Found], search: _Search, system: System, dear: float = 1.0) -> _Search:
+def _better(found: Optional[_Found], search: _Search, system: System, equations: CurvatureEquations, dear: float = 1.0) -> _Search:
     """Search on; return what that comes to where it has clearly less energy than what was found, or up to so many times it, or nothing was.
 
     Two sides that a surface may bulge to are often as good as each other: the one that is tried first is the one meant.
@@ -144,8 +144,8 @@ def _better(found: Optional[_Found], search: _Search, system: System, dear: floa
     had, has = (system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other))
     apart = max(had, has) > CLEARLY * min(had, has)
     chosen = other if apart and has <= dear * had else found
-    # What leads to two branches counts as a long way.
-    return chosen._replace(steps=max(found.steps, other.steps)) if apart else chosen
+    # With K̄ > 0 what leads to two branches counts as a long way.
+    return chosen._replace(steps=max(found.steps, other.steps)) if apart and _is_elliptic(system, equations) else chosen
 
 
 def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
