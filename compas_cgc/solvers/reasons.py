@@ -24,7 +24,7 @@ from .projection.plate import relaxed
 __all__ = ["why_not_found", "why_rough"]
 
 ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
-SEARCH = 6e6  # right sides times unknowns that it may take, about two seconds
+SEARCH = 5e6  # right sides times unknowns that it may take, under two seconds
 FEWER = 8  # solves where goals make each longer
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
 NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
