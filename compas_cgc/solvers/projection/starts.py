@@ -75,9 +75,8 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
     candidates = [one for one in candidates if not is_flat(system, equations, one.point)] or candidates
     missing = [system.missing(one.point, equations) for one in candidates]
-    if min(missing) < 1.0:
-        candidates = [one for one, lacking in zip(candidates, missing) if lacking < WRONG]
-    best = sorted(candidates, key=lambda one: one.factor * system.missing(one.point, equations))[:CANDIDATES]
+    hopeful = [k for k, lacking in enumerate(missing) if lacking < WRONG or min(missing) >= 1.0]
+    best = [candidates[k] for k in sorted(hopeful, key=lambda k: candidates[k].factor * missing[k])[:CANDIDATES]]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
     order = [int(k) for k in np.argsort(costs, kind="stable") if costs[k] <= (MEANT if best[k].bulge > 0 else DEAREST) * min(costs)]
     bulging = [k for k in order if best[k].bulge > 0][:1]

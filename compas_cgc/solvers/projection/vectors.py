@@ -10,16 +10,14 @@ from ...discrete.arrays import FloatArray
 
 __all__ = ["dot", "norm"]
 
-SHORT = 10_000  # numbers for which BLAS starts no threads
-
 
 def dot(one: FloatArray, other: FloatArray) -> float:
     """Return the product of two vectors (n,).
 
-    BLAS starts its threads for vectors of a large mesh's length, which costs more than the
+    BLAS starts its threads for vectors of a mesh's length, which costs more than the
     product, and a hundredfold more where the cores are busy.
     """
-    return float(np.dot(one, other) if len(one) < SHORT else np.einsum("i,i", one, other))
+    return float(np.einsum("i,i", one, other))
 
 
 def norm(vector: FloatArray) -> float:
