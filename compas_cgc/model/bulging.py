@@ -100,14 +100,15 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
     rim = boundary_vertices(problem.vertices, problem.faces)
     pairs, shares = _pairs_around(plan, supports, size)
     sides = _straight_sides(plan, F)
-    for (a, b), share in zip(pairs.tolist(), shares):
+    beside = (sides[pairs[:, 0]] & sides[pairs[:, 1]]).any(axis=1)
+    # A free edge that nothing keeps over its line need not stay there.
+    free = beside & rim[pairs].all(axis=1) & (rim[supports] | np.isnan(shares)).all(axis=1) & (not held)
+    for (a, b), share, side in zip(pairs[~free].tolist(), shares[~free], beside[~free].tolist()):
         on = np.isfinite(share)
-        side = bool((sides[a] & sides[b]).any())
         if not side and not _inside(plan, F, plan[a] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * (plan[b] - plan[a]), size):
             continue
         along = side or _along_rim(plan, F, plan[a], plan[b], size)
         for c, t in zip(supports[on].tolist(), share[on]):
-            # A free edge that nothing keeps over its line need not stay there.
             if held or not (along and rim[[a, b, c]].all()):
                 yield _Between(c, (a, b), float(z[c] - (1.0 - t) * z[a] - t * z[b]), along)
     if len(supports) > MOST:
@@ -136,7 +137,7 @@ def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[In
     first, second, along, square = first[apart], second[apart], along[apart], square[apart]
     away = places[None] - places[first][:, None]
     share = np.einsum("pki,pi->pk", away, along) / square[:, None]
-    off = np.linalg.norm(away - share[..., None] * along[:, None], axis=2)
+    off = np.abs(away[..., 0] * along[:, 1:] - away[..., 1] * along[:, :1]) / np.sqrt(square)[:, None]
     share[~((off <= NEAR * size) & (share > WITHIN) & (share < 1.0 - WITHIN))] = np.nan
     some = np.isfinite(share).any(axis=1)
     return np.column_stack([supports[first], supports[second]])[some], share[some]
