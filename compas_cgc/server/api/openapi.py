@@ -45,7 +45,16 @@ OPERATIONS = {
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
 }
-EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": {"type": "string"}}}}
+# What is described is one event, as readers of descriptions take it.
+_EVENT = {
+    "type": "object",
+    "required": ["event", "data"],
+    "properties": {
+        "event": {"enum": ["progress", "done", "failed", "result"]},
+        "data": {"type": "string", "description": "JSON: the status of the job, or its result"},
+    },
+}
+EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": _EVENT}}}
 _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
 
 
