@@ -2,7 +2,7 @@
 
 import { Refusal } from './api.js';
 
-const LIVE_AFTER = 250; // milliseconds; what is over sooner is not worth watching
+const LIVE_AFTER = 1000; // milliseconds: what is solved sooner is drawn once
 const POLL = 200; // milliseconds
 
 /**
