@@ -15,6 +15,7 @@ from .arguments import add_reading
 from .arguments import reading
 from .arguments import with_targets
 from .console import Parts
+from .console import speaker
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -88,9 +89,9 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     from ..io import read_problem
 
     read = read_problem(arguments.input, **reading(arguments), result=True)
-    if not arguments.quiet:
-        for note in read.notes:
-            print(f"{arguments.input}: {note}")
+    say = speaker(arguments.quiet)
+    for note in read.notes:
+        say(f"{arguments.input}: {note}")
     return with_targets(read.checked(), arguments.target)
 
 
@@ -106,7 +107,7 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     problem = read_solved(arguments)
     if supports:
         problem = problem.with_supports(supports)
-    say = (lambda text: None) if arguments.quiet else print
+    say = speaker(arguments.quiet)
     parts = Parts(1 + len(arguments.output), quiet=arguments.quiet)
     with parts.part(f"working out the {task}"):
         report = build(task, problem, settings)

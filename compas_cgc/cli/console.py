@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Callable
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -18,10 +19,22 @@ if TYPE_CHECKING:
     from .._compiled import Compilation
     from ..model.result import SolveState
 
-__all__ = ["Parts", "ProgressBar", "compiling", "interruptible"]
+__all__ = ["Parts", "ProgressBar", "compiling", "interruptible", "speaker"]
 
 _WIDTH = 24
 _INTERVAL = 0.1  # seconds between two pictures
+
+
+def speaker(quiet: bool) -> Callable[[str], None]:
+    """Return what tells the user a text; where the reader of a pipe has seen enough, the work goes on unsaid."""
+
+    def say(text: str) -> None:
+        try:
+            print(text, flush=True)
+        except OSError:
+            sys.stdout = None
+
+    return (lambda text: None) if quiet else say
 
 
 def bar(part: float) -> str:

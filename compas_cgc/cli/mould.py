@@ -15,6 +15,7 @@ from .building import add_task
 from .building import read_solved
 from .building import settings_of
 from .console import Parts
+from .console import speaker
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     output = Path(arguments.output)
     if output.suffix.lower() != ".3dm":
         raise FileError(f"moulds are written as .3dm, not as {output.name!r}: change the suffix")
-    say = (lambda text: None) if arguments.quiet else print
+    say = speaker(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
     curves = _curves(arguments)

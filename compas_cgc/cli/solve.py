@@ -20,6 +20,7 @@ from .arguments import settings_of
 from .arguments import with_targets
 from .console import ProgressBar
 from .console import interruptible
+from .console import speaker
 from .exits import DONE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
@@ -97,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     # Nobody should wait for a solve that cannot be written.
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
         raise FileError(f"--nurbs needs a .3dm to write to, not {arguments.output}")
-    say = (lambda text: None) if arguments.quiet else print
+    say = speaker(arguments.quiet)
     draw = _picture(arguments)
     settings = settings_of(arguments)
     read = read_problem(arguments.input, **reading(arguments))
@@ -199,10 +200,9 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
     output = Path(arguments.output)
     if result.converged:
         notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
-        if not arguments.quiet:
-            for note in notes:
-                print(note)
-            print(f"wrote {output}")
+        say = speaker(arguments.quiet)
+        for told in (*notes, f"wrote {output}"):
+            say(told)
         if analysis.verdict.fair:
             return DONE
         print(f"compas-cgc: K is as asked, but the surface is {analysis.verdict}", file=sys.stderr)

@@ -18,6 +18,7 @@ from .arguments import add_reading
 from .arguments import reading
 from .console import bar
 from .console import interruptible
+from .console import speaker
 from .exits import DONE
 from .exits import INTERRUPTED
 
@@ -73,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     from ..study.run import run_study
     from ..study.spec import read_study
 
-    say = (lambda text: None) if arguments.quiet else print
+    say = speaker(arguments.quiet)
     study = read_study(arguments.study)
     read = read_problem(arguments.input, **reading(arguments))
     for note in read.notes:

@@ -199,6 +199,16 @@ def test_bad_input_ends_in_one_sentence(dome, tmp_path, monkeypatch, capsys, wor
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
 
+def test_a_reader_that_has_seen_enough_loses_nothing(dome, tmp_path):
+    out = tmp_path / "roof.json"
+    words = [sys.executable, "-m", "compas_cgc", "solve", dome, "-o", out, "--target", "0.01"]
+    process = subprocess.Popen(list(map(str, words)), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    _, said = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0 and out.is_file(), said
+    assert b"Broken" not in said and b"Traceback" not in said
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent to a process group there")
 def test_control_c_keeps_the_last_good_state(tmp_path):
     # Large enough to be still at work when the signal comes.
