@@ -102,8 +102,9 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
     sides = _straight_sides(plan, F)
     beside = (sides[pairs[:, 0]] & sides[pairs[:, 1]]).any(axis=1)
     # A free edge that nothing keeps over its line need not stay there.
-    free = beside & rim[pairs].all(axis=1) & (rim[supports] | np.isnan(shares)).all(axis=1) & (not held)
-    for (a, b), share, side in zip(pairs[~free].tolist(), shares[~free], beside[~free].tolist()):
+    free = beside & rim[pairs].all(axis=1) & (rim[supports] | np.isnan(shares)).all(axis=1)
+    kept = np.flatnonzero(~free | held)
+    for (a, b), share, side in zip(pairs[kept].tolist(), shares[kept], beside[kept].tolist()):
         on = np.isfinite(share)
         if not side and not _inside(plan, F, plan[a] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * (plan[b] - plan[a]), size):
             continue
