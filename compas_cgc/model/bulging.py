@@ -100,7 +100,7 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
     rim = boundary_vertices(problem.vertices, problem.faces)
     pairs, shares = _pairs_around(plan, supports, size)
     sides = _straight_sides(plan, F)
-    beside = (sides[pairs[:, 0]] & sides[pairs[:, 1]]).any(axis=1)
+    beside = np.asarray((sides[pairs[:, 0]] & sides[pairs[:, 1]]).any(axis=1))
     # A free edge that nothing keeps over its line need not stay there.
     free = beside & rim[pairs].all(axis=1) & (rim[supports] | np.isnan(shares)).all(axis=1)
     kept = np.flatnonzero(~free | held)
