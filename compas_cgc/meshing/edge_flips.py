@@ -9,6 +9,7 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.plan import cross
 
 __all__ = ["Diagonals", "diagonals", "flipped", "turn"]
 
@@ -59,5 +60,4 @@ def flipped(plan: FloatArray, faces: IntArray, kept: IntArray, gain: Callable[[D
 
 def turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
     """Return twice the areas (k,) of triangles in plan (n, 2), positive where they run anticlockwise."""
-    x, y = plan[b] - plan[a], plan[c] - plan[a]
-    return x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]
+    return cross(plan[b] - plan[a], plan[c] - plan[a])

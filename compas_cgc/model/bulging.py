@@ -14,6 +14,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
+from ..discrete.plan import cross
 from ..meshing import boundary_loops
 from .goals.kinds import EdgeInPlan
 from .problem import CGCProblem
@@ -166,8 +167,7 @@ def _put(corners: FloatArray, k: int, point: FloatArray) -> FloatArray:
 
 def _crosses(corners: FloatArray) -> FloatArray:
     """Return twice the signed areas of triangles in plan (m, 3, 2)."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    return cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def _along_rim(plan: FloatArray, F: IntArray, a: FloatArray, b: FloatArray, size: float) -> bool:

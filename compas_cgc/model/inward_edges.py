@@ -11,6 +11,7 @@ from ..discrete import edge_faces
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.plan import cross
 from .problem import CGCProblem
 from .roles import FIXED
 
@@ -84,7 +85,7 @@ def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
     edges = edge_faces(faces)
     rim: Edges = edges[edges[:, 3] < 0, :2]
     corners = V[faces][:, :, :2]
-    up = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    up = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if not (up > 0.0).all() and not (up < 0.0).all():
         return []  # It has no plan.
     if up[0] < 0.0:
@@ -96,7 +97,7 @@ def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
         return []
     behind = V[middle, :2] - V[[before[v] for v in middle.tolist()], :2]
     ahead = V[[after[v] for v in middle.tolist()], :2] - V[middle, :2]
-    turn = -np.arctan2(_cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
+    turn = -np.arctan2(cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
     sharpest = np.argsort(-turn, kind="stable")[:LOOKED_AT]
     found = []
     for k in sharpest[turn[sharpest] > TURN].tolist():
@@ -116,15 +117,11 @@ def _met(V: FloatArray, rim: Edges, held: np.ndarray, vertex: int, along: FloatA
     """Return where a ray in plan from a vertex meets the rim (3,), None where that is not held there."""
     own = rim[(rim != vertex).all(axis=1)]
     start, side = V[own[:, 0], :2] - V[vertex, :2], V[own[:, 1], :2] - V[own[:, 0], :2]
-    across = _cross(np.broadcast_to(along, side.shape), side)
+    across = cross(np.broadcast_to(along, side.shape), side)
     with np.errstate(divide="ignore", invalid="ignore"):
-        far, part = _cross(start, side) / across, _cross(start, np.broadcast_to(along, start.shape)) / across
+        far, part = cross(start, side) / across, cross(start, np.broadcast_to(along, start.shape)) / across
     far = np.where((across != 0.0) & (part >= 0.0) & (part <= 1.0) & (far > 0.0), far, np.inf)
     first = int(np.argmin(far)) if len(far) else 0
     if not len(far) or not np.isfinite(far[first]) or not held[own[first]].all():
         return None
     return np.asarray(V[own[first, 0]] + part[first] * (V[own[first, 1]] - V[own[first, 0]]))
-
-
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -61,7 +61,7 @@ def _after(said: str) -> str:
 def _contradiction(problem: CGCProblem) -> str:
     """Return the sentence on supports that no surface with K > 0 passes through."""
     real = problem.without_dummies()
-    return next(iter([*two_sided_supports(real), *inward_edges(real)]), "")
+    return next(iter(two_sided_supports(real) or inward_edges(real)), "")
 
 
 def _carried(problem: CGCProblem, nothing: str = "", enough: str = "") -> str:
