@@ -33,20 +33,20 @@ if TYPE_CHECKING:
     from .model.constraints import OnLine
     from .model.constraints import OnPlane
     from .model.constraints import Proximity
-    from .model.goals.kinds import Above
-    from .model.goals.kinds import Area
-    from .model.goals.kinds import Below
-    from .model.goals.kinds import Clearance
-    from .model.goals.kinds import EdgeInPlan
-    from .model.goals.kinds import Height
-    from .model.goals.kinds import Length
-    from .model.goals.kinds import Level
-    from .model.goals.kinds import NearPlane
-    from .model.goals.kinds import OnSurface
-    from .model.goals.kinds import Rise
-    from .model.goals.kinds import Unknown
-    from .model.goals.kinds import Volume
-    from .model.goals.kinds import Within
+    from .model.goals.inequalities import Above
+    from .model.goals.inequalities import Below
+    from .model.goals.inequalities import Clearance
+    from .model.goals.inequalities import NearPlane
+    from .model.goals.inequalities import Within
+    from .model.goals.places import EdgeInPlan
+    from .model.goals.places import Height
+    from .model.goals.places import Level
+    from .model.goals.places import OnSurface
+    from .model.goals.wholes import Area
+    from .model.goals.wholes import Length
+    from .model.goals.wholes import Rise
+    from .model.goals.wholes import Unknown
+    from .model.goals.wholes import Volume
     from .model.problem import CGCProblem
     from .solvers.flow import FlowSettings
     from .solvers.newton import NewtonSettings
@@ -112,25 +112,11 @@ _CONSTRAINTS = dict.fromkeys(
     ("AtHeight", "Constraint", "Fixed", "Mirror", "OnCurve", "OnLine", "OnPlane", "Proximity"), ".model.constraints"
 )
 
-_GOALS = dict.fromkeys(
-    (
-        "Above",
-        "Area",
-        "Below",
-        "Clearance",
-        "EdgeInPlan",
-        "Height",
-        "Length",
-        "Level",
-        "NearPlane",
-        "OnSurface",
-        "Rise",
-        "Unknown",
-        "Volume",
-        "Within",
-    ),
-    ".model.goals.kinds",
-)
+_GOALS = {
+    **dict.fromkeys(("Area", "Length", "Rise", "Unknown", "Volume"), ".model.goals.wholes"),
+    **dict.fromkeys(("EdgeInPlan", "Height", "Level", "OnSurface"), ".model.goals.places"),
+    **dict.fromkeys(("Above", "Below", "Clearance", "NearPlane", "Within"), ".model.goals.inequalities"),
+}
 
 __getattr__, __dir__ = attach(
     __name__,

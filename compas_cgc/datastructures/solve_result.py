@@ -17,7 +17,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..errors import find_attribute
 from ..meshing import Diagnostic
-from ..model.goals.kinds import Unknown
+from ..model.goals.wholes import Unknown
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.result import History

@@ -16,7 +16,7 @@ from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 from ..discrete.plan import cross
 from ..meshing import boundary_loops
-from .goals.kinds import EdgeInPlan
+from .goals.places import EdgeInPlan
 from .problem import CGCProblem
 from .roles import FIXED
 

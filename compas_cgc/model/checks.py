@@ -20,7 +20,7 @@ from ..meshing import vertex_labels
 from ..meshing.checks import listed
 from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
-from .goals.bound import unknown_regions
+from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
 from .problem import CGCProblem
 from .problem import PosesProblem

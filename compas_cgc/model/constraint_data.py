@@ -24,21 +24,21 @@ from .constraints import OnLine
 from .constraints import OnPlane
 from .constraints import Proximity
 from .constraints import unit
-from .goals.kinds import ALL
-from .goals.kinds import FREE_EDGES
-from .goals.kinds import Above
-from .goals.kinds import Area
-from .goals.kinds import Below
-from .goals.kinds import Clearance
-from .goals.kinds import EdgeInPlan
-from .goals.kinds import Length
-from .goals.kinds import Level
-from .goals.kinds import NearPlane
-from .goals.kinds import OnSurface
-from .goals.kinds import Rise
-from .goals.kinds import Unknown
-from .goals.kinds import Volume
-from .goals.kinds import Within
+from .goals.inequalities import Above
+from .goals.inequalities import Below
+from .goals.inequalities import Clearance
+from .goals.inequalities import NearPlane
+from .goals.inequalities import Within
+from .goals.numbers import ALL
+from .goals.numbers import FREE_EDGES
+from .goals.places import EdgeInPlan
+from .goals.places import Level
+from .goals.places import OnSurface
+from .goals.wholes import Area
+from .goals.wholes import Length
+from .goals.wholes import Rise
+from .goals.wholes import Unknown
+from .goals.wholes import Volume
 
 __all__ = ["KINDS", "as_constraints", "constraint_data", "constraint_of"]
 

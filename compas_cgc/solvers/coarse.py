@@ -19,9 +19,9 @@ from ..meshing.coarse_plan import coarse_plan
 from ..model.constraints import Fixed
 from ..model.constraints import PositionConstraint
 from ..model.constraints import Proximity
-from ..model.goals.kinds import Bound
-from ..model.goals.kinds import Unknown
-from ..model.goals.kinds import Whole
+from ..model.goals.inequalities import Bound
+from ..model.goals.wholes import Unknown
+from ..model.goals.wholes import Whole
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
 from ..model.roles import DUMMY

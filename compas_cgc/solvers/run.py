@@ -19,8 +19,8 @@ from ..model.checks import refuse
 from ..model.constraint_data import as_constraints
 from ..model.constraints import Constraint
 from ..model.given import wrong_problem
-from ..model.goals.bound import held_by_newton
-from ..model.goals.kinds import Unknown
+from ..model.goals.binding import held_by_newton
+from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.recorder import Callback

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..errors import CGCError
 from ..linalg.work import Work
-from ..model.goals.bound import held_by_newton
-from ..model.goals.bound import unknown_regions
+from ..model.goals.binding import held_by_newton
+from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution

@@ -16,8 +16,8 @@ from ..discrete.space_form import EXACT
 from ..errors import ProblemError
 from ..linalg import factorise
 from ..model.goals import measures
-from ..model.goals.bound import bind
-from ..model.goals.bound import support_height
+from ..model.goals.binding import bind
+from ..model.goals.binding import support_height
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from .projection.settings import ProjectionSettings

@@ -13,8 +13,8 @@ from ..datastructures import SolveResult
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..model.goals import measures
-from ..model.goals.bound import support_height
-from ..model.goals.bound import unknown_regions
+from ..model.goals.binding import support_height
+from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..solvers.run import solve
 from ..solvers.selection import choose

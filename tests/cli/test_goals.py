@@ -9,9 +9,9 @@ import pytest
 
 from compas_cgc.cli.main import main
 from compas_cgc.io import read
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import Rise
-from compas_cgc.model.goals.kinds import Unknown
+from compas_cgc.model.goals.inequalities import Clearance
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Unknown
 
 from ..support import shapes
 

@@ -8,7 +8,7 @@ import pytest
 from compas_cgc import check
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.bulging import two_sided_supports
-from compas_cgc.model.goals.kinds import EdgeInPlan
+from compas_cgc.model.goals.places import EdgeInPlan
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE

@@ -18,19 +18,19 @@ from compas_cgc.model.constraints import OnCurve
 from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.constraints import OnPlane
 from compas_cgc.model.constraints import Proximity
-from compas_cgc.model.goals.kinds import Above
-from compas_cgc.model.goals.kinds import Area
-from compas_cgc.model.goals.kinds import Below
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import EdgeInPlan
-from compas_cgc.model.goals.kinds import Length
-from compas_cgc.model.goals.kinds import Level
-from compas_cgc.model.goals.kinds import NearPlane
-from compas_cgc.model.goals.kinds import OnSurface
-from compas_cgc.model.goals.kinds import Rise
-from compas_cgc.model.goals.kinds import Unknown
-from compas_cgc.model.goals.kinds import Volume
-from compas_cgc.model.goals.kinds import Within
+from compas_cgc.model.goals.inequalities import Above
+from compas_cgc.model.goals.inequalities import Below
+from compas_cgc.model.goals.inequalities import Clearance
+from compas_cgc.model.goals.inequalities import NearPlane
+from compas_cgc.model.goals.inequalities import Within
+from compas_cgc.model.goals.places import EdgeInPlan
+from compas_cgc.model.goals.places import Level
+from compas_cgc.model.goals.places import OnSurface
+from compas_cgc.model.goals.wholes import Area
+from compas_cgc.model.goals.wholes import Length
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Unknown
+from compas_cgc.model.goals.wholes import Volume
 
 EACH = [
     OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),

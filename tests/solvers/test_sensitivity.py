@@ -9,12 +9,12 @@ import pytest
 
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
-from compas_cgc.model.goals.bound import bind
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import EdgeInPlan
-from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.binding import bind
+from compas_cgc.model.goals.inequalities import Clearance
 from compas_cgc.model.goals.measures import area
 from compas_cgc.model.goals.measures import volume
+from compas_cgc.model.goals.places import EdgeInPlan
+from compas_cgc.model.goals.wholes import Rise
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.problem import Drawing
 from compas_cgc.model.roles import FIXED

@@ -24,7 +24,7 @@ from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
-from ...model.goals.kinds import Unknown
+from ...model.goals.wholes import Unknown
 from ...model.problem import CGCProblem
 from ...model.result import History
 from ...solvers import Settings

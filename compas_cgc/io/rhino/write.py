@@ -18,10 +18,10 @@ from ...discrete.arrays import IntArray
 from ...discrete.plan import flattened
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
-from ...model.goals.kinds import Clearance
-from ...model.goals.kinds import Length
-from ...model.goals.kinds import Within
-from ...model.goals.kinds import in_plan
+from ...model.goals.inequalities import Clearance
+from ...model.goals.inequalities import Within
+from ...model.goals.numbers import in_plan
+from ...model.goals.wholes import Length
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ._types import Archive

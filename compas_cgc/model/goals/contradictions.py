@@ -17,21 +17,21 @@ from ..constraints import indices
 from ..constraints import unit
 from ..problem import CGCProblem
 from ..roles import FIXED
-from .bound import bind
-from .bound import support_height
-from .bound import unknown_regions
-from .kinds import Above
-from .kinds import Area
-from .kinds import Below
-from .kinds import Clearance
-from .kinds import EdgeInPlan
-from .kinds import Length
-from .kinds import Level
-from .kinds import NearPlane
-from .kinds import Rise
-from .kinds import Unknown
-from .kinds import Volume
+from .binding import bind
+from .binding import support_height
+from .binding import unknown_regions
+from .inequalities import Above
+from .inequalities import Below
+from .inequalities import Clearance
+from .inequalities import NearPlane
 from .names import goal_name
+from .places import EdgeInPlan
+from .places import Level
+from .wholes import Area
+from .wholes import Length
+from .wholes import Rise
+from .wholes import Unknown
+from .wholes import Volume
 
 __all__ = ["goal_problems", "refuse_impossible"]
 

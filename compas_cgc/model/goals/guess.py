@@ -13,15 +13,15 @@ from ..constraints import CROWN
 from ..constraints import AtHeight
 from ..problem import CGCProblem
 from ..roles import FIXED
-from .bound import support_height
-from .bound import unknown_regions
-from .kinds import Above
-from .kinds import Area
-from .kinds import Clearance
-from .kinds import Length
-from .kinds import Rise
-from .kinds import Volume
+from .binding import support_height
+from .binding import unknown_regions
+from .inequalities import Above
+from .inequalities import Clearance
 from .measures import length
+from .wholes import Area
+from .wholes import Length
+from .wholes import Rise
+from .wholes import Volume
 
 __all__ = ["guessed"]
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from ..constraints import AtHeight
 from ..constraints import Constraint
-from .kinds import Above
-from .kinds import Area
-from .kinds import Below
-from .kinds import Clearance
-from .kinds import EdgeInPlan
-from .kinds import Length
-from .kinds import Level
-from .kinds import NearPlane
-from .kinds import OnSurface
-from .kinds import Rise
-from .kinds import Unknown
-from .kinds import Volume
-from .kinds import Within
+from .inequalities import Above
+from .inequalities import Below
+from .inequalities import Clearance
+from .inequalities import NearPlane
+from .inequalities import Within
+from .places import EdgeInPlan
+from .places import Level
+from .places import OnSurface
+from .wholes import Area
+from .wholes import Length
+from .wholes import Rise
+from .wholes import Unknown
+from .wholes import Volume
 
 __all__ = ["goal_name"]
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...model.constraint_data import as_constraints
 from ...model.constraints import check_indices
-from ...model.goals.kinds import Unknown
-from ...model.goals.kinds import is_of_whole
+from ...model.goals.wholes import Unknown
+from ...model.goals.wholes import is_of_whole
 from ...model.problem import CGCProblem
 from ...model.problem import Targets
 from ...model.roles import DUMMY

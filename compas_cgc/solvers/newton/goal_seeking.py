@@ -9,7 +9,7 @@ from typing import Optional
 import numpy as np
 
 from ...linalg import SingularMatrixError
-from ...model.goals.bound import Equation
+from ...model.goals.binding import Equation
 from .elliptic import elliptic_steps
 from .settings import NewtonSettings
 from .system import Shape

@@ -12,9 +12,9 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...model.frame import Frame
-from ...model.goals.bound import Equation
-from ...model.goals.bound import bind
-from ...model.goals.bound import held_by_newton
+from ...model.goals.binding import Equation
+from ...model.goals.binding import bind
+from ...model.goals.binding import held_by_newton
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
 from ...model.problem import CGCProblem

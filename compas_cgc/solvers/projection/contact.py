@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...model.constraints import ClosestPoints
-from ...model.goals.bound import Side
-from ...model.goals.kinds import Bound
+from ...model.goals.binding import Side
+from ...model.goals.inequalities import Bound
 
 __all__ = ["Contact", "Touching"]
 

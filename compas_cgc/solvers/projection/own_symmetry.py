@@ -13,9 +13,9 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...model.constraints import Mirror
 from ...model.constraints import Proximity
-from ...model.goals.bound import BoundGoals
-from ...model.goals.bound import unknown_regions
-from ...model.goals.kinds import Length
+from ...model.goals.binding import BoundGoals
+from ...model.goals.binding import unknown_regions
+from ...model.goals.wholes import Length
 from ...model.problem import CGCProblem
 from .placement import Places
 from .placement import movable_vertices

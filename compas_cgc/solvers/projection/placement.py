@@ -19,7 +19,7 @@ from ...model.constraints import Constraint
 from ...model.constraints import Fixed
 from ...model.constraints import PositionConstraint
 from ...model.constraints import indices
-from ...model.goals.kinds import Level
+from ...model.goals.places import Level
 from ...model.problem import CGCProblem
 from .contact import Touching
 from .symmetry import Image

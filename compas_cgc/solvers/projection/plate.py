@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...discrete.arrays import FloatArray
-from ...model.goals.bound import bind
+from ...model.goals.binding import bind
 from ...model.problem import CGCProblem
 from .settings import ProjectionSettings
 from .system import System

@@ -20,8 +20,8 @@ from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
 from ...linalg.work import until_spent
-from ...model.goals.bound import bind
-from ...model.goals.bound import unknown_regions
+from ...model.goals.binding import bind
+from ...model.goals.binding import unknown_regions
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
 from ...model.problem import CGCProblem

@@ -20,9 +20,9 @@ from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
 from ...model.constraints import Mirror
-from ...model.goals.bound import BoundGoals
-from ...model.goals.bound import bind
-from ...model.goals.bound import unknown_regions
+from ...model.goals.binding import BoundGoals
+from ...model.goals.binding import bind
+from ...model.goals.binding import unknown_regions
 from ...model.problem import CGCProblem
 from .bordered import Bordered
 from .contact import Contact

@@ -16,9 +16,9 @@ from compas_cgc import FlowSettings
 from compas_cgc import solve
 from compas_cgc.io import write
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import Rise
-from compas_cgc.model.goals.kinds import Unknown
+from compas_cgc.model.goals.inequalities import Clearance
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Unknown
 from compas_cgc.model.problem import Drawing
 from compas_cgc.server import Limits
 from compas_cgc.server.api.requests import READERS

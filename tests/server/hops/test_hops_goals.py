@@ -9,9 +9,9 @@ import pytest
 import rhino3dm
 
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import EdgeInPlan
-from compas_cgc.model.goals.kinds import Rise
+from compas_cgc.model.goals.inequalities import Clearance
+from compas_cgc.model.goals.places import EdgeInPlan
+from compas_cgc.model.goals.wholes import Rise
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.server.hops.endpoints import endpoint
 from compas_cgc.server.hops.functions import run_function

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from compas_cgc.discrete import boundary_vertices
-from compas_cgc.model.goals.kinds import Area
-from compas_cgc.model.goals.kinds import Rise
-from compas_cgc.model.goals.kinds import Volume
 from compas_cgc.model.goals.measures import area
 from compas_cgc.model.goals.measures import volume
+from compas_cgc.model.goals.wholes import Area
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Volume
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL

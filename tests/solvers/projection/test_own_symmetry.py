@@ -11,10 +11,10 @@ from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.constraints import AtHeight
 from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.constraints import OnPlane
-from compas_cgc.model.goals.bound import bind
-from compas_cgc.model.goals.kinds import Clearance
-from compas_cgc.model.goals.kinds import Rise
-from compas_cgc.model.goals.kinds import Unknown
+from compas_cgc.model.goals.binding import bind
+from compas_cgc.model.goals.inequalities import Clearance
+from compas_cgc.model.goals.wholes import Rise
+from compas_cgc.model.goals.wholes import Unknown
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE

@@ -25,17 +25,17 @@ from ..problem import CGCProblem
 from ..roles import FIXED
 from ..roles import FREE
 from . import measures
-from .kinds import ALL
-from .kinds import Area
-from .kinds import Bound
-from .kinds import Clearance
-from .kinds import EdgeInPlan
-from .kinds import Length
-from .kinds import Level
-from .kinds import Rise
-from .kinds import Unknown
-from .kinds import Volume
+from .inequalities import Bound
+from .inequalities import Clearance
 from .names import goal_name
+from .numbers import ALL
+from .places import EdgeInPlan
+from .places import Level
+from .wholes import Area
+from .wholes import Length
+from .wholes import Rise
+from .wholes import Unknown
+from .wholes import Volume
 
 __all__ = ["BoundGoals", "Equation", "Side", "bind", "held_by_newton", "support_height", "unknown_regions"]
 

@@ -1,0 +1,257 @@
+"""Goals that keep vertices on one side of something."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from dataclasses import replace
+from typing import Union
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.plan import flattened
+from ...meshing.closest_points import nearest_on_polyline
+from ..constraints import Constraint
+from ..constraints import Triple
+from ..constraints import unit
+from ..frame import Frame
+from .numbers import ALL
+from .numbers import Vertices
+from .numbers import check_finite
+from .numbers import check_positive
+from .numbers import in_plan
+from .numbers import local_height
+from .numbers import local_plan
+
+__all__ = ["Above", "Below", "Bound", "Clearance", "NearPlane", "Within"]
+
+NEAR = 1e-9  # of a line, against its size, that is on it
+Where = Union[int, Sequence[float], Sequence[Sequence[float]], FloatArray]
+
+
+@dataclass(frozen=True)
+class Bound(Constraint):
+    """Base of goals that keep vertices on one side of something."""
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points (k, 3) are on the right side (k,) [L], and the unit directions further in (k, 3)."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Above(Bound):
+    """Vertices nowhere below a height z [L]; default: all that may move.
+
+    Parameters
+    ----------
+    height
+        No vertex is lower than this z [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Above
+    >>> Above(2.5).height
+    2.5
+    """
+
+    height: float
+    vertices: Vertices = ALL
+
+    def __post_init__(self) -> None:
+        check_finite(self.height, "height")
+
+    def local(self, frame: Frame) -> Above:
+        """Return the height in a local frame."""
+        return replace(self, height=local_height(self.height, frame))
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points are above the height."""
+        return points[:, 2] - self.height, _each((0.0, 0.0, 1.0), points)
+
+
+@dataclass(frozen=True)
+class Below(Bound):
+    """Vertices nowhere above a height z [L]; default: all that may move.
+
+    Parameters
+    ----------
+    height
+        No vertex is higher than this z [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Below
+    >>> Below(6.0, vertices=[3, 4]).vertices
+    [3, 4]
+    """
+
+    height: float
+    vertices: Vertices = ALL
+
+    def __post_init__(self) -> None:
+        check_finite(self.height, "height")
+
+    def local(self, frame: Frame) -> Below:
+        """Return the height in a local frame."""
+        return replace(self, height=local_height(self.height, frame))
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points are below the height."""
+        return self.height - points[:, 2], _each((0.0, 0.0, -1.0), points)
+
+
+@dataclass(frozen=True)
+class Clearance(Bound):
+    """No point of the surface below a height z [L] over a part of the plan.
+
+    `where` is the number of a region, a box ``(x0, y0, x1, y1)`` or a closed line of points ``(p, 2)`` or ``(p, 3)``. All
+    corners of the faces over it are kept above, so that the faces themselves are.
+
+    Parameters
+    ----------
+    where
+        Number of a region, a box ``x0, y0, x1, y1`` in plan, or ``(p, 2)`` or ``(p, 3)`` points of a closed line.
+    height
+        Nothing over that place is lower than this z [L].
+
+    Examples
+    --------
+    >>> from compas_cgc import Clearance
+    >>> Clearance((5.5, 0.0, 9.5, 3.0), 2.5).outline().shape
+    (4, 3)
+    """
+
+    where: Where
+    height: float
+
+    def __post_init__(self) -> None:
+        check_finite(self.height, "height")
+        if not isinstance(self.where, (int, np.integer)):
+            self.outline()
+
+    def outline(self) -> FloatArray:
+        """Return the closed line in plan (p, 3).
+
+        Raises
+        ------
+        ValueError
+            If it is neither a box nor a line.
+        """
+        given = np.asarray(self.where, dtype=np.float64)
+        if given.ndim == 2:
+            return in_plan(given, "the closed line of a clearance", 3)
+        if given.shape != (4,) or not np.isfinite(given).all() or not (given[0] < given[2] and given[1] < given[3]):
+            raise ValueError(f"where of a clearance must be a region, a box x0, y0, x1, y1 or a closed line, not {given.tolist()}")
+        x0, y0, x1, y1 = given
+        return np.array([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
+
+    def local(self, frame: Frame) -> Clearance:
+        """Return the place and the height in a local frame."""
+        height = local_height(self.height, frame)
+        if isinstance(self.where, (int, np.integer)):
+            return replace(self, height=height)
+        return replace(self, where=local_plan(self.outline(), frame), height=height)
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points are above the height."""
+        return points[:, 2] - self.height, _each((0.0, 0.0, 1.0), points)
+
+
+@dataclass(frozen=True)
+class Within(Bound):
+    """Vertices within a closed line in plan, of points ``(p, 2)`` or ``(p, 3)`` [L]; default: all that may move.
+
+    Parameters
+    ----------
+    points
+        ``(p, 2)`` or ``(p, 3)`` points of a closed line in plan [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import Within
+    >>> len(Within([[0, 0], [9, 0], [9, 9], [0, 9]]).points)
+    4
+    """
+
+    points: Union[Sequence[Sequence[float]], FloatArray]
+    vertices: Vertices = ALL
+
+    def __post_init__(self) -> None:
+        in_plan(self.points, "the closed line to stay within", 3)
+
+    def local(self, frame: Frame) -> Within:
+        """Return the line in a local frame."""
+        return replace(self, points=local_plan(self.points, frame))
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points are within the line."""
+        from ...meshing.in_outline import inside_outline
+
+        line, flat = in_plan(self.points, "points", 3), flattened(points)
+        closest, tangents = nearest_on_polyline(flat, line, closed=True)
+        inside = inside_outline(flat, line)
+        away = flat - closest
+        distance = np.linalg.norm(away, axis=1)
+        turn = 1.0 if _turns_left(line) else -1.0
+        across = turn * np.column_stack([-tangents[:, 1], tangents[:, 0], np.zeros(len(points))])
+        signed = np.where(inside, distance, -distance)
+        apart = distance > NEAR * float(np.ptp(line))
+        return signed, np.where(apart[:, None], away / np.where(apart, signed, 1.0)[:, None], across)
+
+
+@dataclass(frozen=True)
+class NearPlane(Bound):
+    """Vertices no further than a distance [L] from the plane through a point with a normal; default: all that may move.
+
+    Parameters
+    ----------
+    point
+        On the plane [L].
+    normal
+        Of the plane, of any length.
+    distance
+        None of the vertices is further from the plane [L].
+    vertices
+        Those it holds for. Default: all that move.
+
+    Examples
+    --------
+    >>> from compas_cgc import NearPlane
+    >>> NearPlane((0, 0, 0), (0, 0, 1), 3.5).distance
+    3.5
+    """
+
+    point: Triple
+    normal: Triple
+    distance: float
+    vertices: Vertices = ALL
+
+    def __post_init__(self) -> None:
+        check_positive(self.distance, "distance")
+        unit(self.normal, "the normal of a plane")
+
+    def local(self, frame: Frame) -> NearPlane:
+        """Return the plane in a local frame."""
+        return replace(self, point=frame.to_local(np.asarray(self.point, float)), distance=self.distance / frame.scale)
+
+    def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return how far points are from the nearer of the two faces of the slab."""
+        normal = unit(self.normal, "the normal of a plane")
+        above = (points - np.asarray(self.point, float)) @ normal
+        return self.distance - np.abs(above), np.where(above > 0.0, -1.0, 1.0)[:, None] * normal
+
+
+def _turns_left(line: FloatArray) -> bool:
+    x, y = line[:, 0], line[:, 1]
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) > 0.0
+
+
+def _each(direction: tuple[float, float, float], points: FloatArray) -> FloatArray:
+    return np.broadcast_to(np.array(direction), (len(points), 3))

@@ -1,0 +1,160 @@
+"""Goals that say where vertices may be: on a vertical sheet, level, on a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from dataclasses import replace
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.plan import flattened
+from ...meshing.closest_points import nearest_on_polyline
+from ..constraints import AtHeight
+from ..constraints import ClosestPoints
+from ..constraints import PositionConstraint
+from ..constraints import Triple
+from ..frame import Frame
+from .numbers import FREE_EDGES
+from .numbers import Vertices
+from .numbers import in_plan
+from .numbers import local_plan
+
+__all__ = ["EdgeInPlan", "Height", "Level", "OnSurface"]
+
+Height = AtHeight  # of vertices, or of the crown, the highest vertex
+
+
+@dataclass(frozen=True)
+class EdgeInPlan(PositionConstraint):
+    """Edges that stay on their vertical sheets: over the line that they are drawn along, while they rise and slide.
+
+    `vertices` are a path along an edge, or ``"free"`` for all free edges. The line is that of the drawing, unless
+    its points ``(p, 2)`` or ``(p, 3)`` [L] are given.
+
+    Parameters
+    ----------
+    vertices
+        A path along an edge, or ``"free"`` for all free edges.
+    points
+        ``(p, 3)`` line to stay over [L]. Default: that of the drawing.
+    closed
+        Whether the line closes.
+
+    Examples
+    --------
+    >>> from compas_cgc import EdgeInPlan
+    >>> EdgeInPlan().vertices
+    'free'
+    """
+
+    vertices: Vertices = FREE_EDGES
+    points: Optional[Union[Sequence[Sequence[float]], FloatArray]] = None
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        if self.points is not None:
+            in_plan(self.points, "points of an edge in plan", 2)
+
+    def local(self, frame: Frame) -> EdgeInPlan:
+        """Return the line in a local frame."""
+        return self if self.points is None else replace(self, points=local_plan(self.points, frame))
+
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
+        """Return the nearest points over the line."""
+        line = np.asarray(self.points, dtype=np.float64)
+        closest, tangents = nearest_on_polyline(flattened(points), flattened(line), self.closed)
+        closest[:, 2] = points[:, 2]
+        return ClosestPoints(closest, np.diag([1.0, 1.0, 0.0]) - tangents[:, :, None] * tangents[:, None, :])
+
+
+@dataclass(frozen=True)
+class Level(PositionConstraint):
+    """An edge that keeps its plan and rises as one, level: such as the ring of an oculus, which stays round.
+
+    `vertices` are those of the edge, or ``"free"`` for every free edge, each at a height of its own. The plan is that of the
+    drawing, unless points ``(k, 2)`` or ``(k, 3)`` [L] are given, one for every vertex.
+
+    Parameters
+    ----------
+    vertices
+        Of the edge; by default those of the free edges.
+    points
+        ``(p, 3)`` line in plan to stay over [L]. Default: that of the drawing.
+
+    Examples
+    --------
+    >>> from compas_cgc import Level
+    >>> Level([5, 6, 7]).vertices
+    [5, 6, 7]
+    """
+
+    vertices: Vertices = FREE_EDGES
+    points: Optional[Union[Sequence[Sequence[float]], FloatArray]] = None
+
+    def __post_init__(self) -> None:
+        if self.points is not None and not isinstance(self.vertices, str) and len(self.points) != len(self.vertices):
+            raise ValueError(f"points of a level edge must be one for every vertex, {len(self.vertices)}, not {len(self.points)}")
+
+    def local(self, frame: Frame) -> Level:
+        """Return the plan in a local frame."""
+        return self if self.points is None else replace(self, points=local_plan(self.points, frame))
+
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
+        """Return the places in plan at the mean height."""
+        plan = np.asarray(self.points, dtype=np.float64)[:, :2]
+        places = np.column_stack([plan, np.full(len(points), points[:, 2].mean())])
+        return ClosestPoints(places, _every_plan(len(points)))
+
+
+@dataclass(frozen=True)
+class OnSurface(PositionConstraint):
+    """Vertices on a surface, given as a mesh of points ``(p, 3)`` [L] and triangles ``(q, 3)``; they slide on it.
+
+    Parameters
+    ----------
+    vertices
+        Positions of the vertices that slide on the mesh.
+    points
+        ``(p, 3)`` vertices of that mesh [L].
+    faces
+        ``(q, 3)`` triangles of it.
+
+    Examples
+    --------
+    >>> from compas_cgc import OnSurface
+    >>> OnSurface([4], [[0, 0, 0], [9, 0, 0], [0, 9, 0]], [[0, 1, 2]]).vertices
+    [4]
+    """
+
+    vertices: Sequence[int]
+    points: Union[Sequence[Triple], FloatArray]
+    faces: Union[Sequence[Sequence[int]], IntArray]
+
+    def __post_init__(self) -> None:
+        points, faces = np.asarray(self.points, dtype=np.float64), np.asarray(self.faces)
+        if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+            raise ValueError(f"points of a surface must be finite and of shape (p, 3), not {points.shape}")
+        if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
+            raise ValueError(f"faces of a surface must be triangles (q, 3), one or more, not of shape {faces.shape}")
+        if not ((faces >= 0) & (faces < len(points))).all():
+            raise ValueError(f"faces of a surface name points that are not among its {len(points)}")
+
+    def local(self, frame: Frame) -> OnSurface:
+        """Return the surface in a local frame."""
+        return replace(self, points=frame.to_local(np.asarray(self.points, float)))
+
+    def closest_points(self, points: FloatArray) -> ClosestPoints:
+        """Return the nearest points of the surface."""
+        from ...meshing.closest_on_mesh import nearest_on_mesh
+
+        closest, normals = nearest_on_mesh(points, np.asarray(self.points, dtype=np.float64), np.asarray(self.faces, dtype=np.int64))
+        return ClosestPoints(closest, normals[:, :, None] * normals[:, None, :])
+
+
+def _every_plan(count: int) -> FloatArray:
+    return np.broadcast_to(np.diag([1.0, 1.0, 0.0]), (count, 3, 3))
