@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
-from itertools import chain
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
@@ -21,8 +20,6 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..discrete.plan import flattened
-from ..errors import MeshError
 from ..errors import find_attribute
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
@@ -47,6 +44,9 @@ from ..model.problem import Drawing
 from ..model.problem import Names
 from ..model.roles import ROLES
 from .check import diagnostics_of_keys
+from .construction import checked_faces
+from .construction import evaluated
+from .construction import meshed_outline
 from .pluggables import mesh_from_3dm
 from .pluggables import mesh_from_brep
 from .pluggables import mesh_to_3dm
@@ -153,19 +153,8 @@ class CGCMesh(Mesh):
         MeshError
             If a face names a vertex that does not exist.
         """
-        points = _plain(vertices, float)
-        polygons = _plain(faces, int)
-        flat = next((place for place in (points.values() if isinstance(points, Mapping) else points) if len(place) != 3), None)
-        if flat is not None:
-            raise MeshError(f"vertices must have three coordinates, not {len(flat)} as {flat}; add z, 0 for a plan")
+        points, named = checked_faces(vertices, faces)
         where = points if isinstance(points, Mapping) else dict(enumerate(points))
-        named = polygons if isinstance(polygons, Mapping) else dict(enumerate(polygons))
-        lost = set(chain.from_iterable(named.values())).difference(where)
-        if lost:
-            key, v = next((key, v) for key, polygon in named.items() for v in polygon if v in lost)
-            ones = not isinstance(points, Mapping) and v == len(points) and all(min(polygon) > 0 for polygon in named.values())
-            mend = "they count vertices from 1, and here it is from 0: subtract 1" if ones else "correct the face"
-            raise MeshError(f"face {key} names the vertex {v}, which does not exist; {mend}")
         keys = list(named)
         triangles, owner = triangles_of(where, list(named.values()))
         whole = len(np.unique(owner)) == len(owner)
@@ -262,15 +251,7 @@ class CGCMesh(Mesh):
         >>> len(mesh.regions())
         2
         """
-        from ..meshing.outline import mesh_from_outline
-        from ..meshing.outline import refuse_passed_over
-
-        groups = {"outline": [outline], "holes": holes, "creases": creases}
-        curves = [[_as_curve(curve, name) for curve in group] for name, group in groups.items()]
-        given = None if points is None or not len(np.asarray(points)) else _as_curve(points, "points")
-        made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
-        if given is not None:
-            refuse_passed_over(made, given, edge_length)
+        made = meshed_outline(outline, edge_length, holes, creases, points, tolerance)
         mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
         mesh.set_creases(made.creases)
         return mesh
@@ -294,22 +275,10 @@ class CGCMesh(Mesh):
         """
         from ..meshing.surface_mesh import mesh_from_surface
 
-        if hasattr(surface, "PointAt") and hasattr(surface, "Domain") and type(surface).__name__ != "Extrusion":
-            (u0, u1), (v0, v1) = ((float(span.T0), float(span.T1)) for span in (surface.Domain(k) for k in range(2)))
-            spans = (list(surface.GetSpanVector(0)), list(surface.GetSpanVector(1)))
-            at, axes = surface.PointAt, "XYZ"
-        elif hasattr(surface, "point_at"):
-            (u0, u1), (v0, v1) = ((float(span[0]), float(span[1])) for span in (surface.domain_u, surface.domain_v))
-            spans = (list(getattr(surface, "knots_u", ())), list(getattr(surface, "knots_v", ())))
-            at, axes = surface.point_at, "xyz"
-        else:
+        given = evaluated(surface)
+        if given is None:
             return mesh_from_brep(surface, edge_length)
-
-        def evaluate(parameters: FloatArray) -> FloatArray:
-            found = [at(u, v) for u, v in parameters.tolist()]
-            return np.array([[getattr(point, axis) for axis in axes] for point in found]).reshape(-1, 3)
-
-        made = mesh_from_surface(evaluate, ((u0, u1), (v0, v1)), edge_length, spans)
+        made = mesh_from_surface(given.at, given.domain, edge_length, given.spans)
         mesh = cls.from_vertices_and_faces(made.vertices.tolist(), made.faces.tolist())
         mesh.set_creases(made.creases)
         return mesh
@@ -791,25 +760,6 @@ def _as_a_function(name: str) -> str:
 
 def _copied(values: dict) -> dict:
     return {name: value if isinstance(value, (str, int, float, type(None))) else deepcopy(value) for name, value in values.items()}
-
-
-def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
-    """Return a curve (k, 3); a plan is at the height 0."""
-    points = np.asarray(curve, dtype=np.float64)
-    if points.ndim == 1 and name not in ("outline", "points"):
-        raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
-    if points.ndim != 2 or points.shape[1] not in (2, 3):
-        raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
-    return points if points.shape[1] == 3 else flattened(points)
-
-
-def _plain(items: Any, kind: type) -> Any:
-    """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
-    if isinstance(items, np.ndarray):
-        return items.tolist()
-    if isinstance(items, Mapping):
-        return {int(key): [kind(x) for x in item] for key, item in items.items()}
-    return [[kind(x) for x in item] for item in items]
 
 
 def _number(value: Any, what: str) -> float:

@@ -1,0 +1,118 @@
+"""What a mesh is made from: faces by name, an outline in plan, a surface of COMPAS or Rhino; checked and meshed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Iterable
+from collections.abc import Mapping
+from itertools import chain
+from typing import TYPE_CHECKING
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..discrete.arrays import FloatArray
+from ..discrete.plan import flattened
+from ..errors import MeshError
+
+if TYPE_CHECKING:
+    from ..meshing.outline import Outlined
+
+__all__ = ["checked_faces", "evaluated", "meshed_outline"]
+
+
+class Evaluated(NamedTuple):
+    """A surface that can be evaluated, and where."""
+
+    at: Callable[[FloatArray], FloatArray]  # (k, 2) parameters to (k, 3) points [L]
+    domain: tuple[tuple[float, float], tuple[float, float]]
+    spans: tuple[list[float], list[float]]  # knots along u and v
+
+
+def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]:
+    """Return vertices as plain numbers, and faces by their keys, where every vertex that they name exists.
+
+    Raises
+    ------
+    MeshError
+        If a vertex lacks a coordinate or a face names a vertex that does not exist.
+    """
+    points = _plain(vertices, float)
+    polygons = _plain(faces, int)
+    flat = next((place for place in (points.values() if isinstance(points, Mapping) else points) if len(place) != 3), None)
+    if flat is not None:
+        raise MeshError(f"vertices must have three coordinates, not {len(flat)} as {flat}; add z, 0 for a plan")
+    known = points if isinstance(points, Mapping) else range(len(points))
+    named = polygons if isinstance(polygons, Mapping) else dict(enumerate(polygons))
+    lost = set(chain.from_iterable(named.values())).difference(known)
+    if lost:
+        key, v = next((key, v) for key, polygon in named.items() for v in polygon if v in lost)
+        ones = not isinstance(points, Mapping) and v == len(points) and all(min(polygon) > 0 for polygon in named.values())
+        mend = "they count vertices from 1, and here it is from 0: subtract 1" if ones else "correct the face"
+        raise MeshError(f"face {key} names the vertex {v}, which does not exist; {mend}")
+    return points, dict(named)
+
+
+def meshed_outline(
+    outline: ArrayLike,
+    edge_length: float,
+    holes: Iterable[ArrayLike],
+    creases: Iterable[ArrayLike],
+    points: Optional[ArrayLike],
+    tolerance: float,
+) -> Outlined:
+    """Return the triangles within an outline, none of the points passed over."""
+    from ..meshing.outline import mesh_from_outline
+    from ..meshing.outline import refuse_passed_over
+
+    groups = {"outline": [outline], "holes": holes, "creases": creases}
+    curves = [[_as_curve(curve, name) for curve in group] for name, group in groups.items()]
+    given = None if points is None or not len(np.asarray(points)) else _as_curve(points, "points")
+    made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
+    if given is not None:
+        refuse_passed_over(made, given, edge_length)
+    return made
+
+
+def evaluated(surface: Any) -> Optional[Evaluated]:
+    """Return an untrimmed surface of COMPAS, rhino3dm or RhinoCommon as one that is evaluated; None where it is none."""
+    if hasattr(surface, "PointAt") and hasattr(surface, "Domain") and type(surface).__name__ != "Extrusion":
+        spans = (surface.Domain(0), surface.Domain(1))
+        u, v = ((float(span.T0), float(span.T1)) for span in spans)
+        knots = (list(surface.GetSpanVector(0)), list(surface.GetSpanVector(1)))
+        return Evaluated(_points_of(surface.PointAt, "XYZ"), (u, v), knots)
+    if hasattr(surface, "point_at"):
+        u, v = ((float(span[0]), float(span[1])) for span in (surface.domain_u, surface.domain_v))
+        knots = (list(getattr(surface, "knots_u", ())), list(getattr(surface, "knots_v", ())))
+        return Evaluated(_points_of(surface.point_at, "xyz"), (u, v), knots)
+    return None
+
+
+def _points_of(at: Callable[[float, float], Any], axes: str) -> Callable[[FloatArray], FloatArray]:
+    def points(parameters: FloatArray) -> FloatArray:
+        found = [at(u, v) for u, v in parameters.tolist()]
+        return np.array([[getattr(point, axis) for axis in axes] for point in found]).reshape(-1, 3)
+
+    return points
+
+
+def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
+    """Return a curve (k, 3); a plan is at the height 0."""
+    points = np.asarray(curve, dtype=np.float64)
+    if points.ndim == 1 and name not in ("outline", "points"):
+        raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
+    return points if points.shape[1] == 3 else flattened(points)
+
+
+def _plain(items: Any, kind: type) -> Any:
+    """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
+    if isinstance(items, np.ndarray):
+        return items.tolist()
+    if isinstance(items, Mapping):
+        return {int(key): [kind(x) for x in item] for key, item in items.items()}
+    return [[kind(x) for x in item] for item in items]
