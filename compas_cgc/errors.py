@@ -12,7 +12,7 @@ from typing import Callable
 from typing import TypeVar
 from typing import cast
 
-__all__ = ["CGCError", "FileError", "MeshError", "ProblemError", "find_attribute", "names_what_was_meant"]
+__all__ = ["CGCError", "FileError", "MeshError", "ProblemError", "did_you_mean", "find_attribute", "names_what_was_meant"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -95,5 +95,20 @@ def names_what_was_meant(hint: Callable[[str], str]) -> Callable[[F], F]:
 def _meant(name: str, names: Iterable[str], hint: Callable[[str], str]) -> str:
     """Return the end of a sentence that says what was likely meant."""
     instead = hint(name)
-    near = [] if instead else get_close_matches(name, list(names), 1, 0.6)
-    return f"; {instead}" if instead else f"; did you mean {near[0]!r}?" if near else ""
+    return f"; {instead}" if instead else did_you_mean(name, names)
+
+
+def did_you_mean(name: str, names: Iterable[str], alike: float = 0.6) -> str:
+    """Return ``; did you mean 'name'?`` for the end of a sentence, nothing where no name is near.
+
+    Parameters
+    ----------
+    name
+        As it was written.
+    names
+        Those that there are.
+    alike
+        How much alike two names must be, from 0 to 1.
+    """
+    near = get_close_matches(name, list(names), 1, alike)
+    return f"; did you mean {near[0]!r}?" if near else ""

@@ -7,13 +7,13 @@ import numbers
 from collections.abc import Mapping
 from dataclasses import MISSING
 from dataclasses import fields
-from difflib import get_close_matches
 from typing import Any
 from typing import Callable
 from typing import Union
 
 import numpy as np
 
+from ..errors import did_you_mean
 from .constraints import CROWN
 from .constraints import AtHeight
 from .constraints import Constraint
@@ -84,8 +84,7 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
     """
     kind = data.get("kind") if isinstance(data, Mapping) else None
     if not isinstance(kind, str) or kind not in KINDS:
-        near = get_close_matches(kind, KINDS, 1) if isinstance(kind, str) else []
-        meant = f"; {kind!r:.40} is none, did you mean {near[0]!r}" if near else ""
+        meant = f", not {kind!r:.40}{did_you_mean(kind, KINDS)}" if isinstance(kind, str) else ""
         value = f"; write a value such as Rise(4.0), not {data!r:.40}" if not isinstance(data, Mapping) else ""
         raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])
@@ -93,7 +92,9 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
     values = {name: value for name, value in data.items() if name != "kind"}
     unknown = [name for name in values if name not in known]
     if unknown:
-        raise ValueError(f"a constraint of kind {kind} has no {unknown[0]!r:.40}; it has {', '.join(known)}")
+        raise ValueError(
+            f"a constraint of kind {kind} has no {unknown[0]!r:.40}; it has {', '.join(known)}{did_you_mean(unknown[0], known)}"
+        )
     if any(field.name not in values and field.default is MISSING for field in own):
         raise ValueError(f"a constraint of kind {kind} lacks a field; it has {', '.join(known)}")
     readers = {**_READERS, **_OWN_READERS.get(kind, {})}

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Any
 from typing import Optional
 
+from ..errors import did_you_mean
 from .flow.method import METHOD as FLOW
 from .method import Method
 from .newton.method import METHOD as NEWTON
@@ -164,8 +164,7 @@ def _by_own_names(given: Mapping[str, Any]) -> dict[str, Any]:
     values = {known.get(name, name): value for name, value in given.items() if value is not None}
     unknown = sorted(name for name in values if not owners(name))
     if unknown:
-        near = get_close_matches(unknown[0], options(), 1, 0.75)
-        meant = f", did you mean {near[0]!r}?" if near else "; there are " + ", ".join(options())
+        meant = did_you_mean(unknown[0], options(), 0.75) or "; there are " + ", ".join(options())
         raise ValueError(f"there is no setting {unknown[0]!r:.60}{meant}")
     return values
 

@@ -8,7 +8,6 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from dataclasses import field
-from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Union
 
 from ..errors import CGCError
 from ..errors import FileError
+from ..errors import did_you_mean
 from ..model.constraint_data import as_constraints
 from ..model.problem import CGCProblem
 from ..solvers.registry import settings_for
@@ -272,9 +272,7 @@ def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
 def _known(what: str, given: Mapping[str, Any], keys: tuple[str, ...]) -> None:
     for key in given:
         if key not in keys:
-            near = get_close_matches(str(key), keys, 1)
-            meant = f"; did you mean {near[0]!r}" if near else ""
-            raise CGCError(f"{what} has no {str(key)!r:.60}; it has {', '.join(keys)}{meant}")
+            raise CGCError(f"{what} has no {str(key)!r:.60}; it has {', '.join(keys)}{did_you_mean(str(key), keys)}")
 
 
 def _table(name: str, data: Mapping[str, Any], keys: tuple[str, ...]) -> Optional[Mapping[str, Any]]:

@@ -168,7 +168,7 @@ WRONG = {
     "no such region by name": ([], {"unknown": "roof"}, "numbers or 'all', not 'roof'"),
     "no such vertex": ([Above(2.0, [999])], {}, "names vertex 999; the mesh has the vertices 0 to 120"),
     "short way": ([Length([0, 5, 10], 10.0)], {}, "the length of a path 10 is shorter than the way between its fixed ends, 15"),
-    "kind with a typo": ([{"kind": "ries", "rise": 3}], {}, "'ries' is none, did you mean 'rise'"),
+    "kind with a typo": ([{"kind": "ries", "rise": 3}], {}, "not 'ries'; did you mean 'rise'?"),
     "field with a typo": ([{"kind": "rise", "ris": 3}], {}, "has no 'ris'; it has rise"),
     "field missing": ([{"kind": "clearance", "height": 3}], {}, "lacks a field; it has where, height"),
     "not a number": ([{"kind": "volume", "volume": float("nan")}], {}, "volume of a constraint of kind volume must be a finite number"),
