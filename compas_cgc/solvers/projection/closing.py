@@ -12,6 +12,7 @@ from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import LinearSolver
+from ...linalg import SingularMatrixError
 from ...linalg import factorise
 from ...linalg import linear_solver
 from .fairness import Fairness
@@ -27,7 +28,7 @@ from .vectors import norm
 
 __all__ = ["Closing"]
 
-SOFT = 1e-9  # weight of the metric in the matrix, against that of the equations
+SOFT = (1e-9, 1e-7, 1e-5)  # weights of the metric in the matrix, against that of the equations: the first that leaves it positive definite
 ROUNDS = 8  # of refinement with factors for another shape
 SLOW = 0.5  # part of the residual left by one, from which new factors are made
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much
@@ -64,6 +65,7 @@ class _Factors(NamedTuple):
     J: sparse.csr_matrix  # (k, c) the same across
     transposed: sparse.csr_matrix
     weight: float
+    balance: float  # of the metric's size to that of the squared equations
     solver: LinearSolver
 
 
@@ -101,8 +103,16 @@ class _Frame(Metric):
         across = (J @ onto).tocsr()
         transposed = across.T.tocsr()
         squares = (transposed @ across).tocsr()
-        weight = float(W.diagonal().sum() / (SOFT * squares.diagonal().sum()))
-        self.factors = _Factors(J, across, transposed, weight, self._solver.factorise((W + weight * squares).tocsr()))
+        balance = float(W.diagonal().sum() / squares.diagonal().sum())
+        for soft in SOFT:
+            weight = balance / soft
+            try:
+                self.factors = _Factors(J, across, transposed, weight, balance, self._solver.factorise((W + weight * squares).tocsr()))
+                return
+            except SingularMatrixError:
+                # Of a million vertices, rounding leaves the metric no say beside such a weight.
+                if soft == SOFT[-1]:
+                    raise
 
     def of_heights(self, heights: FloatArray) -> FloatArray:
         """Return the metric's product with moves across (c,)."""
@@ -153,12 +163,12 @@ class _Direct(LeastNorm):
         heights, multipliers = np.zeros_like(gradient), np.zeros_like(right)
         pull, missing = gradient, right
         goal = max(tolerance * norm(right), floor * np.sqrt(len(right)))
-        first = off = np.hypot(norm(gradient), np.sqrt(frame.factors.weight * SOFT) * frame.stiffness * norm(right))
+        first = off = np.hypot(norm(gradient), np.sqrt(frame.factors.balance) * frame.stiffness * norm(right))
         kept: list[tuple] = []
         for _ in range(ROUNDS):
             assert frame.factors is not None
-            source, J, transposed, weight, solver = frame.factors
-            scale = np.sqrt(weight * SOFT) * frame.stiffness
+            source, J, transposed, weight, balance, solver = frame.factors
+            scale = np.sqrt(balance) * frame.stiffness
             step = solver.solve(pull + weight * (transposed @ missing))
             more = weight * (missing - J @ step)
             pulled, done = frame.of_heights(step) - frame.across(self.transposed @ more), self.J @ frame.lifted(step)

@@ -13,6 +13,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ..coarse import coarsened
 from .closing import Closing
@@ -120,7 +121,7 @@ def _to_rounding(
 ) -> Generator[Taken, None, Point]:
     """Take steps until one brings the residuals to what rounding the coordinates leaves of them, or one is too short."""
     goal = _goal(equations, system, settings)
-    for taken in descend(system, equations, here, patience=FINISH):
+    for taken in _descended(system, equations, here):
         there = system.at(taken.vertices, equations)
         if taken.length < short and not there.fulfils(goal, ROUNDINGS * system.rounding(there, equations)):
             break
@@ -129,6 +130,13 @@ def _to_rounding(
         if here.fulfils(goal, system.rounding(here, equations)):
             break
     return here
+
+
+def _descended(system: System, equations: CurvatureEquations, here: Point) -> Iterator[Taken]:
+    try:
+        yield from descend(system, equations, here, patience=FINISH)
+    except SingularMatrixError:
+        return
 
 
 def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
