@@ -33,7 +33,7 @@ from .seams import along_paths
 from .seams import opens_to_disks
 from .seams import seam_edges
 
-__all__ = ["Development", "Seam", "develop", "lay_out"]
+__all__ = ["Development", "Seam", "check_disk", "develop", "lay_out"]
 
 Seam = Union[None, str, Sequence[int], Sequence[Sequence[int]]]
 
@@ -227,6 +227,17 @@ def _edges_of(vertices: Vertices, faces: Faces, seam: Seam) -> Edges:
             raise CGCError(f"seam must be a path of vertices or 'auto', not {seam!r}")
         return seam_edges(vertices, faces, np.zeros(len(vertices), bool))
     return np.empty((0, 2), np.int64) if seam is None else along_paths(faces, seam)
+
+
+def check_disk(faces: Faces, name: str) -> None:
+    """Refuse faces (m, 3) that are not one piece without holes.
+
+    Raises
+    ------
+    CGCError
+        With what would help.
+    """
+    _joined(faces, np.empty((0, 2), np.int64), name)
 
 
 def _joined(faces: Faces, seam: Edges, name: str) -> Edges:

@@ -9,13 +9,16 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.sparse.csgraph import minimum_spanning_tree
 
+from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete import vertex_normals
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..discrete.arrays import Vertices
+from ..discrete.laplacian import cotangent_laplacian
 from ..linalg import factorise
 from ..meshing import boundary_loops
 
@@ -23,6 +26,8 @@ __all__ = ["curvature_coordinates", "plan_axes", "plan_coordinates", "square_coo
 
 ROUND = 0.2  # difference of the principal curvatures in the middle, against the largest, below which they have no directions
 CORNER = np.radians(45.0)  # turn of an edge in plan that is a corner
+ROWS = 1e-6  # by which numbers of rows may miss whole ones
+SMOOTH = 2.0  # edges over which lines of curvature are smoothed
 HOLD = 1e-8  # what keeps coordinates that are known but for a constant
 
 
@@ -48,8 +53,8 @@ def plan_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
 def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]:
     """Return coordinates along the sides of a region with four corners (n, 2) [L], None where it has not four.
 
-    Edges count the same, on the outline as inside (Tutte, doi:10.1112/plms/s3-13.1.743), so on a mesh of squares these are their
-    rows; lengths are the means of opposite sides in plan.
+    On a mesh of rows they are these. Else they are harmonic, and even along the sides in plan. Lengths are the means of opposite
+    sides in plan.
     """
     loops = boundary_loops(faces)
     if len(loops) != 1:
@@ -64,33 +69,58 @@ def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]
         return None
     sides = np.roll(plan[corners], -1, axis=0) - plan[corners]
     corners = np.roll(corners, -int(np.argmax(sides[:, 0] / np.linalg.norm(sides, axis=1))))
-    place = np.zeros((len(loop), 2))
-    lengths = []
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    for k in range(4):
-        number = (corners[(k + 1) % 4] - corners[k]) % len(loop)
-        at = (corners[k] + np.arange(number + 1)) % len(loop)
-        place[at[:-1]] = square[k] + (np.arange(number) / number)[:, None] * (square[(k + 1) % 4] - square[k])
-        lengths.append(float(np.linalg.norm(np.diff(plan[at], axis=0), axis=1).sum()))
-    result = np.zeros((len(vertices), 2))
-    result[loop] = place
+    step = np.linalg.norm(ahead, axis=1)
+    at = [(corners[k] + np.arange((corners[(k + 1) % 4] - corners[k]) % len(loop))) % len(loop) for k in range(4)]
+    lengths = [float(step[own].sum()) for own in at]
     inner = np.setdiff1d(np.unique(faces), loop)
-    if len(inner):
-        joined = sparse.csr_matrix(
-            (np.ones(3 * len(faces)), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(len(vertices),) * 2
-        )
-        joined = ((joined + joined.T) > 0).astype(np.float64).tocsr()
-        laplacian = (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
-        result[inner] = factorise(laplacian[inner][:, inner].tocsr(), symmetric=True).solve(joined[inner][:, loop] @ place)
+    result = np.zeros((len(vertices), 2))
+    rows = [len(at[0]), len(at[1])]
+    if rows == [len(at[2]), len(at[3])]:
+        result[loop] = _around_square(at, np.ones(len(loop)))
+        result[inner] = _spread(_neighbours(faces, len(vertices)), inner, loop, result[loop])
+        number = result * rows
+        if np.abs(number - np.round(number)).max() > ROWS:
+            rows = []
+    else:
+        rows = []
+    if not rows:
+        result[loop] = _around_square(at, step)
+        result[inner] = _spread(-cotangent_laplacian(vertices, faces), inner, loop, result[loop])
     return result * [0.5 * (lengths[0] + lengths[2]), 0.5 * (lengths[1] + lengths[3])]
+
+
+def _around_square(sides: list[IntArray], step: FloatArray) -> FloatArray:
+    """Return the places of the vertices of four sides on the unit square (k, 2), as far along these as steps (k,) take them."""
+    place = np.zeros((len(step), 2))
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    for k, own in enumerate(sides):
+        share = (np.cumsum(step[own]) - step[own]) / step[own].sum()
+        place[own] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
+    return place
+
+
+def _neighbours(faces: Faces, n: int) -> sparse.csr_matrix:
+    """Return the Laplacian for which all edges count the same, on the outline too (Tutte, doi:10.1112/plms/s3-13.1.743)."""
+    joined = sparse.csr_matrix((np.ones(faces.size), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(n, n))
+    joined = ((joined + joined.T) > 0).astype(np.float64).tocsr()
+    return (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
+
+
+def _spread(laplacian: sparse.csr_matrix, inner: IntArray, loop: IntArray, values: FloatArray) -> FloatArray:
+    """Return the harmonic values of inner vertices for those along a loop (k, 2)."""
+    if not len(inner):
+        return np.empty((0, 2))
+    rows = laplacian.tocsr()[inner]
+    return factorise(rows[:, inner].tocsr(), symmetric=True).solve(-(rows[:, loop] @ values))
 
 
 def curvature_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
     """Return lengths along the two families of lines of curvature (n, 2) [L], as well as there are any.
 
     Their gradients are the principal directions, in the sense of least squares weighted by the difference of the principal
-    curvatures; directions of neighbours are matched up to right angles along a spanning tree through where they are surest. Where
-    a surface has no directions, as on a sphere, the plan's are taken.
+    curvatures; directions of neighbours are matched up to right angles along a spanning tree through where they are surest. Lines
+    are smooth over a few edges, and over more where directions are unsure, as around umbilics, which they cannot all follow. Where a
+    surface has no directions, as on a sphere, the plan's are taken.
     """
     direction, weight, largest = _principal_directions(vertices, faces)
     axes = plan_axes(vertices, faces)
@@ -101,7 +131,7 @@ def curvature_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
     gradient = _gradient(vertices, faces)
     sure = face_areas(vertices, faces) * (weight / weight.max() + 1e-3)
     weights = sparse.diags(np.repeat(sure, 3))
-    system = (gradient.T @ weights @ gradient).tocsr()
+    system = (gradient.T @ weights @ gradient + _bending(vertices, faces)).tocsr()
     system = (system + HOLD * sparse.diags(system.diagonal() + system.diagonal().mean())).tocsr()
     right = np.column_stack([gradient.T @ (weights @ own.ravel()) for own in (direction, np.cross(normals, direction))])
     return factorise(system, symmetric=True).solve(right)
@@ -147,6 +177,16 @@ def _combed(direction: FloatArray, weight: FloatArray, normals: FloatArray, face
         choices = np.array([direction[f], turned, -direction[f], -turned])
         result[f] = choices[np.argmax(choices @ wanted)]
     return result
+
+
+def _bending(vertices: Vertices, faces: Faces) -> sparse.csr_matrix:
+    """Return the squared Laplacian of functions (n, n), without the outline, with the lengths that they are smoothed over."""
+    corners = vertices[faces]
+    edge = float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
+    area = np.bincount(faces.ravel(), np.repeat(face_areas(vertices, faces) / 3.0, 3), len(vertices))
+    inner = ~boundary_vertices(vertices, faces)
+    laplacian = cotangent_laplacian(vertices, faces)
+    return laplacian @ sparse.diags(inner * (SMOOTH * edge) ** 2 / area) @ laplacian
 
 
 def _gradient(vertices: Vertices, faces: Faces) -> sparse.csr_matrix:

@@ -62,7 +62,7 @@ def lay(vertices: Vertices, faces: Faces, joined: Edges, K: float, arc: bool = F
     first[where[::-1]] = np.arange(len(where))[::-1]
     gap = float(space_form.chords(flat, flat[first[where]], K).max(initial=0.0))
     # Back onto the surface, which the mean of a few near points has not left by more than rounding where all is exact.
-    points = mean / np.sqrt(mean[:, 0] ** 2 + K * (mean[:, 1] ** 2 + mean[:, 2] ** 2))[:, None]
+    points = space_form.normalised(mean, K)
     return Layout(points, opened, origin, gap, _edge_error(vertices, faces, points[opened], K, arc))
 
 

@@ -9,6 +9,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete.arrays import Faces
 from ..discrete.arrays import Vertices
 from .development import Development
 from .fitting import Fit
@@ -59,8 +60,10 @@ class PanelFit:
     rigid: float  # by which it misses its place if it is not bent, at most [mm]
     change: Optional[float]  # of curvature from the mould into place, the largest; None where no curvature could be measured [1/m]
     stress: Optional[float]  # of bending it so [MPa]
-    development: Development  # with the pole in the middle of the cap
-    on_mould: Vertices  # (p, 3) places in space on the mould, its pole at the origin [L]
+    development: Development  # of the whole faces that it has a part of, with the pole in the middle of the cap
+    vertices: Vertices  # (p, 3) of the panel in place [L]
+    faces: Faces  # (f, 3) of the panel, turned over where it is hollow
+    on_mould: Vertices  # (p, 3) places of its vertices in space on the mould, whose pole is at the origin [L]
     into_place: Fit  # the rigid motion from there that comes nearest to its place
 
     def to_dict(self) -> dict[str, Any]:

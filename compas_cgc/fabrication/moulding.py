@@ -11,16 +11,18 @@ from typing import Union
 import numpy as np
 
 from ..discrete.arrays import FloatArray
-from ..discrete.arrays import Indices
+from ..discrete.arrays import Vertices
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
 from ..discrete.space_form import space_form_angle_sums
 from ..errors import CGCError
+from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from . import space_form
 from .caps import smallest_cap
 from .development import Development
+from .development import check_disk
 from .development import lay_out
 from .fitting import rigid_fits
 from .materials import Material
@@ -32,6 +34,10 @@ from .mould_report import MouldReport
 from .mould_report import PanelFit
 from .mould_surface import Surface
 from .mould_surface import surface_for
+from .panel_parts import PanelParts
+from .panel_parts import PartsOnMould
+from .panel_parts import on_mould
+from .panel_parts import parts_of
 from .panelling import Panel
 from .solved import solved_problem
 
@@ -45,8 +51,9 @@ TURNS = 24  # about the pole that are tried on a pseudosphere, whose directions 
 class _Laid(NamedTuple):
     panel: Panel
     K: float
-    faces: Indices  # (m, 3) turned over where the panel is hollow
-    laid: Development
+    parts: PanelParts  # turned over where the panel is hollow
+    laid: Development  # of the whole faces
+    there: PartsOnMould
     radius: float
 
 
@@ -126,7 +133,7 @@ def moulds(
         radius = max(piece.radius for piece in groups[K])
         made.append(Mould(len(made) + 1, surface_for(K, radius), radius, len(groups[K])))
         for piece in groups[K]:
-            results[piece.panel.name] = _fitted(problem, piece, made[-1], fits, stuff, thickness, unit)
+            results[piece.panel.name] = _fitted(piece, made[-1], fits, stuff, thickness, unit)
     return MouldReport(made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs)
 
 
@@ -140,13 +147,16 @@ def _check_panels(problem: CGCProblem, panels: Sequence[Panel]) -> None:
             raise CGCError(f"two panels are called {panel.name}; give each a name of its own")
         called.add(panel.name)
         own = np.asarray(panel.faces)
-        if not own.size or own.dtype.kind not in "iu" or own.min() < 0 or own.max() >= len(problem.faces):
-            raise CGCError(f"the faces of panel {panel.name} must be some of the {len(problem.faces)} of the mesh, by their positions")
+        among = len(problem.faces if panel.cut is None else panel.cut.faces)
+        if not own.size or own.dtype.kind not in "iu" or own.min() < 0 or own.max() >= among:
+            raise CGCError(f"the faces of panel {panel.name} must be some of the {among} of the mesh, by their positions")
+        if panel.cut is not None and not np.array_equal(panel.cut.vertices[: len(problem.vertices)], problem.vertices):
+            raise CGCError(f"panel {panel.name} is of another surface than this; divide this one into panels")
 
 
 def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[float]]) -> float:
     """Return the one K of a panel."""
-    used = np.unique(problem.faces[panel.faces])
+    used = np.unique(problem.faces[panel.faces if panel.cut is None else np.unique(panel.cut.parent[panel.faces])])
     asked = used[problem.asked[used] & np.isfinite(problem.targets[used])]
     own = np.unique(problem.targets[asked])
     if not len(own):
@@ -176,24 +186,32 @@ def _by_arcs(problem: CGCProblem) -> bool:
 
 def _laid(problem: CGCProblem, panel: Panel, K: float, fits: LocalFits, arc: bool) -> _Laid:
     """Lay a panel onto its mould, turned over where it is hollow towards its normals."""
-    F = problem.faces[panel.faces]
-    mean = fits.mean[np.unique(F)]
+    parts = parts_of(problem, panel)
+    mean = fits.mean[np.unique(parts.whole)]
     hollow = K > 0.0 and np.isfinite(mean).any() and float(np.nansum(mean)) < 0.0
-    return _on(problem, panel, K, F[:, ::-1] if hollow else F, arc)
+    return _on(problem, panel, K, parts_of(problem, panel, turned=True) if hollow else parts, arc)
 
 
-def _on(problem: CGCProblem, panel: Panel, K: float, faces: Indices, arc: bool) -> _Laid:
-    laid = lay_out(problem.vertices, faces, K, arc=arc, name=f"panel {panel.name}")
-    laid = laid._replace(own_faces=panel.faces)
-    V = problem.vertices[faces]
+def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: bool) -> _Laid:
+    name = f"panel {panel.name}"
+    seam = None
+    if parts.cut:
+        check_disk(parts.faces, name)
+        # Whole faces may close around a notch of the panel.
+        seam = "auto" if len(boundary_loops(parts.whole)) != 1 else None
+    laid = lay_out(problem.vertices, parts.whole, K, seam, arc=arc, name=name)
+    laid = laid._replace(own_faces=parts.own_faces)
+    there = on_mould(parts, laid, arc)
+    V = problem.vertices[parts.whole]
     edge = float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).mean())
-    if laid.gap > OPEN * edge:
+    if there.gap > OPEN * edge:
         raise CGCError(
-            f"panel {panel.name} does not close on a mould of K = {K:.4g}: its faces part by {laid.gap:.3g}; "
+            f"panel {panel.name} does not close on a mould of K = {K:.4g}: its faces part by {there.gap:.3g}; "
             "solve the surface for that K first, best with measure='exact'"
         )
-    cap = smallest_cap(laid.points, K)
-    return _Laid(panel, K, faces, laid.turned(space_form.to_pole(cap.centre, K)), cap.radius)
+    cap = smallest_cap(there.on_form, K)
+    laid = laid.turned(space_form.to_pole(cap.centre, K))
+    return _Laid(panel, K, parts, laid, on_mould(parts, laid, arc), cap.radius)
 
 
 def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: bool) -> list[_Laid]:
@@ -209,8 +227,8 @@ def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: boo
         if not same and (tolerance <= 0.0 or group[0] * K <= 0.0):
             groups.append([K])
             continue
-        trial = [_on(problem, piece.panel, middle, piece.faces, arc) for piece in pieces if piece.K in group]
-        if same or all(_astray(problem, piece.laid) <= tolerance for piece in trial):
+        trial = [_on(problem, piece.panel, middle, piece.parts, arc) for piece in pieces if piece.K in group]
+        if same or all(_astray(piece) <= tolerance for piece in trial):
             groups[-1] = group
             laid[group[0]] = trial
         else:
@@ -219,37 +237,48 @@ def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: boo
     return [shared.get(piece.panel.name, piece) for piece in pieces]
 
 
-def _astray(problem: CGCProblem, laid: Development) -> float:
-    V = problem.vertices[problem.faces[laid.own_faces]]
-    return max(laid.gap, laid.edge_error * float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).max()))
+def _astray(piece: _Laid) -> float:
+    V = piece.parts.vertices[piece.parts.faces]
+    return max(piece.there.gap, piece.there.edge_error * float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).max()))
 
 
-def _fitted(
-    problem: CGCProblem, piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thickness: float, unit: float
-) -> PanelFit:
+def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thickness: float, unit: float) -> PanelFit:
     """Return a panel on its mould, turned about the pole to where it lies nearest to its place."""
-    K, there = mould.K, problem.vertices[piece.laid.vertices]
-    angles = 2 * np.pi * np.arange(TURNS) / TURNS if K < 0.0 else [_heading(piece.laid.points, there)]
-    laid = [piece.laid.turned(space_form.rotation(angle)) for angle in angles]
-    places = np.array([mould.surface.places(own.points) for own in laid])
-    nearest = rigid_fits(places, there)
-    best = int(np.argmin([np.abs(nearest(own) - there).max() for own in places])) if len(places) > 1 else 0
-    change = _change(mould.surface, laid[best], fits)
+    K, vertices = mould.K, piece.parts.vertices
+    angles = 2 * np.pi * np.arange(TURNS) / TURNS if K < 0.0 else [_heading(piece.there.on_form, vertices)]
+    motions = [space_form.rotation(angle) for angle in angles]
+    places = np.array([_places(piece, mould.surface, motion) for motion in motions])
+    nearest = rigid_fits(places, vertices)
+    best = int(np.argmin([np.abs(nearest(own) - vertices).max() for own in places])) if len(places) > 1 else 0
+    change = _change(mould.surface, piece.parts, space_form.turned(piece.there.on_form, motions[best]), fits)
     per_metre = None if change is None else change / unit
     stress = None if per_metre is None else 1e-6 * bending_stress(material, 1e-3 * thickness, per_metre)
     return PanelFit(
         piece.panel,
         mould.number,
         piece.radius,
-        1e3 * unit * laid[best].gap,
-        laid[best].edge_error,
+        1e3 * unit * piece.there.gap,
+        piece.there.edge_error,
         1e3 * unit * nearest.most,
         per_metre,
         stress,
-        laid[best],
+        piece.laid.turned(motions[best]),
+        vertices,
+        piece.parts.faces,
         places[best],
         nearest,
     )
+
+
+def _places(piece: _Laid, surface: Surface, motion: FloatArray) -> Vertices:
+    """Return the vertices of a panel on its mould (p, 3) after a turn about its pole: on joints on the chords of the whole faces.
+
+    On a pseudosphere, which has no such chords, they are on the surface.
+    """
+    if surface.K < 0.0 or not piece.parts.cut:
+        return surface.places(space_form.turned(piece.there.on_form, motion))
+    lifted = piece.there.lifted
+    return space_form.lifted_places(np.column_stack([lifted[:, 0], lifted[:, 1:] @ motion[1:, 1:].T]), surface.K)
 
 
 def _heading(points: FloatArray, there: FloatArray) -> float:
@@ -259,9 +288,9 @@ def _heading(points: FloatArray, there: FloatArray) -> float:
     return math.atan2(cross, np.einsum("ij,ij", here, away))
 
 
-def _change(surface: Surface, laid: Development, fits: LocalFits) -> Optional[float]:
+def _change(surface: Surface, parts: PanelParts, points: FloatArray, fits: LocalFits) -> Optional[float]:
     """Return the largest change of a principal curvature from the mould into place, None where none was measured [1/L]."""
-    mean, gaussian = fits.mean[laid.vertices], fits.gaussian[laid.vertices]
+    mean, gaussian = (parts.at_vertices(own[parts.whole]) for own in (fits.mean, fits.gaussian))
     known = np.isfinite(mean)
     if not known.any():
         return None
@@ -270,4 +299,4 @@ def _change(surface: Surface, laid: Development, fits: LocalFits) -> Optional[fl
     if surface.K > 0.0:
         # Hollow panels are turned over.
         own = own * math.copysign(1.0, float(own.sum()))
-    return float(np.abs(own - surface.principal(laid.points)[known]).max())
+    return float(np.abs(own - surface.principal(points)[known]).max())

@@ -14,6 +14,8 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
+from ..meshing.split_sides import split_sides
+from ..meshing.split_sides import weighted
 
 __all__ = ["CREASE", "CUT", "EDGE", "FREE", "SEAM", "SIDES", "Patchwork", "split_piece"]
 
@@ -141,65 +143,11 @@ def _heights(plane: FloatArray, normal: FloatArray, level: float, tolerance: flo
 
 def _with_nodes(own: Patchwork, crossing: Mask, height: FloatArray) -> Patchwork:
     """Put a node on every edge with a crossing side, where that side's height is zero, and divide all faces beside it."""
-    n = len(own.space)
-    ahead = np.roll(own.faces, -1, axis=1)
-    low, high = np.minimum(own.faces, ahead), np.maximum(own.faces, ahead)
-    key = low * n + high
-    start, end = height, np.roll(height, -1, axis=1)
-    chosen, first = np.unique(key[crossing], return_index=True)
-    a, b = start[crossing][first], end[crossing][first]
-    forward = own.faces[crossing][first] == low[crossing][first]
-    share = np.where(forward, a / np.where(forward, a - b, 1.0), b / np.where(forward, 1.0, b - a))
-    tail, head = chosen // n, chosen % n
-    nodes = (1.0 - share)[:, None] * own.space[tail] + share[:, None] * own.space[head]
-    at = np.minimum(np.searchsorted(chosen, key), len(chosen) - 1)
-    split = chosen[at] == key
-    new = np.where(split, n + at, -1)
-    # From the lower node in both faces, so that a straight edge gets the same place from both sides.
-    here, there = own.plane, np.roll(own.plane, -1, axis=1)
-    onward = (own.faces == low)[..., None]
-    begin, finish = np.where(onward, here, there), np.where(onward, there, here)
-    part = share[at][..., None]
-    middles = (1.0 - part) * begin + part * finish
+    split = split_sides(own.faces, crossing, height, np.roll(height, -1, axis=1), len(own.space))
+    tail, head = split.ends.T
+    nodes = (1.0 - split.share)[:, None] * own.space[tail] + split.share[:, None] * own.space[head]
     names = np.r_[own.names, own.names.max(initial=-1) + 1 + np.arange(len(nodes))]
-    pieces = [_divided(own, new, middles, count) for count in range(4)]
-    owner = np.concatenate([piece[0] for piece in pieces])
-    order = np.argsort(owner, kind="stable")
-    faces = np.concatenate([piece[1] for piece in pieces])[order]
-    plane = np.concatenate([piece[2] for piece in pieces])[order]
-    side = np.concatenate([piece[3] for piece in pieces])[order]
-    owner = owner[order]
-    return Patchwork(np.vstack([own.space, nodes]), names, faces, plane, side, own.piece[owner], own.region[owner], own.parent[owner])
-
-
-# For faces with so many split sides, turned so that these come first: corners of the parts, 0-2 being corners and 3-5
-# the middles of the sides after them, and where their sides lie on sides of the face (-1: inside).
-_PARTS = {
-    0: (((0, 1, 2), (0, 1, 2)),),
-    1: (((0, 3, 2), (0, -1, 2)), ((3, 1, 2), (0, 1, -1))),
-    2: (((3, 1, 4), (0, 1, -1)), ((0, 3, 4), (0, -1, -1)), ((0, 4, 2), (-1, 1, 2))),
-    3: (((0, 3, 5), (0, -1, 2)), ((3, 1, 4), (0, 1, -1)), ((4, 2, 5), (1, 2, -1)), ((3, 4, 5), (-1, -1, -1))),
-}
-
-
-def _divided(own: Patchwork, new: IntArray, middles: FloatArray, count: int) -> tuple[IntArray, IntArray, FloatArray, IntArray]:
-    """Return the parts of the faces with `count` split sides: face they come from, nodes, places, sides."""
-    chosen = np.flatnonzero((new >= 0).sum(axis=1) == count)
-    split = new[chosen] >= 0
-    # The side that the split ones begin with.
-    turn = np.argmax(split & ~np.roll(split, 1, axis=1), axis=1) if count in (1, 2) else np.zeros(len(chosen), np.int64)
-    around = (turn[:, None] + np.arange(3)) % 3
-
-    def turned(values: np.ndarray) -> np.ndarray:
-        return np.take_along_axis(values[chosen], around if values.ndim == 2 else around[..., None], axis=1)
-
-    nodes = np.hstack([turned(own.faces), turned(new)])
-    places = np.hstack([turned(own.plane), turned(middles)])
-    sides = np.hstack([turned(own.side), np.full((len(chosen), 1), NONE)])
-    parts = _PARTS[count]
-    return (
-        np.tile(chosen, len(parts)),
-        np.concatenate([nodes[:, list(corners)] for corners, _ in parts]),
-        np.concatenate([places[:, list(corners)] for corners, _ in parts]),
-        np.concatenate([sides[:, list(lines)] for _, lines in parts]),
-    )
+    plane = weighted(split.weights, own.plane[split.parent])
+    side = np.where(split.side < 0, NONE, np.take_along_axis(own.side[split.parent], split.side, axis=1))
+    old = split.parent
+    return Patchwork(np.vstack([own.space, nodes]), names, split.faces, plane, side, own.piece[old], own.region[old], own.parent[old])

@@ -32,12 +32,11 @@ def _mould(problem: CGCProblem, report: MouldReport) -> dict[str, Any]:
         vertices, faces = cap_mesh(mould.surface, mould.radius)
         own.update(vertices=vertices.tolist(), triangles=faces.tolist())
     for own, fit in zip(told["panels"], report.panels):
-        laid = fit.development
-        place = problem.vertices[laid.vertices]
-        loops = boundary_loops(laid.faces)
+        place = fit.vertices
+        loops = boundary_loops(fit.faces)
         own.update(
             vertices=place.tolist(),
-            triangles=laid.faces.tolist(),
+            triangles=fit.faces.tolist(),
             outlines=[place[loop].tolist() for loop in loops],
             on_mould=fit.on_mould.tolist(),
             outlines_on_mould=[fit.on_mould[loop].tolist() for loop in loops],

@@ -13,7 +13,21 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 
-__all__ = ["chords", "geodesics", "midpoint", "on_form", "places", "rotation", "to_pole", "turned"]
+__all__ = [
+    "chords",
+    "from_lifted",
+    "geodesics",
+    "lifted",
+    "lifted_places",
+    "midpoint",
+    "normalised",
+    "on_form",
+    "places",
+    "rotation",
+    "straight",
+    "to_pole",
+    "turned",
+]
 
 
 def on_form(flat: FloatArray, K: float) -> FloatArray:
@@ -32,7 +46,33 @@ def places(points: FloatArray, K: float) -> FloatArray:
 
     On a sphere z is the height, zero at the top; on the hyperboloid the coordinate whose square counts negative.
     """
-    return np.column_stack([points[:, 1:], math.copysign(math.sqrt(abs(K)), K) * heights(points)])
+    return lifted_places(lifted(points), K)
+
+
+def lifted(points: FloatArray) -> FloatArray:
+    """Return points (n, 3) as ``(X0 - 1) / K, X1, X2``, which has no cancellation and in which chords are straight lines."""
+    return np.column_stack([heights(points), points[:, 1:]])
+
+
+def from_lifted(points: FloatArray, K: float) -> FloatArray:
+    """Return lifted points (n, 3), which may lie on chords, on the surface, see :func:`normalised`."""
+    return normalised(np.column_stack([1.0 + K * points[:, 0], points[:, 1:]]), K)
+
+
+def normalised(points: FloatArray, K: float) -> FloatArray:
+    """Return the points (n, 3) of the surface on the rays from its centre through others near it (n, 3)."""
+    return points / np.sqrt(points[:, 0] ** 2 + K * (points[:, 1] ** 2 + points[:, 2] ** 2))[:, None]
+
+
+def lifted_places(points: FloatArray, K: float) -> FloatArray:
+    """Return lifted points (n, 3) as :func:`places` does [L]."""
+    return np.column_stack([points[:, 1:], math.copysign(math.sqrt(abs(K)), K) * points[:, 0]])
+
+
+def straight(difference: FloatArray, K: float) -> FloatArray:
+    """Return the lengths of differences of lifted points (..., 3), straight in space, or in Minkowski's space for K < 0 [L]."""
+    square = difference[..., 1] ** 2 + difference[..., 2] ** 2 + K * difference[..., 0] ** 2
+    return np.sqrt(np.maximum(square, 0.0))
 
 
 def chords(first: FloatArray, second: FloatArray, K: float) -> FloatArray:

@@ -34,7 +34,9 @@ class Split(NamedTuple):
     inserted: dict[tuple[int, int], list[int]]  # old edge (u < v) to its new vertices from u to v
 
 
-def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: Mask) -> Optional[Split]:
+def split_along(
+    vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: Mask, snap: float = SNAP
+) -> Optional[Split]:
     """Cut the faces that a curve runs across, so that it follows edges.
 
     A crossing near a vertex takes the vertex, which moves onto the curve, so that no
@@ -52,6 +54,8 @@ def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolera
         Length below which two points are one [L].
     keep
         ``(n,)`` bool: vertices that may not move.
+    snap
+        A crossing this near to a vertex, in edge lengths, is put at the vertex.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def split_along(vertices: FloatArray, faces: IntArray, curve: FloatArray, tolera
         crossing itself inside of a face.
     """
     edges = edge_faces(faces)
-    crossings = curve_crossings(vertices, faces, edges, curve, SNAP)
+    crossings = curve_crossings(vertices, faces, edges, curve, snap)
     runs = _runs(vertices, faces, edges, crossings, curve, tolerance)
     if not runs:
         return None

@@ -96,24 +96,24 @@ def _wrapped(text: str) -> str:
     return "\n".join(lines)
 
 
-def _plan_of(problem: CGCProblem) -> FloatArray:
-    """Return the vertices on a sheet across the side that the surface faces (n, 2)."""
+def _sheet_of(problem: CGCProblem) -> FloatArray:
+    """Return the axes of a sheet across the side that the surface faces (2, 3)."""
     V, F = problem.vertices, problem.faces
     up = (face_areas(V, F)[:, None] * face_normals(V, F)).sum(axis=0)
     if abs(up[2]) >= 0.5 * np.linalg.norm(up):
-        return V[:, :2]
-    return np.column_stack([V @ np.cross([0.0, 0.0, 1.0], up / np.linalg.norm(up)), V[:, 2]])
+        return np.eye(3)[:2]
+    return np.array([np.cross([0.0, 0.0, 1.0], up / np.linalg.norm(up)), [0.0, 0.0, 1.0]])
 
 
 def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list) -> None:
-    sheet = _plan_of(problem)
+    axes = _sheet_of(problem)
     collections, outlines = matplotlib_module("collections"), []
     triangles, fill = [], []
     for fit, colour in zip(report.panels, colours):
-        faces = problem.faces[fit.panel.faces]
-        triangles.append(sheet[faces])
-        fill += [colour] * len(faces)
-        outlines += [sheet[np.append(loop, loop[0])] for loop in boundary_loops(faces)]
+        sheet = fit.vertices @ axes.T
+        triangles.append(sheet[fit.faces])
+        fill += [colour] * len(fit.faces)
+        outlines += [sheet[np.append(loop, loop[0])] for loop in boundary_loops(fit.faces)]
     ax.add_collection(collections.PolyCollection(np.concatenate(triangles), facecolors=fill, edgecolors=fill, linewidths=0.2))
     ax.add_collection(collections.LineCollection(outlines, colors=INK, linewidths=0.4))
     if len(report.panels) <= NAMED:
@@ -143,7 +143,7 @@ def _draw_mould(ax: Axes, mould: Mould, panels: list[PanelFit]) -> None:
     ax.add_collection(collections.PolyCollection(vertices[faces][:, :, :2], facecolors=fill, edgecolors=fill, linewidths=0.2))
     lines: list[Any] = []
     for fit in panels:
-        lines += [fit.on_mould[np.append(loop, loop[0])][:, :2] for loop in boundary_loops(fit.development.faces)]
+        lines += [fit.on_mould[np.append(loop, loop[0])][:, :2] for loop in boundary_loops(fit.faces)]
     ax.add_collection(collections.LineCollection(lines, colors=INK, linewidths=0.3))
     ax.set_title(f"mould {mould.number}: {mould.kind}, K = {mould.K:.4g}", fontsize=7)
     _tidy(ax)

@@ -6,9 +6,12 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from compas_cgc import CGCProblem
 from compas_cgc import solve
+from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import face_areas
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.fabrication import MATERIALS
 from compas_cgc.fabrication import moulds
@@ -24,6 +27,7 @@ from compas_cgc.fabrication.space_form import geodesics
 from compas_cgc.fabrication.space_form import on_form
 from compas_cgc.fabrication.space_form import to_pole
 from compas_cgc.fabrication.space_form import turned
+from compas_cgc.meshing import boundary_loops
 
 from ..support.roofs import irregular_disk
 from ..support.roofs import nine_regions
@@ -124,15 +128,77 @@ def test_panels_take_every_face_once_and_follow_the_rows_of_a_grid(roof):
     assert len({panel.name for panel in found}) == 144
 
 
+def cut_whole(problem, found):
+    """Return the cut mesh of panels that take each of its faces once, all of them parts of one region's faces."""
+    cut = found[0].cut
+    assert all(panel.cut is cut for panel in found)
+    assert np.array_equal(np.sort(np.concatenate([panel.faces for panel in found])), np.arange(len(cut.faces)))
+    assert all((problem.regions()[cut.parent[panel.faces]] == panel.region).all() for panel in found)
+    return cut
+
+
 @pytest.mark.parametrize("along", ["plan", "curvature"])
 def test_panels_of_an_irregular_mesh_are_in_one_piece_and_of_a_size(along):
     problem = irregular_disk(500)
     found = panels(problem, count=20, along=along)
     assert 14 <= len(found) <= 26
-    assert np.array_equal(np.sort(np.concatenate([panel.faces for panel in found])), np.arange(len(problem.faces)))
+    cut = cut_whole(problem, found)
     for panel in found:
-        width = np.ptp(problem.vertices[np.unique(problem.faces[panel.faces])], axis=0)
+        faces = cut.faces[panel.faces]
+        width = np.ptp(cut.vertices[np.unique(faces)], axis=0)
+        assert len(boundary_loops(faces)) == 1
         assert len(panel.faces) >= 5 and width.max() < 6.0
+
+
+def test_cutting_leaves_the_surface_its_nodes_and_its_edges():
+    problem = irregular_disk(300)
+    x, y = problem.vertices[:, :2].T
+    problem = problem.with_vertices(np.column_stack([x, y, 0.1 * x * y]))
+    cut = cut_whole(problem, panels(problem, 3.0))
+    n = len(problem.vertices)
+    assert np.array_equal(cut.vertices[:n], problem.vertices)
+    corners = problem.vertices[problem.faces[cut.parent]]
+    assert np.abs(np.einsum("fcw,fwx->fcx", cut.weights, corners) - cut.vertices[cut.faces]).max() < 1e-14
+    area = np.bincount(cut.parent, face_areas(cut.vertices, cut.faces))
+    assert np.allclose(area, face_areas(problem.vertices, problem.faces), rtol=1e-12)
+    # Neighbours share every vertex: the open edges are those of the mesh, cut.
+    loop, before = boundary_loops(cut.faces), boundary_loops(problem.faces)
+    assert len(loop) == 1 and set(before[0]) <= set(loop[0])
+    assert len(np.unique(np.sort(edge_faces(cut.faces)[:, :2], axis=1), axis=0)) == len(edge_faces(cut.faces))
+    # Nothing is cut twice: no vertex lies within a thousandth of an edge of another.
+    assert cKDTree(cut.vertices).query(cut.vertices, k=2)[0][:, 1].min() > 1e-5
+
+
+def test_joints_are_straight_in_plan_through_irregular_faces():
+    problem = irregular_disk(500)
+    found = panels(problem, 3.0)
+    cut = cut_whole(problem, found)
+    of = np.empty(len(cut.faces), int)
+    for number, panel in enumerate(found):
+        of[panel.faces] = number
+    edges = edge_faces(cut.faces)
+    edges = edges[edges[:, 3] >= 0]
+    joint = edges[of[edges[:, 2]] != of[edges[:, 3]], :2]
+    whole = problem.vertices[problem.faces]
+    off = 0.01 * np.linalg.norm(np.roll(whole, -1, axis=1) - whole, axis=2).max()
+    low, extent = problem.vertices[:, :2].min(axis=0), np.ptp(problem.vertices[:, :2], axis=0)
+    lines = low[:, None] + extent[:, None] * np.arange(1, 5) / 5
+    miss = np.abs(cut.vertices[joint][:, :, :2, None] - lines).min(axis=3)  # by end and axis
+    assert (miss.max(axis=1).min(axis=1) <= off).all()
+    assert len(joint) > 200 and np.median(miss.max(axis=1).min(axis=1)) < 1e-12
+
+
+def test_regions_are_cut_from_side_to_side_and_share_the_nodes_on_their_creases():
+    # Rows of 8 squares into 3 panels: nothing falls on a row.
+    problem = nine_regions(24)
+    found = panels(problem, 5.0 / 3.0)
+    assert len(found) == 81
+    cut = cut_whole(problem, found)
+    for panel in found:
+        width = np.ptp(cut.vertices[np.unique(cut.faces[panel.faces])], axis=0)
+        assert np.allclose(width[:2], 5.0 / 3.0, atol=0.15 * 15.0 / 24)
+    edges = edge_faces(cut.faces)
+    assert (edges[edges[:, 3] < 0, :2].size // 2) == 4 * (24 + 6)
 
 
 def test_panels_along_the_lines_of_curvature_of_a_cylinder():
@@ -142,9 +208,10 @@ def test_panels_along_the_lines_of_curvature_of_a_cylinder():
     _, faces = grid(20)
     found = panels(CGCProblem(vertices, faces), 0.8, along="curvature")
     # The lines of curvature are circles and rulings, so a panel is as wide across and along as asked.
+    cut = found[0].cut
     for panel in found:
-        used = np.unique(faces[panel.faces])
-        assert np.ptp(turn[used]) * 2 < 1.4 and np.ptp(vertices[used, 2]) < 1.4
+        used = cut.vertices[np.unique(cut.faces[panel.faces])]
+        assert np.ptp(np.arctan2(used[:, 1], used[:, 0])) * 2 < 1.4 and np.ptp(used[:, 2]) < 1.4
 
 
 def test_panels_between_curves(roof):
@@ -156,6 +223,19 @@ def test_panels_between_curves(roof):
         assert len(found) == 12
     with pytest.raises(ValueError, match="comes nowhere near"):
         panels(roof, curves=[as_points + [0, 0, 50]])
+
+
+def test_a_curve_across_faces_is_cut_along():
+    problem = irregular_disk(400)
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle = np.column_stack([4.0 * np.cos(angle), 4.0 * np.sin(angle), np.zeros(200)])
+    across = np.array([[-9.0, 1.0, 0.0], [9.0, -1.0, 0.0]])
+    found = panels(problem, curves=[circle, across])
+    assert len(found) == 4
+    cut = cut_whole(problem, found)
+    areas = sorted(face_areas(cut.vertices, cut.faces[panel.faces]).sum() for panel in found)
+    assert np.allclose(areas[:2], 0.5 * np.pi * 16.0, rtol=0.01)
+    assert np.abs(areas[0] - areas[1]) < 0.02 * areas[0]
 
 
 def test_how_to_divide_is_said_once():
@@ -194,6 +274,29 @@ def test_one_mould_for_every_k_and_every_panel_fits(roof):
     assert json.loads(json.dumps(report.to_dict()))["moulds"][1]["K"] == -0.01
 
 
+def test_cut_panels_are_congruent_to_their_parts_of_the_mould(roof):
+    dome = solve(irregular_disk(350), method="newton", settings={"measure": "exact"}).problem
+    for solved, size in ((roof, 5.0 / 3.0), (dome, 2.1)):
+        found = panels(solved, size)
+        cut_whole(solved, found)
+        for fit in moulds(solved, found).panels:
+            assert fit.gap <= 1e-8 and fit.edge_error <= 1e-11
+            u, v = fit.faces.ravel(), np.roll(fit.faces, -1, axis=1).ravel()
+            long, there = (np.linalg.norm(points[u] - points[v], axis=1) for points in (fit.vertices, fit.on_mould))
+            if fit.development.K < 0:
+                assert np.allclose(there, long, rtol=5e-3)
+                continue
+            # In space, joints too: the mould is the mesh inscribed in the sphere, cut as the roof is.
+            assert np.allclose(there, long, rtol=1e-10)
+            inscribed = np.isin(fit.vertices, solved.vertices).all(axis=1)
+            out = np.linalg.norm(fit.on_mould + [0.0, 0.0, 10.0], axis=1)
+            assert np.allclose(out[inscribed], 10.0, rtol=1e-13) and ((out <= 10.0 + 1e-12) & (out > 9.9)).all()
+            assert face_areas(fit.on_mould, fit.faces).sum() == pytest.approx(face_areas(fit.vertices, fit.faces).sum(), rel=1e-12)
+        shifted = solved.with_vertices(solved.vertices + 1.0)
+        with pytest.raises(ValueError, match="is of another surface than this"):
+            moulds(shifted, found)
+
+
 def test_a_dome_fits_its_sphere_without_bending_either_way_up():
     problem = irregular_disk(400)
     dome = solve(problem, method="newton", settings={"measure": "exact"}).problem
@@ -210,6 +313,10 @@ def test_units_and_lengths_along_the_mould_are_noticed():
     arcs = solve(problem, method="projection", settings={"measure": "exact-arc"}).problem
     report = moulds(arcs, panels(arcs, 5.0))
     assert report.edges == "arcs" and max(fit.gap for fit in report.panels) < 1e-8
+    # Joints meet edges as far along their arcs as along the edges in place.
+    across = moulds(arcs, panels(arcs, 5.0 / 1.5 / 2))
+    assert across.panels[0].panel.cut is not None
+    assert max(fit.edge_error for fit in across.panels) < 1e-11 and max(fit.gap for fit in across.panels) < 1e-8
     drawing = problem.drawing._replace(units="Millimeters")
     large = CGCProblem(arcs.vertices * 1e3, arcs.faces, arcs.roles, arcs.targets * 1e-6, creases=arcs.creases, drawing=drawing)
     again = moulds(large, panels(large, 5000.0))

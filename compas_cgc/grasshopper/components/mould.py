@@ -75,8 +75,8 @@ def mould(
         corner = corner + [0.0, 2.5 * own.radius, 0.0]
     set_message(component, f"{len(divided)} panels, {len(shown)} mould{'' if len(shown) == 1 else 's'}")
     return MouldOutputs(
-        [mesh_from_arrays(problem.vertices[fit.development.vertices], fit.development.faces) for fit in report.panels],
-        [mesh_from_arrays(fit.on_mould + places[fit.mould - 1], fit.development.faces) for fit in report.panels],
+        [mesh_from_arrays(fit.vertices, fit.faces) for fit in report.panels],
+        [mesh_from_arrays(fit.on_mould + places[fit.mould - 1], fit.faces) for fit in report.panels],
         shown,
         [fit.panel.name for fit in report.panels],
         [fit.mould - 1 for fit in report.panels],

@@ -88,7 +88,7 @@ def write_moulds(
         own = [fit for fit in report.panels if fit.mould == mould.number]
         colour = _COLOURS[(mould.number - 1) % len(_COLOURS)]
         corner = corner + [0.0, _draw_mould(writer, mould, own, corner, colour), 0.0]
-        _draw_in_place(writer, problem.vertices, own, colour)
+        _draw_in_place(writer, own, colour)
     record = {"version": __version__, **report.to_dict()}
     writer.document_text([("compas_cgc.moulds", json.dumps(record)), ("compas_cgc.moulds.report", str(report))])
     write_archive(writer.archive, path, version)
@@ -113,28 +113,27 @@ def _draw_mould(writer: LayerWriter, mould: Mould, panels: list[PanelFit], corne
         row, column = divmod(k, columns)
         place = middle + [(column + 1) * pitch, row * pitch, 0.0]
         attributes = writer.attributes(on_panels, fit.panel.name, _figures(fit), colour)
-        writer.mesh(mesh_from_arrays(fit.on_mould + place, fit.development.faces), attributes)
+        writer.mesh(mesh_from_arrays(fit.on_mould + place, fit.faces), attributes)
         writer.dot(fit.panel.name, place + _middle(fit.on_mould), writer.attributes(on_labels, fit.panel.name))
-        for loop in boundary_loops(fit.development.faces):
+        for loop in boundary_loops(fit.faces):
             line = fit.on_mould[np.append(loop, loop[0])] + middle
             writer.polyline(line, writer.attributes(on_outlines, fit.panel.name))
     return pitch * (math.ceil(len(panels) / columns) + 0.5)
 
 
-def _draw_in_place(writer: LayerWriter, vertices: Vertices, panels: list[PanelFit], colour: tuple) -> None:
+def _draw_in_place(writer: LayerWriter, panels: list[PanelFit], colour: tuple) -> None:
     on_place = writer.layer(f"{MOULDS}::Panels in place", (120, 120, 120))
     on_labels = writer.layer(f"{MOULDS}::Labels", (40, 40, 40))
     for fit in panels:
-        own = vertices[fit.development.vertices]
         attributes = writer.attributes(on_place, fit.panel.name, _figures(fit), colour)
-        writer.mesh(mesh_from_arrays(own, _upright(fit, vertices)), attributes)
-        writer.dot(fit.panel.name, _middle(own), writer.attributes(on_labels, fit.panel.name))
+        writer.mesh(mesh_from_arrays(fit.vertices, _upright(fit)), attributes)
+        writer.dot(fit.panel.name, _middle(fit.vertices), writer.attributes(on_labels, fit.panel.name))
 
 
-def _upright(fit: PanelFit, vertices: Vertices) -> Faces:
+def _upright(fit: PanelFit) -> Faces:
     """Return the faces of a panel (m, 3), seen from above in place: those of hollow panels were turned over for the mould."""
-    faces = fit.development.faces
-    corners = vertices[fit.development.vertices[faces]]
+    faces = fit.faces
+    corners = fit.vertices[faces]
     up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].sum()
     return faces if up >= 0.0 else faces[:, ::-1]
 

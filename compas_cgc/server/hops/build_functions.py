@@ -63,10 +63,10 @@ def _mould(*request: Any) -> Reply:
 
 
 def _mould_outputs(problem: CGCProblem, report: Any) -> list[dict]:
-    panels = [mesh_text(problem.vertices[fit.development.vertices], fit.development.faces) for fit in report.panels]
+    panels = [mesh_text(fit.vertices, fit.faces) for fit in report.panels]
     return [
         entry("Panels", "Mesh", panels),
-        entry("OnMoulds", "Mesh", [mesh_text(fit.on_mould, fit.development.faces) for fit in report.panels]),
+        entry("OnMoulds", "Mesh", [mesh_text(fit.on_mould, fit.faces) for fit in report.panels]),
         entry("Moulds", "Mesh", [mesh_text(*cap_mesh(mould.surface, mould.radius)) for mould in report.moulds]),
         entry("Mould", "Integer", [fit.mould - 1 for fit in report.panels]),
         entry("Names", "Text", [fit.panel.name for fit in report.panels]),
