@@ -181,8 +181,8 @@ def _summary(result: SolveResult, analysis: SurfaceReport) -> str:
     problem = result.problem
     counts = f"{len(problem.vertices)} vertices, {len(problem.faces)} faces, {len(problem.supports)} supports"
     creases = len(problem.crease_paths())
-    judgement, figures = str(analysis).split("\n", 1)
-    return f"{judgement}\n{counts}, {creases} creases\n{result.message} ({result.seconds:.2f} s)\n{figures}"
+    figures = str(analysis).split("\n", 1)[1]
+    return f"{result.summary}\n{counts}, {creases} creases\n{result.ending} ({result.seconds:.2f} s)\n{figures}"
 
 
 def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, more: dict) -> None:

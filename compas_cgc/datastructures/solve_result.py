@@ -25,6 +25,7 @@ from ..model.result import Solution
 from ..model.roles import DUMMY
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
+from ._summary import summary
 from .cgcmesh import CGCMesh
 
 __all__ = ["SolveResult"]
@@ -49,8 +50,8 @@ class SolveResult:
         The problem with its vertices on the surface that was found, without dummies.
     status
         ``converged``, ``step_limit``, ``stalled``, ``diverged``, ``infeasible`` or ``cancelled``.
-    message
-        One sentence that says how it ended, and what to do if it did not end well.
+    ending
+        One sentence that says how the method ended, and what to do if it did not end well.
     iterations
         Steps taken.
     seconds
@@ -82,7 +83,7 @@ class SolveResult:
 
     problem: CGCProblem
     status: str
-    message: str
+    ending: str
     iterations: int
     seconds: float
     max_error: float
@@ -136,6 +137,16 @@ class SolveResult:
     def verdict(self) -> Optional[Verdict]:
         """Whether the surface is fair or rough, and why: a status speaks of equations alone; None where none was found."""
         return None if self.status in ("infeasible", "diverged") else verdict(self.problem, self.start)
+
+    @cached_property
+    def summary(self) -> str:
+        """The verdict and the surface in one sentence: its heights, its K, and what is held."""
+        return summary(self.problem, self.status, self.verdict, self.max_error)
+
+    @cached_property
+    def message(self) -> str:
+        """What came of it: the summary, then how the method ended; where K was not reached, why."""
+        return f"{self.summary}; {self.ending}" if self.converged else self.ending
 
     @cached_property
     def curvature(self) -> PerVertex:

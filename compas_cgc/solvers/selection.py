@@ -154,14 +154,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
-                told = _told(solution, choice, tried)
-                return told._replace(message=told.message + why_not_found(problem, told.status))
+                return _told(solution, choice, tried, why_not_found(problem, solution.status))
             break
     if rough:
-        told = _told(*min(rough, key=lambda one: one[0])[1:], tried)
-        return told._replace(message=told.message + why_rough(problem, partial(_columns, problem, told)))
-    told = _told(*min(tried, key=lambda pair: pair[0].max_error), tried)
-    return told._replace(message=told.message + why_not_found(problem, told.status, partial(_columns, problem, told)))
+        _, best, choice = min(rough, key=lambda one: one[0])
+        return _told(best, choice, tried, why_rough(problem, partial(_columns, problem, best)))
+    best, choice = min(tried, key=lambda pair: pair[0].max_error)
+    return _told(best, choice, tried, why_not_found(problem, best.status, partial(_columns, problem, best)))
 
 
 def _columns(problem: CGCProblem, rough: Solution) -> str:
@@ -190,12 +189,15 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     return found
 
 
-def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]]) -> Solution:
-    """Return the solution that was found, with a sentence on why it was made so, and on what was tried before."""
+def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "") -> Solution:
+    """Return the solution that was found, with why it is no better, by which method it was found, and what was tried before."""
     before = [f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged"]
     if choice.second:
         before.append("as it was tried first it is rough")
-    text = f"{choice.method}, as {choice.reason}: {solution.message}"
+    why = why.lstrip("; ")
+    # What keeps a surface from being fair matters more than how well K is met on it.
+    said = (why, solution.message) if solution.status == "converged" else (solution.message, why)
+    text = "; ".join([*filter(None, said), f"by the method {choice.method}, as {choice.reason}"])
     if before:
         text += f" ({', '.join(before)})"
     return solution._replace(message=text)

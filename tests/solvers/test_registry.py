@@ -127,7 +127,7 @@ def toy():
 def test_a_fourth_method_is_one_value(toy):
     assert method_names()[-1] == "still"
     result = solve(dome(), method="still")
-    assert (result.method, result.message, result.iterations) == ("still", "nothing was done", 1)
+    assert (result.method, result.ending, result.iterations) == ("still", "nothing was done", 1)
     with pytest.raises(ValueError, match="there is a method 'still' already"):
         register(toy._replace(text="Another."))
     with pytest.raises(ValueError, match="method must be one of auto, flow, newton, projection, still, not 'best'"):

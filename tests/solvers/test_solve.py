@@ -158,7 +158,7 @@ def test_the_method_suits_the_problem_and_is_said(make, settings, methods):
     assert {choice.method for choice in choices if choice.second} <= {"projection"}
     result = solve(mesh, settings=settings)
     if result.method == methods[0]:
-        assert result.message.startswith(f"{methods[0]}, as {choices[0].reason}: ")
+        assert f"; by the method {methods[0]}, as {choices[0].reason}" in result.ending
 
 
 def test_the_next_method_is_tried_when_one_stalls(monkeypatch):

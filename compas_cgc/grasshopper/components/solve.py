@@ -196,8 +196,8 @@ def _telling(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Told]:
 
     def told(report: Report) -> Told:
         with watch_compilation(lambda state: report(Progress(compiling=state.part))):
-            head, figures = str(analyse(result, mesh)).split("\n", 1)
-        return Told(f"{head}\n{result.message}\n{figures}", measure(result.mesh)(report))
+            figures = str(analyse(result, mesh)).split("\n", 1)[1]
+        return Told(f"{result.summary}\n{result.ending}\n{figures}", measure(result.mesh)(report))
 
     return told
 

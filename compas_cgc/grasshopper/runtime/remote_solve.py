@@ -149,7 +149,7 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
     return SolveResult(
         real.with_vertices(answer["vertices"]),
         answer["status"],
-        answer["message"],
+        answer["ending"],
         answer["iterations"],
         answer["seconds"],
         np.nan if answer["max_error"] is None else answer["max_error"],

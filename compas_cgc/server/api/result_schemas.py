@@ -96,9 +96,10 @@ _HISTORY = {
     "properties": {name: {"type": "array", "items": PLAIN[bool] if name == "accepted" else NUMBER} for name in History._fields},
 }
 _RESULT = _object(
-    "status message iterations seconds max_error method measure vertices faces roles targets curvature creases history report",
+    "status message ending iterations seconds max_error method measure vertices faces roles targets curvature creases history report",
     status={"enum": list(STATUSES)},
-    message=PLAIN[str],
+    message={**PLAIN[str], "description": "the verdict and the surface, then how the method ended; where K was not reached, why"},
+    ending={**PLAIN[str], "description": "how the method ended"},
     iterations=PLAIN[int],
     seconds=PLAIN[float],
     max_error={**NUMBER, "description": "largest |K - target| [1/L^2]"},

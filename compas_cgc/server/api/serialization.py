@@ -26,7 +26,7 @@ from ..errors import Unprocessable
 __all__ = ["NO_SURFACE", "pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
 NO_SURFACE = "this job did not solve for a surface; name the job of the solve"
-WORDS = ("status", "message", "iterations", "seconds", "max_error", "method", "measure")
+WORDS = ("status", "message", "ending", "iterations", "seconds", "max_error", "method", "measure")
 
 
 def pack_problem(problem: CGCProblem) -> bytes:
@@ -61,9 +61,10 @@ def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))
-    # Those of older versions had one measure.
-    told = {word: words[word] for word in WORDS if word in words}
+    # Those of older versions had one measure, and one sentence.
+    told = {"ending": words["message"], **{word: words[word] for word in WORDS if word in words and word != "message"}}
     result = SolveResult(_problem_of(arrays, words), **told, history=history, settings=settings, start=arrays.get("start"))
+    result.__dict__["message"] = words["message"]
     return result, words["report"]
 
 

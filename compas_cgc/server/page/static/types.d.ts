@@ -68,6 +68,7 @@ export interface Status {
 export interface Result {
   status: string;
   message: string;
+  ending: string;
   iterations: number;
   seconds: number;
   max_error: number;

@@ -77,12 +77,9 @@ function isRough(result) {
 
 function lead(result) {
   if (isRough(result)) return `${ROUGH}: ${result.report.verdict.reasons.join('; ')}.`;
-  if (result.status === 'converged') {
-    const size = largestTarget(result);
-    const close = size > 0 ? `to ${part(result.max_error / size)} of the target` : 'to rounding';
-    return `Every vertex has the curvature of its region, ${close}.`;
-  }
-  return capital(result.message);
+  if (result.status !== 'converged') return capital(result.message);
+  const surface = result.message.slice(0, -result.ending.length).replace(/^fair: |; $/g, '');
+  return capital(surface);
 }
 
 function figures(result, model) {
@@ -105,7 +102,7 @@ function figures(result, model) {
 
 function details(result) {
   const box = document.createElement('details');
-  box.append(element('summary', 'What the solver says'), element('p', capital(result.message)));
+  box.append(element('summary', 'What the solver says'), element('p', capital(result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
   return box;
 }

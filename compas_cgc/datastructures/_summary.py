@@ -1,0 +1,69 @@
+"""What a designer asks of a result first: fair or not, how high, how curved, and held where."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..model.goals.kinds import Unknown
+from ..model.problem import CGCProblem
+from ..model.roles import FIXED
+from ..model.verdict import Verdict
+
+__all__ = ["summary"]
+
+NOTHING = 1e-9  # of the size of a surface, that is no height
+
+
+def summary(problem: CGCProblem, status: str, judged: Optional[Verdict], max_error: float) -> str:
+    """Return the verdict and the surface in one sentence.
+
+    Parameters
+    ----------
+    problem
+        With its vertices on the surface, without dummies.
+    status
+        Of the solve.
+    judged
+        The verdict; None where there is no surface.
+    max_error
+        Largest |K - K̄| [1/L^2].
+    """
+    if judged is None:
+        return "no surface: what was drawn is left as it is"
+    surface = f"{_heights(problem)}, {_curvature(problem, status, max_error)}, {_held(problem)}"
+    return f"not as asked: {surface}" if status != "converged" else f"{judged}{':' if judged.fair else ';'} {surface}"
+
+
+def _heights(problem: CGCProblem) -> str:
+    size = float(np.ptp(problem.vertices, axis=0).max(initial=0.0))
+    low, high = (_number(z, size) for z in (problem.vertices[:, 2].min(), problem.vertices[:, 2].max()))
+    return f"level at {low}" if low == high else f"heights from {low} to {high}"
+
+
+def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
+    targets = problem.targets[problem.asked]
+    targets = targets[np.isfinite(targets)]
+    if not len(targets):
+        return "K asked nowhere"
+    low, high = f"{targets.min():.4g}", f"{targets.max():.4g}"
+    count = len(problem.region_targets())
+    text = f"K = {low}" if low == high else f"K from {low} to {high}"
+    text += f" in {count} regions" if count > 1 else ""
+    if status != "converged":
+        return f"{text} missed by up to {max_error:.2g}"
+    found = any(isinstance(own, Unknown) for own in problem.constraints)
+    return f"{text}, found" if found else f"{text} as asked"
+
+
+def _held(problem: CGCProblem) -> str:
+    rim, fixed = boundary_vertices(problem.vertices, problem.faces), problem.roles == FIXED
+    if rim.any() and np.array_equal(rim, fixed):
+        return "held along its whole edge"
+    return f"held at {int(fixed.sum())} of {len(fixed)} vertices"
+
+
+def _number(value: float, size: float) -> str:
+    return "0" if abs(value) <= NOTHING * size else f"{value:.4g}"
