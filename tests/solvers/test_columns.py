@@ -67,11 +67,11 @@ def test_a_column_where_the_roof_runs_is_fair(place, supports):
 def test_a_column_in_the_way_is_named_with_heights_that_do(height, words):
     result = solve(roof((5, 5), height))
     assert not result.verdict.fair
-    assert "the column at (5, 5), vertex 84, stands" in result.message and f"{words} where a surface of K = 0.01" in result.message
-    runs = float(re.search(r"without it, at ([\d.]+)", result.message).group(1).rstrip("."))
+    assert "the column at (5, 5), vertex 84, stands" in result.ending and f"{words} where a surface of K = 0.01" in result.message
+    runs = float(re.search(r"without it, at ([\d.]+)", result.ending).group(1).rstrip("."))
     heights = (
-        [float(end) for end in re.findall(r"heights from ([\d.]+) to ([\d.]+) were", result.message)[0]]
-        if "heights" in result.message
+        [float(end) for end in re.findall(r"heights from ([\d.]+) to ([\d.]+) were", result.ending)[0]]
+        if "heights" in result.ending
         else [runs]
     )
     assert 1.9 < runs < 2.1
