@@ -15,12 +15,17 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Mask
 from .sizing import SizeField
 from .sizing import size_field
+from .stretches import Stretch
+from .stretches import graded
+from .stretches import narrow_corners
+from .stretches import stretches_of
 
 __all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
 
 LEVELS = 4  # of lattices, each half as wide as the one before
 APART = 0.82  # of the edge length, that their points keep from each other
 REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
+_NO_ROWS = np.empty(0)
 
 
 class Spread(NamedTuple):
@@ -74,39 +79,25 @@ def spread(
     nodes = _nodes(lines, spacing, on_curve)
     inside_nodes = np.array([node for node in nodes if domain.distance(shapely.Point(node)) <= reach]).reshape(-1, 2)
     sizes = size_field([shapely.get_coordinates(line) for line in lines], inside_nodes, loose, spacing)
-    around, pieces = [], []
-    for i, line in enumerate(lines):
-        at = np.array([line.project(shapely.Point(node)) for node in nodes])
-        on = np.array([line.distance(shapely.Point(node)) for node in nodes]) <= 0.1 * spacing
-        own = np.flatnonzero(on)
-        own = own[np.argsort(at[own], kind="stable")]
-        closed = bool(line.is_closed)
-        stretches = list(zip(own[:-1], own[1:])) + ([(own[-1], own[0])] if closed else [])
-        parts = []
-        for a, b in stretches:
-            begin, end = at[a], at[b] if at[b] > at[a] else at[b] + line.length
-            places = _graded(line, float(begin), float(end), sizes, 3 if closed and len(own) == 1 else 1)
-            stretch = shapely.get_coordinates(shapely.line_interpolate_point(line, places % line.length if closed else places))
-            stretch[0], stretch[-1] = nodes[a], nodes[b]
-            middle = shapely.line_interpolate_point(line, (0.5 * (begin + end)) % line.length if closed else 0.5 * (begin + end))
-            inside = domain.contains(middle) and domain.boundary.distance(middle) > tolerance
-            if i < count or inside:
-                parts.append(stretch)
-        if i < count:
-            around.append(np.concatenate([part[:-1] for part in parts]))
+    stretches = [stretch for line in lines for stretch in stretches_of(line, nodes, 0.1 * spacing)]
+    rims = set(map(id, lines[:count]))
+    stretches = [one for one in stretches if id(one.line) in rims or _is_inside(domain, one, tolerance)]
+    rows = narrow_corners(domain, stretches, nodes, sizes)
+    around: dict[int, list[FloatArray]] = {}
+    pieces = []
+    for k, one in enumerate(stretches):
+        part = one.at(graded(one, sizes, [rows.get((k, end), _NO_ROWS) for end in (0, 1)]))
+        part[[0, -1]] = nodes[list(one.nodes)]
+        if id(one.line) in rims:
+            around.setdefault(id(one.line), []).append(part[:-1])
         else:
-            pieces += parts
-    return Spread(around, pieces, loose, sizes)
+            pieces.append(part)
+    return Spread([np.concatenate(around[id(line)]) for line in lines[:count]], pieces, loose, sizes)
 
 
-def _graded(line: shapely.LineString, begin: float, end: float, sizes: SizeField, least: int) -> FloatArray:
-    """Return places (k,) along a stretch of a line whose distances follow the size field."""
-    fine = np.linspace(begin, end, max(8, int(np.ceil(8 * (end - begin) / sizes.edge_length))) + 1)
-    spots = shapely.get_coordinates(shapely.line_interpolate_point(line, fine % line.length if line.is_closed else fine))
-    density = 1.0 / sizes(spots)
-    counted = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
-    number = max(least, round(float(counted[-1])))
-    return np.interp(np.linspace(0.0, counted[-1], number + 1), counted, fine)
+def _is_inside(domain: shapely.Polygon, stretch: Stretch, tolerance: float) -> bool:
+    middle = shapely.Point(stretch.leaving(0, 0.5 * stretch.length))
+    return bool(domain.contains(middle)) and bool(domain.boundary.distance(middle) > tolerance)
 
 
 class Cell(NamedTuple):

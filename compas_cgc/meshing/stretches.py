@@ -1,0 +1,130 @@
+"""Stretches of curves between their nodes, and the places of vertices along them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from ..discrete.arrays import FloatArray
+from .sizing import SizeField
+
+__all__ = ["Stretch", "graded", "narrow_corners", "stretches_of"]
+
+NARROW = np.radians(40.0)  # angle between two curves below which the vertices on them are paired
+FIRST = 1.5  # edge lengths from a narrow corner within which the first pair is
+WITHIN = 0.6  # of the shorter curve, as far as pairs reach
+
+
+class Stretch(NamedTuple):
+    """A part of a curve between two nodes."""
+
+    line: shapely.LineString
+    begin: float  # along the line [L]
+    end: float  # along the line, more than its length where a closed one goes on [L]
+    nodes: tuple[int, int]  # at both ends
+    least: int  # edges at least
+
+    @property
+    def length(self) -> float:
+        """Its length [L]."""
+        return self.end - self.begin
+
+    def at(self, places: FloatArray) -> FloatArray:
+        """Return the points (k, 2) at places (k,) along the line [L]."""
+        return shapely.get_coordinates(shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places))
+
+    def leaving(self, end: int, distance: float) -> FloatArray:
+        """Return the point (2,) at a distance from one of its ends [L]."""
+        return self.at(np.array([self.begin + distance if end == 0 else self.end - distance]))[0]
+
+
+def stretches_of(line: shapely.LineString, nodes: FloatArray, reach: float) -> list[Stretch]:
+    """Return the stretches of a line between the nodes (k, 2) that lie within reach of it."""
+    points = shapely.points(nodes)
+    at, on = shapely.line_locate_point(line, points), shapely.distance(line, points) <= reach
+    own = np.flatnonzero(on)
+    own = own[np.argsort(at[own], kind="stable")].tolist()
+    closed = bool(line.is_closed)
+    pairs = list(zip(own[:-1], own[1:])) + ([(own[-1], own[0])] if closed else [])
+    least = 3 if closed and len(own) == 1 else 1
+    return [Stretch(line, float(at[a]), float(at[b] if at[b] > at[a] else at[b] + line.length), (a, b), least) for a, b in pairs]
+
+
+def graded(stretch: Stretch, sizes: SizeField, rows: Sequence[FloatArray]) -> FloatArray:
+    """Return places (k,) along a line whose distances follow the size field, after rows of given distances from both ends [L]."""
+    head, tail = stretch.begin + np.concatenate([[0.0], rows[0]]), stretch.end - np.concatenate([[0.0], rows[1]])[::-1]
+    begin, end = float(head[-1]), float(tail[0])
+    fine = np.linspace(begin, end, max(8, int(np.ceil(8 * (end - begin) / sizes.edge_length))) + 1)
+    density = 1.0 / sizes(stretch.at(fine))
+    counted = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+    number = max(stretch.least, round(float(counted[-1])))
+    between = np.interp(np.linspace(0.0, counted[-1], number + 1), counted, fine)
+    return np.concatenate([head[:-1], between, tail[1:]])
+
+
+def narrow_corners(
+    domain: shapely.Polygon, stretches: Sequence[Stretch], nodes: FloatArray, sizes: SizeField
+) -> Mapping[tuple[int, int], FloatArray]:
+    """Return distances from narrow corners at which the curves that meet there get vertices.
+
+    Vertices at equal distances, which grow as the curves part, leave triangles with no smaller angle than that of the corner;
+    spread along each curve by itself they would leave slivers.
+
+    Parameters
+    ----------
+    domain
+        Between the curves.
+    stretches
+        Of the curves.
+    nodes
+        ``(k, 2)`` where they meet [L].
+    sizes
+        Lengths of edges.
+
+    Returns
+    -------
+    rows
+        Distances (k,) by the position of a stretch and its end, 0 or 1 [L].
+    """
+    meeting: dict[int, list[tuple[int, int]]] = {}
+    for k, stretch in enumerate(stretches):
+        for end, node in enumerate(stretch.nodes):
+            meeting.setdefault(node, []).append((k, end))
+    rows: dict[tuple[int, int], FloatArray] = {}
+    for node, ends in meeting.items():
+        rows.update(_rows(domain, stretches, nodes[node], ends, float(sizes(nodes[node][None])[0])))
+    return rows
+
+
+def _rows(
+    domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArray, ends: list[tuple[int, int]], size: float
+) -> dict[tuple[int, int], FloatArray]:
+    if len(ends) < 2:
+        return {}
+    length = {one: stretches[one[0]].length for one in ends}
+    reach = min(size, 0.5 * min(length.values()))
+    ahead = {one: stretches[one[0]].leaving(one[1], reach) - node for one in ends}
+    ends = sorted(ends, key=lambda one: float(np.arctan2(*ahead[one][::-1])))
+    narrowest, paired = NARROW, set()
+    for one, other in zip(ends, [*ends[1:], ends[0]]):
+        first, second = (complex(*ahead[each]) for each in (one, other))
+        angle = float(np.angle(second / first)) % (2 * np.pi)
+        middle = first / abs(first) * np.exp(0.5j * angle) * reach * 0.5
+        if 0.0 < angle < NARROW and domain.contains(shapely.Point(node[0] + middle.real, node[1] + middle.imag)):
+            narrowest = min(narrowest, angle)
+            paired |= {one, other}
+    if not paired:
+        return {}
+    most = WITHIN * min(length[one] for one in paired)
+    across = 2.0 * np.sin(0.5 * narrowest)
+    growth = (1.0 + 0.5 * across) / (1.0 - 0.5 * across)
+    # The last pair is an edge length apart.
+    distances = [size / across]
+    while distances[0] > FIRST * size:
+        distances.insert(0, distances[0] / growth)
+    within = np.array([distance for distance in distances if distance <= most])
+    return dict.fromkeys(paired, within)
