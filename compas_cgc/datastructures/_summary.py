@@ -7,7 +7,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
-from ..model.goals.kinds import Unknown
+from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from ..model.verdict import Verdict
