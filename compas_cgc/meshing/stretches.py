@@ -35,7 +35,9 @@ class Stretch(NamedTuple):
 
     def at(self, places: FloatArray) -> FloatArray:
         """Return the points (k, 2) at places (k,) along the line [L]."""
-        return shapely.get_coordinates(shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places))
+        return shapely.get_coordinates(
+            shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places)
+        )
 
     def leaving(self, end: int, distance: float) -> FloatArray:
         """Return the point (2,) at a distance from one of its ends [L]."""
