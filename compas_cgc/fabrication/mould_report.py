@@ -168,4 +168,9 @@ def _many(number: int, what: str) -> str:
 
 
 def _spread(values: list[float]) -> str:
-    return f"{float(np.median(values)):.2g} (median) to {max(values):.2g}"
+    return f"{_two_digits(float(np.median(values)))} (median) to {_two_digits(max(values))}"
+
+
+def _two_digits(value: float) -> str:
+    """Return a number to two digits, or to whole units, never with an exponent where it is large."""
+    return f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"
