@@ -26,6 +26,8 @@ CENTRED = 0.2  # what a point's squared distance, against the farthest, is added
 SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
 CHUNK = 300  # vertices that are fitted at once, as many as a cache holds
 PART = 50_000  # vertices whose rings are held at once
+SYMMETRIC = np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # of entries that stand for two, so that the norm is the matrix's
+COLUMNS = 12  # of what fits tell, the last six of them those of a tensor
 
 
 class Rings(NamedTuple):
@@ -71,8 +73,8 @@ def _neighbourhoods(F: Faces, n: int, rows: Indices, through: Mask, rings: int) 
 
 
 def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool) -> FloatArray:
-    """Return what polynomials around the wanted vertices tell (n, 6), else NaN: the columns of `LocalFits`."""
-    out = np.full((len(V), 6), np.nan)
+    """Return what polynomials around the wanted vertices tell (n, 12), else NaN: the columns of `LocalFits`."""
+    out = np.full((len(V), COLUMNS), np.nan)
     rows = np.flatnonzero(wanted & (N != 0).any(axis=1))
     for part in (rows[k : k + PART] for k in range(0, len(rows), PART)):
         around, frames = rings_around(F, len(V), part, through, rings), _frames(N[part])
@@ -90,12 +92,12 @@ def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degre
 
 
 def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: Indices, degree: int, room: FloatArray) -> FloatArray:
-    """Return the columns (k, 6) of fits of one degree, of vertices that are a group (k,) of those with rings.
+    """Return the columns (k, 12) of fits of one degree, of vertices that are a group (k,) of those with rings.
 
     In the `room` the monomials are put; where it has one more than there are, the polynomial is not pinned, and the last unknown
     is its height over the vertex, which is one of the points.
     """
-    out = np.full((len(rows), 6), np.nan)
+    out = np.full((len(rows), COLUMNS), np.nan)
     near = around.near
     first = near.indptr[group]
     count = near.indptr[group + 1] - first
@@ -139,8 +141,21 @@ def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group:
     defect, area = _defects(around, group, np.stack([u, v, height], axis=2))
     held = area > 0
     out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
+    out[:, 6:] = _tensors(frames, a, b, np.stack([uu, uv, vv], axis=1) / (np.sqrt(g) * scale)[:, None])
     out[~good] = np.nan
     return out
+
+
+def _tensors(frames: FloatArray, a: FloatArray, b: FloatArray, second: FloatArray) -> FloatArray:
+    """Return second fundamental forms (k, 3) of graphs with the slopes a and b (k,) as tensors in space (k, 6)."""
+    g = 1.0 + a * a + b * b
+    # The vectors along which a move in the tangent plane changes one parameter only.
+    x = ((1.0 + b * b)[:, None] * frames[:, 0] - (a * b)[:, None] * frames[:, 1] + a[:, None] * frames[:, 2]) / g[:, None]
+    y = ((1.0 + a * a)[:, None] * frames[:, 1] - (a * b)[:, None] * frames[:, 0] + b[:, None] * frames[:, 2]) / g[:, None]
+    uu, uv, vv = second.T[..., None]
+    p, q = uu * x + uv * y, uv * x + vv * y
+    across = [(p[:, i] * x[:, j] + q[:, i] * y[:, j]) for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
+    return np.asarray(np.stack(across, axis=1) * SYMMETRIC, dtype=np.float64)
 
 
 class Fans(NamedTuple):

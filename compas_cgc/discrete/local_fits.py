@@ -26,6 +26,7 @@ class LocalFits(NamedTuple):
     residual: FloatArray  # (n,) distance of the rings from the polynomial, root mean square by degrees of freedom [L]
     sagitta: FloatArray  # (n,) of the quadratic part of the polynomial over the rings, root mean square [L]
     radius: FloatArray  # (n,) distance of the farthest vertex of the rings [L]
+    bending: FloatArray  # (n, 6) second fundamental form in space: xx, yy, zz, and yz, zx, xy times the root of two [1/L]
 
 
 def local_fits(
@@ -74,4 +75,5 @@ def local_fits(
     closed = closed_vertices(V, F)
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
-    return LocalFits(*_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned).T)
+    told = _local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned)
+    return LocalFits(*told[:, :6].T, bending=told[:, 6:])

@@ -21,6 +21,7 @@ from ..discrete.corners import corner_angles
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
 from ..meshing.regions import vertex_labels
+from .faults import fault
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import DUMMY
@@ -119,8 +120,9 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
 
     Polynomials fitted to two rings must have the curvature asked for, as far as the mesh is fine enough to tell, and
     the vertices must lie on them; a region with K > 0 must bulge to one side; edges must fold no more than the
-    curvature and their length call for; and triangles must not be drawn out or lost. Beside supports the surface
-    asked for may itself be singular (K > 0 at a straight edge): fits are compared where they look all ways.
+    curvature and their length call for; within a region bending must not change suddenly; and triangles must not be drawn
+    out or lost. Beside supports the surface asked for may itself be singular (K > 0 at a straight edge): fits are compared
+    where they look all ways.
 
     Parameters
     ----------
@@ -150,7 +152,9 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     error, own = _errors(problem, fits)
     wave = _waves(fits)
     other = _bulging_otherwise(problem, fits)
-    edges, fold, called = _folds(problem, fits)
+    off_creases = _off_creases(problem)
+    edges, fold, called = _folds(problem, fits, off_creases)
+    torn = fault(problem, fits, off_creases[:, :2])
     sharp = (fold > SHARP * called) & (fold > SLIGHT)
     angle = _smallest_angle(V, F)
     kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
@@ -173,6 +177,12 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, {between}")
     if too_sharp > CREASED:
         reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
+    if len(torn.vertices):
+        at = problem.names.vertices[torn.worst]
+        reasons.append(
+            f"it has a fault at vertex {at} and {len(torn.vertices) - 1} others: over one edge its bending changes by up to "
+            f"{_percent(torn.change)} % (draw a crease along it, hold fewer points of its edge, or ask for a smaller K)"
+        )
     if before is not None and angle < NEEDLE and 2 * angle < _smallest_angle(before, F):
         reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
     if kept is not None and kept < LOST:
@@ -183,6 +193,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"it comes to a tip of {np.degrees(pointed.max()):.0f} degrees at its support at vertex {at}")
     bad = (error - own > MOST) | (wave > WAVIEST) | other
     bad[edges[sharp]] = True
+    bad[torn.vertices] = True
     bad[tips[pointed > TIP]] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
@@ -266,15 +277,14 @@ def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
     return other
 
 
-def _folds(problem: CGCProblem, fits: LocalFits) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return inner edges off the creases (e, 2), their angles, and the most that a smooth surface has there [rad].
+def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return those edges off the creases (e, 4) that a fit is at (k, 2), their angles, and the most that a smooth surface has there [rad].
 
     A paraboloid sampled at the corners of two triangles of heights a and b over their edge turns across it by its
     curvature times ``(a + b) / 2``, and along it lifts their tops by ``s t / 2``, with s and t the parts of the edge on
     both sides of their feet.
     """
     V, F = problem.vertices, problem.faces
-    edges = _off_creases(problem)
     u, v, left, right = edges.T
     normals, areas = face_normals(V, F), face_areas(V, F)
     here, there = np.take(normals, left, axis=0), np.take(normals, right, axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from compas_cgc.model.problem import INTERNAL
 from compas_cgc.model.problem import CGCProblem
 
 from ..support import shapes
+from ..system.fairness_study import known_case
 
 
 def cap(n: int = 20, target: float = 1.0) -> CGCProblem:
@@ -145,3 +147,43 @@ def test_a_surface_is_judged_once_however_often_its_verdict_is_read(monkeypatch)
     result = solve(roof)
     assert analyse(result, roof).verdict is result.verdict and len(judged) == 1
     assert result.verdict == verdict(result.problem, result.start)
+
+
+def bent_saddle(n: int, jump: float, over: float = 1e-9, crease: bool = False) -> CGCProblem:
+    """A saddle z = xy of K about -1, which beyond the straight line x = 0 bends by `jump` more across it, all at once or over a length.
+
+    The line is straight, so that its own bending is nothing that could change K.
+    """
+    vertices, faces = shapes.grid(n)
+    x, y = vertices[:, :2].T - 0.5
+    beyond = np.clip(x, 0, None)
+    growing = beyond < over  # where the second derivative grows evenly from 0 to the jump
+    slope = np.where(growing, beyond**2 / (2 * over), beyond - over / 2)
+    vertices[:, 2] = x * y + jump * np.where(growing, beyond**3 / (6 * over), beyond**2 / 2 - over * beyond / 2 + over**2 / 6)
+    roles = np.where(boundary_vertices(vertices, faces), FREE, INTERNAL)
+    roles[(np.abs(x) < 1e-9) & crease & (roles == INTERNAL)] = CREASE
+    return CGCProblem(vertices, faces, roles, -1.0 / (1 + (y + jump * slope) ** 2 + x**2) ** 2)
+
+
+@pytest.mark.parametrize("n", [16, 32, 48])
+def test_a_sheet_that_suddenly_bends_another_way_is_rough_at_the_fault(n):
+    problem = bent_saddle(n, 6.0)
+    found = verdict(problem)
+    told = re.search(r"it has a fault at vertex (\d+) and (\d+) others: over one edge its bending changes", str(found))
+    assert not found.fair and told, found
+    assert abs(problem.vertices[int(told[1]), 0] - 0.5) < 2.5 / n and int(told[2]) > n / 2
+    assert int(told[1]) in found.places
+
+
+@pytest.mark.parametrize("n", [24, 48])
+def test_what_bends_another_way_by_and_by_or_at_a_crease_has_no_fault(n):
+    for problem in (bent_saddle(n, 0.0), bent_saddle(n, 4.0, 0.4), bent_saddle(n, 6.0, crease=True)):
+        assert "fault" not in str(verdict(problem))
+
+
+def test_known_surfaces_on_any_mesh_have_no_fault():
+    """Spheres, bulges, spindles, cones, pseudospheres and saddles of revolution on regular, Delaunay, graded and anisotropic meshes."""
+    for number in range(1, 60, 2):
+        known = known_case(number)
+        if len(known.problem.vertices) < 500:
+            assert "fault" not in str(verdict(known.problem.with_vertices(known.answer))), known.name
