@@ -76,4 +76,5 @@ def local_fits(
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
     told = _local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned)
-    return LocalFits(*told[:, :6].T, bending=told[:, 6:])
+    gaussian, mean, truncation, residual, sagitta, radius = told[:, :6].T
+    return LocalFits(gaussian, mean, truncation, residual, sagitta, radius, told[:, 6:])
