@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete import mesh_arrays
-from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.normals import unit_vectors
 from ..meshing import face_regions
+from ..meshing.split_sides import split_sides
+from ..meshing.split_sides import weighted
 from .colours import brightness
 from .painter import layer
 from .painter import paint
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_zebra"]
 
-PIECES = 8  # that every edge is cut into, along which normals turn evenly
+PIECES, MOST = 8, 120_000  # that every edge is cut into, along which normals turn evenly; pieces of all faces, nearly
 DARK = 0.14
 
 
@@ -90,39 +92,61 @@ def draw_zebra(
     whole = look(V, F, roles, view, dummies=False)
     F = whole.faces
     points, normals = _refined(V, F, _smooth_parts(V, F, edge_array(creases, whole.used)))
-    cut = np.arange(3 * len(points)).reshape(-1, 3)
-    seen = look(points.reshape(-1, 3), cut, np.zeros(3 * len(points), int), view)
+    points, normals, sky = _cut_at_stripes(points, normals, _sky(normals, view, stripes))
+    corners = np.arange(3 * len(points)).reshape(-1, 3)
+    seen = look(points.reshape(-1, 3), corners, np.zeros(3 * len(points), int), view)
     ax = axes_for(ax, frame or whole.frame)
-    grey = _striped(normals, view, stripes) * brightness(normals, view, ambient=0.7)
+    middle = unit_vectors(normals.mean(axis=1))
+    grey = np.where(sky.mean(axis=1) > 0.0, 1.0, DARK) * brightness(middle, view, ambient=0.7)
     fill = np.column_stack([grey, grey, grey, np.ones(len(grey))])
     paint(ax, [layer(seen.triangles, seen.nearness, fill, fill, 0.2), *marks(ax, whole, roles, creases)])
     return ax
 
 
 def _smooth_parts(V: FloatArray, F: IntArray, creases: IntArray) -> FloatArray:
-    """Return a normal for every corner of every face (m, 3, 3), of the smooth part that the face belongs to."""
+    """Return a normal for every corner of every face (m, 3, 3), of the smooth part that the face belongs to.
+
+    Weighted so that those of points on a ball are its own, however irregular the mesh (Max, doi:10.1080/10867651.1999.10487501).
+    """
     label = face_regions(F, creases)
     pairs, corner = np.unique(np.column_stack([F.ravel(), np.repeat(label, 3)]), axis=0, return_inverse=True)
-    parts = corner.reshape(-1, 3)
-    return vertex_normals(V[pairs[:, 0]], parts)[parts]
+    corner = corner.ravel()
+    ahead, back = np.roll(V[F], -1, axis=1) - V[F], np.roll(V[F], 1, axis=1) - V[F]
+    square = (ahead**2).sum(axis=2) * (back**2).sum(axis=2)
+    own = (np.cross(ahead, back) / np.maximum(square, np.finfo(float).tiny)[..., None]).reshape(-1, 3)
+    return unit_vectors(np.column_stack([np.bincount(corner, own[:, k], len(pairs)) for k in range(3)]))[corner].reshape(-1, 3, 3)
 
 
 def _refined(V: FloatArray, F: IntArray, N: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the corners (k, 3, 3) and unit normals (k, 3) of pieces of all faces, with normals that turn evenly."""
-    place = {(i, j): i * (PIECES + 1) - i * (i - 1) // 2 + j for i in range(PIECES + 1) for j in range(PIECES + 1 - i)}
-    shares = np.array([[i, j, PIECES - i - j] for i, j in place]) / PIECES
-    up = [[place[i, j], place[i + 1, j], place[i, j + 1]] for i in range(PIECES) for j in range(PIECES - i)]
-    down = [[place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]] for i in range(PIECES) for j in range(PIECES - 1 - i)]
-    pieces = np.array(up + down)
-    points = np.einsum("sc,fcx->fsx", shares, V[F])[:, pieces].reshape(-1, 3, 3)
-    normals = np.einsum("sc,fcx->fsx", shares, N)[:, pieces].mean(axis=2).reshape(-1, 3)
-    return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    """Return the corners (k, 3, 3) of pieces of all faces, and unit normals there (k, 3, 3), which turn evenly."""
+    pieces = int(np.clip(np.sqrt(MOST / max(len(F), 1)), 1, PIECES))
+    place = {(i, j): i * (pieces + 1) - i * (i - 1) // 2 + j for i in range(pieces + 1) for j in range(pieces + 1 - i)}
+    shares = np.array([[i, j, pieces - i - j] for i, j in place]) / pieces
+    up = [[place[i, j], place[i + 1, j], place[i, j + 1]] for i in range(pieces) for j in range(pieces - i)]
+    down = [[place[i + 1, j], place[i + 1, j + 1], place[i, j + 1]] for i in range(pieces) for j in range(pieces - 1 - i)]
+    corners = np.array(up + down)
+    points = np.einsum("sc,fcx->fsx", shares, V[F])[:, corners].reshape(-1, 3, 3)
+    normals = np.einsum("sc,fcx->fsx", shares, N)[:, corners].reshape(-1, 3)
+    return points, unit_vectors(normals).reshape(-1, 3, 3)
 
 
-def _striped(normals: FloatArray, view: View, stripes: float) -> FloatArray:
-    """Return how bright the sky is that a surface with these normals (k, 3) shows to the eye (k,)."""
+def _sky(normals: FloatArray, view: View, stripes: float) -> FloatArray:
+    """Return a wave across the sky (k, 3) that a surface with these normals (k, 3, 3) mirrors to the eye: above zero it is bright.
+
+    It rises and falls in straight lines, so that it is zero where lines between two normals say.
+    """
     right, _, eye = view_axes(view)
-    towards = normals * np.where(normals @ eye < 0.0, -1.0, 1.0)[:, None]
-    mirrored = 2.0 * (towards @ eye)[:, None] * towards - eye
+    mirrored = 2.0 * (normals @ eye)[..., None] * normals - eye
     angle = np.arctan2(mirrored @ right, mirrored @ eye)
-    return np.where(np.sin(2.0 * stripes * angle) > 0.0, 1.0, DARK)
+    return np.arcsin(np.sin(2.0 * stripes * angle))
+
+
+def _cut_at_stripes(points: FloatArray, normals: FloatArray, sky: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return triangles (k, 3, 3), their normals and the sky there (k, 3), cut where the sky changes from bright to dark."""
+    end = np.roll(sky, -1, axis=1)
+    crossing = sky * end < 0.0
+    if not crossing.any():
+        return points, normals, sky
+    split = split_sides(np.arange(sky.size).reshape(-1, 3), crossing, sky, end, sky.size)
+    points, normals, sky = (weighted(split.weights, values[split.parent]) for values in (points, normals, sky))
+    return points, normals, sky

@@ -26,6 +26,7 @@ from compas_cgc.plot.visibility import in_sight
 from compas_cgc.solvers.flow import curve_flow
 
 from ..support import shapes
+from ..support.roofs import irregular_disk
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 SQUARE = np.array([[0, 1, 2], [0, 2, 3]])
@@ -399,6 +400,22 @@ def test_a_scale_bar_is_1_2_or_5(length, bar):
 
 def greys(ax):
     return ax.collections[0].get_facecolors()[:, 0]
+
+
+def test_zebra_stripes_of_a_ball_are_meridians_on_an_irregular_mesh():
+    flat = irregular_disk(300)
+    x, y = flat.vertices[:, :2].T
+    vertices = np.column_stack([x, y, np.sqrt(100.0 - x**2 - y**2)])
+    drawn = plot.draw_zebra(vertices, flat.faces, np.zeros(len(x), int), view="plan").collections[0]
+    corners = np.array([path.vertices[:3] for path in drawn.get_paths()])
+    dark = drawn.get_facecolors()[:, 0] < 0.3
+    # What the ball mirrors from above: its normals are known everywhere.
+    nx, nz = 0.1 * corners[..., 0], np.sqrt(1.0 - 0.01 * (corners**2).sum(axis=2))
+    wave = np.sin(18.0 * np.arctan2(2.0 * nz * nx, 2.0 * nz**2 - 1.0))
+    inside = np.hypot(*corners.mean(axis=1).T) < 5.0
+    assert np.count_nonzero(dark & inside) > 1000
+    # Smooth: no corner of a stripe is off its edge by more than four per cent of its width.
+    assert (np.where(dark[:, None], wave, -wave)[inside] < np.sin(0.04 * np.pi)).all()
 
 
 def test_zebra_stripes_are_smooth_on_a_dome_and_break_at_its_creases():
