@@ -24,6 +24,7 @@ __all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
 
 LEVELS = 4  # of lattices, each half as wide as the one before
 APART = 0.82  # of the edge length, that their points keep from each other
+TURNS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # of lattices, which are their own after a sixth of a turn
 REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
 _NO_ROWS = np.empty(0)
 
@@ -134,7 +135,7 @@ def lattice(domain: shapely.Polygon, spacing: float, shift: float = 0.0) -> Floa
 def lattices(domain: shapely.Polygon, sizes: SizeField) -> Iterator[FloatArray]:
     """Yield points (k, 2) inside of a domain: lattices of several places and directions, thinned out where edges are longer."""
     spacing = sizes.edge_length
-    for turn in (0.0, np.pi / 6):
+    for turn in TURNS:
         for shift in (0.0, 0.25, 0.5, 0.75):
             levels = []
             for level in range(LEVELS):

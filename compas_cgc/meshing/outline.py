@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import NamedTuple
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 CLEAR = (0.56, 0.62)  # of the edge length, that a lattice keeps away from curves: both are tried
 MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
 MET = 0.2  # of the edge length, within which a point has become a vertex
+FIRST, GOOD = 16, 0.9  # triangulations that are tried anyway, and the quality at which no more are
 ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
 
 __all__ = ["Outlined", "fill", "mesh_from_outline", "refuse_passed_over"]
@@ -104,8 +106,7 @@ def mesh_from_outline(
     around, inner = laid.rings, laid.pieces
     areas = cells(domain, around, inner)
     fixed = np.concatenate([*around, *inner, laid.loose])
-    made = (_tried(laid, areas, fixed, seeds, clear) for seeds in lattices(domain, laid.sizes) for clear in CLEAR)
-    plan, faces = max(made, key=lambda one: _quality(*one))
+    plan, faces = _best(_tried(laid, areas, fixed, seeds, clear) for seeds in lattices(domain, laid.sizes) for clear in CLEAR)
     on_curves = np.concatenate([*around, *inner])
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
@@ -156,6 +157,16 @@ def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatA
     paths = [place.query(piece)[1] for piece in laid.pieces]
     kept = np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
     return relaxed(plan, faces, held, kept, laid.sizes)
+
+
+def _best(made: Iterable[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    """Return the best triangulation of the first, and of all where none of those is good."""
+    tried: list[tuple[float, FloatArray, IntArray]] = []
+    for plan, faces in made:
+        tried.append((_quality(plan, faces), plan, faces))
+        if len(tried) % FIRST == 0 and max(quality for quality, _, _ in tried) >= GOOD:
+            break
+    return max(tried, key=lambda one: one[0])[1:]
 
 
 def _quality(plan: FloatArray, faces: IntArray) -> float:

@@ -48,6 +48,8 @@ CASES = {
     "crease that ends inside": (arc(0, 0, 8), [], [line((-3, 0), (3, 1))], [(0, 4), (4, -2)], 0.8),
     # A column 0.2 beside the crease.
     "winding crease": (ring((0, 0), (24, 0), (24, 8), (0, 8)), [], [wave(np.linspace(-1, 25, 200))], [(4, 2), (12, 6.3), (19, 2.2)], 0.8),
+    # Half of the tip is 26.6 degrees.
+    "crease into a tip": (ring((0, 0), (8, -5), (18, 0), (8, 5)), [], [line((0, 0), (18, 0))], [(7, 2), (7.9, 2.1), (11, -2)], 0.7),
     "square hole": (SQUARE, [ring((5, 5), (7, 5), (7, 7), (5, 7))], [line((0, 0), (5, 5))], [(2, 9), (9, 2)], 0.8),
 }
 
