@@ -9,6 +9,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..discrete import edge_faces
 from ..discrete import mesh_arrays
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -16,9 +17,11 @@ from ..discrete.normals import unit_vectors
 from ..meshing import face_regions
 from ..meshing.split_sides import split_sides
 from ..meshing.split_sides import weighted
+from .colours import INK
 from .colours import brightness
 from .painter import layer
 from .painter import paint
+from .painter import segments
 from .projected_mesh import edge_array
 from .projected_mesh import look
 from .shape import axes_for
@@ -35,6 +38,7 @@ __all__ = ["draw_zebra"]
 
 PIECES, MOST = 8, 120_000  # that every edge is cut into, along which normals turn evenly; pieces of all faces, nearly
 DARK = 0.14
+THIN = 0.6  # line around a mesh [pt], whose bright stripes would run into the sheet
 
 
 def draw_zebra(
@@ -45,7 +49,7 @@ def draw_zebra(
     view: Union[str, View] = "diagonal",
     ax: Optional[Axes] = None,
     *,
-    stripes: float = 9.0,
+    stripes: float = 12.0,
     frame: Optional[Frame] = None,
 ) -> Axes:
     """Draw a mesh as if it were polished, under a sky of stripes.
@@ -99,7 +103,9 @@ def draw_zebra(
     middle = unit_vectors(normals.mean(axis=1))
     grey = np.where(sky.mean(axis=1) > 0.0, 1.0, DARK) * brightness(middle, view, ambient=0.7)
     fill = np.column_stack([grey, grey, grey, np.ones(len(grey))])
-    paint(ax, [layer(seen.triangles, seen.nearness, fill, fill, 0.2), *marks(ax, whole, roles, creases)])
+    edges = edge_faces(F)
+    rim = segments(whole.corners, F, edges[edges[:, 3] < 0, :2], INK, THIN)
+    paint(ax, [layer(seen.triangles, seen.nearness, fill, fill, 0.2), rim, *marks(ax, whole, roles, creases)])
     return ax
 
 
@@ -137,8 +143,8 @@ def _sky(normals: FloatArray, view: View, stripes: float) -> FloatArray:
     """
     right, _, eye = view_axes(view)
     mirrored = 2.0 * (normals @ eye)[..., None] * normals - eye
-    angle = np.arctan2(mirrored @ right, mirrored @ eye)
-    return np.arcsin(np.sin(2.0 * stripes * angle))
+    # By planes across the sky: by angles around it all stripes would meet overhead, which is where roofs look.
+    return np.arcsin(np.sin(np.pi * stripes * (mirrored @ right)))
 
 
 def _cut_at_stripes(points: FloatArray, normals: FloatArray, sky: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
