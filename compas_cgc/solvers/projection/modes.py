@@ -45,7 +45,7 @@ def bending_modes(
         Moves whose longest is one, the most effective first; none that bring nothing.
     """
     signs = np.where(lacking >= 0.0, 1.0, -1.0)
-    key = vertices.tobytes() + signs.tobytes()
+    key = vertices.tobytes() + signs.tobytes() + bytes([count])
     if key not in system.modes:
         system.modes[key] = _bending_modes(system, equations, vertices, signs, count)
     return system.modes[key]

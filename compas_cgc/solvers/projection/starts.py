@@ -15,6 +15,7 @@ from .initial_guess import flat_vertices
 from .initial_guess import seeded
 from .iterate import Point
 from .modes import bending_modes
+from .patchwork import combined_modes
 from .settings import ProjectionSettings
 from .system import System
 from .vectors import dot
@@ -103,6 +104,9 @@ def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: 
             away = sign * side < 0.0 if said else sign < 0.0
             bulge = 0 if said or not _is_bulge(mode) else int(sign)
             found.append(_Candidate(point, OTHER_SIDE if away else 1.0, bulge))
+    for move in combined_modes(system, equations, plate, modes):
+        side = -1.0 if dot(move.ravel(), drawn) < 0.0 else 1.0
+        found.append(_Candidate(system.at(system.settled(plate.vertices + side * move), equations), 1.0))
     return found
 
 

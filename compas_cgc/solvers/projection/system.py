@@ -19,6 +19,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
+from ...meshing.regions import vertex_labels
 from ...model.constraints import Mirror
 from ...model.goals.binding import BoundGoals
 from ...model.goals.binding import bind
@@ -97,6 +98,8 @@ class System:
         movable = movable_vertices(problem, self.faces, constraints)
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
+        self._problem = problem
+        self._patches: Optional[IntArray] = None
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
         symmetries = list(own) or images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
         self.places = Places(V, movable, self.goals.places, symmetries)
@@ -132,6 +135,13 @@ class System:
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
         self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
+
+    @property
+    def patches(self) -> IntArray:
+        """The region of every row (k,)."""
+        if self._patches is None:
+            self._patches = vertex_labels(len(self._problem.vertices), self._problem.faces, self._problem.regions())[self.rows]
+        return self._patches
 
     def equations(self, targets: FloatArray) -> CurvatureEquations:
         """Return the equations for targets (n,)."""

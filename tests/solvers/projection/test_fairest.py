@@ -9,6 +9,7 @@ import pytest
 
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete.local_fits import local_fits
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
@@ -183,3 +184,38 @@ def test_a_slider_goes_without_jumps_up_to_what_is_carried(count, n, top):
     assert apart <= 1e-3, "cold and warm"
     assert step <= 2.0, "of all steps the largest against the median"
     assert loop <= 1e-6
+
+
+def chessboard(per: int, nx: int, ny: int, held: str, K: float = 0.02) -> CGCProblem:
+    """Panels of a metre with K of either sign in turn, `per` edges wide."""
+    i, j = np.divmod(np.arange((nx * per + 1) * (ny * per + 1)), ny * per + 1)
+    a = (np.arange(nx * per)[:, None] * (ny * per + 1) + np.arange(ny * per)).ravel()
+    faces = np.column_stack([a, a + ny * per + 2, a + ny * per + 1, a, a + 1, a + ny * per + 2]).reshape(-1, 3)
+    vertices = np.column_stack([i / per, 0.0 * i, j / per])
+    paths = [np.flatnonzero(i == k * per).tolist() for k in range(1, nx)] + [np.flatnonzero(j == k * per).tolist() for k in range(1, ny)]
+    ends = (i % (nx * per) == 0) | (j % (ny * per) == 0) if held == "nodes" else i % (nx * per) == 0
+    nodes = (i % per == 0) & (j % per == 0) if held == "nodes" else True
+    problem = CGCProblem(vertices, faces, creases=paths).with_supports(np.flatnonzero(ends & nodes).tolist())
+    label = problem.regions()
+    for region in range(nx * ny):
+        x, _, z = vertices[faces[label == region]].mean(axis=(0, 1))
+        problem = problem.with_targets(K if (int(x) + int(z)) % 2 else -K, region=region)
+    return problem
+
+
+@pytest.mark.parametrize("nx, ny, held", [(12, 6, "nodes"), (12, 6, "sides"), (7, 5, "nodes")])
+def test_a_patchwork_bends_in_one_way_of_two(nx, ny, held):
+    """Columns bend forwards and backwards in turn; where that order is broken a line is seen, though K is as asked."""
+    problem = chessboard(4, nx, ny, held)
+    solution = project(problem)
+    assert solution.status == "converged" and solution.iterations < 60
+    surface = problem.with_vertices(solution.vertices)
+    assert verdict(surface).fair
+    label, mean = problem.regions(), local_fits(surface.vertices, problem.faces, problem.asked, problem.asked).mean
+    bends = np.zeros((nx, ny))
+    for region in range(nx * ny):
+        own = problem.faces[label == region]
+        x, _, z = problem.vertices[own].mean(axis=(0, 1))
+        bends[int(x), int(z)] = np.nanmean(mean[np.unique(own)]) if problem.targets[problem.region_vertices(region)][0] > 0 else 0.0
+    column = np.sign(bends.sum(axis=1))
+    assert (np.sign(bends) * column[:, None] >= 0).all() and (column[1:] * column[:-1] < 0).all()
