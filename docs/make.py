@@ -161,6 +161,11 @@ drawing
 * bulging: a region with K > 0 bulges to one side; two domes with a valley between have K > 0 too, except on the valley, where no vertex
   need lie;
 * folds, against the most that a smooth surface through the same vertices has;
+* faults: how much the bending changes over one edge, within a region and away from supports and free edges. A sheet of alternating
+  saddles and domes and its mirror image have the same K and the same energy; where the one turns into the other there is a line that
+  zebra stripes show at once, while every angle defect is as asked. A change of more than a quarter of the bending, and ten times the
+  median, along a line longer than a quarter of the surface's size is a fault; a shorter one spreads over every saddle from where creases
+  cross. A coarse mesh changes as much everywhere; K = 0 may be bent beside a flat part; across a crease nothing is compared;
 * triangles drawn out to needles, and area lost against the input.
 
 `result.verdict.places` are the vertices to look at: marked in amber on the page, and on the layer `CGC Result::Rough` of a `.3dm`.
@@ -175,7 +180,51 @@ that bends least over them. On an irregular mesh it also solves on one of even t
 that surface over: saddles on stretched triangles need it. What takes longer is given up after a count of work, the same on every
 machine; `method="projection"` goes on for as long as its `steps` allow.
 
-This page is made by `python docs/make.py`.
+## What the supports can carry
+
+`largest_target(problem)` lets all targets grow by one factor, each surface solved from the last, and halves the interval where one does
+not converge or is rough; `compas-cgc limits FILE` prints the sentence. Large meshes are searched on a coarser one of the same drawing.
+
+```python
+from compas_cgc import CGCMesh
+from compas_cgc.solvers.limits import largest_target
+
+mesh = CGCMesh.from_meshgrid(dx=10, nx=12)
+mesh.set_supports("corners")
+mesh.set_target(0.01)
+print(largest_target(mesh))
+```
+
+## Large meshes
+
+From 6,000 vertices on, a drawing with a plan is solved on a mesh of about 2,000 vertices with the same supports, creases, regions and
+layout first. Its shape is carried over by local polynomials and closed by moves across the surface, with a few factorisations of one
+matrix with one unknown per vertex. The result is the fairest surface to about a thousandth of its width.
+
+The number of steps hardly grows with the mesh: a unit square on its corners takes 10, 10, 10, 6, 7, 6 steps for K = 1 and
+9, 9, 9, 6, 6, 7 for K = -1 with 441, 1,681, 5,929, 7,225, 25,281 and 100,489 vertices.
+
+## A slider of K
+
+What `solve` returns depends on the drawing and K alone, not on what was solved before. With K > 0, where several surfaces have it, the
+one is taken that smaller K lead to, so that a slider goes without jumps. Over a square of 0.8 on its corners, 441 vertices, K from 0.05
+to 6 in 60 values (even in the root of K, as heights are): cold and warm starts are within 3e-4 of the width, no step of the surface is
+over 1.2 times the median step, and up and down again it comes back to 2e-7. Near K = 0 a dome rises like the root of K; there even
+values of K are uneven steps.
+
+## Irregular meshes and held rims
+
+Delaunay patches of a sphere, a bulge and a spindle, held at their rims, from starts 3 % off, come back to the surface: dihedral angles
+to 1e-4 of themselves, normals to 0.01 degrees, with 443, 1,442 and 4,259 vertices.
+
+Over a square held all round, K times the area comes to about 0.785 π; up to 0.97 of that it is solved from a flat mesh, and over a disc
+to 0.97 of the hemisphere. What is beyond is refused, or comes with what is carried.
+
+A face with three held vertices stays flat. In the corner of a square it cuts the corner off, and the roof is lower: at K = 2 and 1,681
+vertices by 4.7 % between diagonals that all lead into the corners and diagonals that all cut them. With diagonals from the corners,
+whatever those elsewhere, centres are within 0.6 % of each other.
+
+The pictures and the table of this page are made by `python docs/make.py`.
 """
 
 

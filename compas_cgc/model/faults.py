@@ -22,7 +22,7 @@ SUDDEN = 0.25  # change of the second fundamental form over one edge, against th
 OFTEN = 10.0  # the same, against the median: what changes as much everywhere is a coarse mesh, not a fault
 APART = 3  # edges from supports and free edges, where the surface that is asked for may itself be singular
 FEWEST = 4  # vertices beside each other: a few more are a point such as the middle of a monkey saddle, where it has to turn
-SEEN = 0.02  # part of the vertices
+FAR = 0.25  # length of a fault, against the size of the surface: over a saddle a shorter one spreads from every crossing of creases
 
 
 class Fault(NamedTuple):
@@ -66,11 +66,11 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
     change = _within(fits.bending[u] - fits.bending[v], normals[u] + normals[v]) / both
     apart = known & _apart(problem)
     jumps = apart[u] & apart[v] & (change > max(SUDDEN, OFTEN * float(np.median(change))))
-    together = _together(u[jumps], v[jumps], len(known))
-    if len(together) < SEEN * apart.sum():
-        return Fault(np.zeros(0, np.int64), -1, 0.0)
-    first = int(np.argmax(np.where(jumps, change, -1.0)))
-    return Fault(together, int(u[first]), float(change[first]))
+    lines = _lines(problem.vertices, u[jumps], v[jumps])
+    if not len(lines):
+        return Fault(lines, -1, 0.0)
+    first = int(np.argmax(np.where(jumps & np.isin(u, lines), change, -1.0)))
+    return Fault(lines, int(u[first]), float(change[first]))
 
 
 def _within(tensors: FloatArray, normals: FloatArray) -> FloatArray:
@@ -94,8 +94,12 @@ def _apart(problem: CGCProblem) -> Mask:
     return ~near
 
 
-def _together(u: IntArray, v: IntArray, n: int) -> IntArray:
-    """Return the vertices (k,) of edges (e,) that hang together with enough others."""
-    graph = sparse.coo_matrix((np.ones(len(u)), (u, v)), shape=(n, n))
+def _lines(V: FloatArray, u: IntArray, v: IntArray) -> IntArray:
+    """Return the vertices (k,) of edges (e,) that hang together with enough others, and reach far."""
+    graph = sparse.coo_matrix((np.ones(len(u)), (u, v)), shape=(len(V), len(V)))
     part = connected_components(graph, directed=False)[1]
-    return np.flatnonzero(np.bincount(part)[part] >= FEWEST)
+    order = np.argsort(part, kind="stable")
+    starts = np.flatnonzero(np.diff(part[order], prepend=-1))
+    reach = np.linalg.norm(np.maximum.reduceat(V[order], starts) - np.minimum.reduceat(V[order], starts), axis=1)
+    long = (np.bincount(part) >= FEWEST) & (reach > FAR * np.linalg.norm(np.ptp(V, axis=0)))
+    return np.flatnonzero(long[part])
