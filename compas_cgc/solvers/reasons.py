@@ -20,6 +20,7 @@ from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from .limits import largest_target
 from .projection.plate import relaxed
+from .projection.symmetry import tears_faces
 
 __all__ = ["why_not_found", "why_rough"]
 
@@ -43,6 +44,8 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
     whole = bind(problem).whole if problem.constraints else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
         return ""
+    if tears_faces(problem):
+        return ""  # The message blames the mesh: the supports may carry it.
     if problem.constraints and not whole:
         return _after(columns() or _carried(problem))
     return _after(_contradiction(problem) or columns() or _carried(problem))

@@ -53,7 +53,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
     if not system.sound.all():
         a, b, c = system.faces[np.argmin(system.sound)].tolist()
         return f"the face {a}-{b}-{c} has hardly any area; mend the mesh there"
-    if len(system.places.symmetries) > 1 and len(system.leading) == len(point.residual):
+    if system.torn:
         return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:

@@ -8,13 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import ProblemError
 from ...model.constraints import Mirror
 from ...model.constraints import unit
+from ...model.problem import CGCProblem
 
-__all__ = ["Image", "images", "keep_faces"]
+__all__ = ["Image", "images", "keep_faces", "tears_faces"]
 
 REACH = 0.5  # how far from its place an image may be, in mean edges
 SAME = 1e-9  # difference of two symmetries that is rounding
@@ -72,6 +74,16 @@ def keep_faces(faces: IntArray, symmetries: Sequence[Image]) -> bool:
 
     first = sorted_faces(symmetries[0].to)
     return all(np.array_equal(first, sorted_faces(image.to)) for image in symmetries[1:])
+
+
+def tears_faces(problem: CGCProblem) -> bool:
+    """Return whether mirrors are asked for that take some face of a problem to none, whose K is then asked for twice over."""
+    mirrors = [constraint for constraint in problem.constraints if isinstance(constraint, Mirror)]
+    if not mirrors:
+        return False
+    V, edges = problem.vertices, edge_faces(problem.faces)
+    edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
+    return not keep_faces(problem.faces, images(V, edge, mirrors))
 
 
 def _reflection(vertices: FloatArray, edge: float, mirror: Mirror) -> Image:

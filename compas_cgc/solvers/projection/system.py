@@ -104,10 +104,13 @@ class System:
         symmetries = list(own) or images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
         self.places = Places(V, movable, self.goals.places, symmetries)
         self.contact = Contact.none(self.goals.sides, movable, edges[:, :2])
-        # Mirrored equations say the same twice, which makes the systems singular.
+        # Mirrored equations say the same twice, which makes the systems singular. Diagonals may be kept by some symmetries only.
+        keeping = [image for image in symmetries if keep_faces(F, [symmetries[0], image])]
+        self.torn = len(symmetries) - len(keeping)
         leading = np.arange(len(self.rows))
-        if len(symmetries) > 1 and keep_faces(F, symmetries):
-            leading = np.unique(self.places.head[self.rows], return_index=True)[1]
+        if len(keeping) > 1:
+            head = self.places.head if not self.torn else np.min([image.to for image in keeping], axis=0)
+            leading = np.unique(head[self.rows], return_index=True)[1]
         self._own_leading = leading
         self.leading = np.concatenate([leading, len(self.rows) + np.arange(len(self.goals.equations))])
 

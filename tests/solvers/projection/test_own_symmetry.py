@@ -19,8 +19,10 @@ from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
+from compas_cgc.solvers import reasons
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.projection.own_symmetry import own_symmetries
+from compas_cgc.solvers.projection.symmetry import tears_faces
 
 from ...support import shapes
 
@@ -123,3 +125,31 @@ def test_faces_that_are_not_mirrored_are_blamed():
     roles = np.where(np.isin(I, (0, N)), FIXED, np.where(np.isin(J, (0, N)), FREE, INTERNAL))
     solution = project(replace(problem.with_vertices(arches), roles=roles, constraints=(Mirror((5, 5, 0), (1, 0, 0)),)))
     assert solution.status == "converged" or "the faces are not mirrored as the vertices are" in solution.message
+
+
+def twisted_vault(n: int, target: float) -> CGCProblem:
+    """A vault on arches over an even mesh, whose diagonals all run one way: turning by half a turn keeps them, mirroring does not."""
+    vertices, faces = shapes.grid(n, 10.0)
+    y, across = vertices[:, 1] / 10, np.isin(np.divmod(np.arange((n + 1) ** 2), n + 1), (0, n))
+    vertices[:, 2] = 12 * y * (1 - y)
+    return CGCProblem(vertices, faces, np.where(across[0], FIXED, np.where(across[1], FREE, INTERNAL)), target)
+
+
+@pytest.mark.parametrize("n, target", [(12, -0.02), (20, 0.005), (20, -0.005)])
+def test_two_mirrors_over_diagonals_that_run_one_way_ask_for_k_once(n, target):
+    problem = twisted_vault(n, target).with_constraints([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
+    solution = project(problem)
+    assert solution.status == "converged" and solution.iterations < 100, solution.message
+    for axis in (0, 1):
+        own = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+        image = np.flip(own, axis).ravel()
+        flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+        assert np.abs((solution.vertices[image] - [5, 5, 0]) * flip - (solution.vertices - [5, 5, 0])).max() < 1e-12
+
+
+def test_a_stall_for_faces_that_are_not_mirrored_blames_the_mesh_alone(monkeypatch):
+    """What the supports carry is not searched for then."""
+    monkeypatch.setattr(reasons, "largest_target", None)
+    problem = twisted_vault(12, -0.02).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
+    assert reasons.why_not_found(problem, "stalled") == ""
+    assert not tears_faces(twisted_vault(12, 0.0)) and tears_faces(problem)
