@@ -14,7 +14,7 @@ from .iterate import Point
 from .system import System
 from .turning import Turning
 
-__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "in_stages"]
+__all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "in_stages", "line_search"]
 
 SHORTEST = 2.0**-10  # part of a step below which the search gives up
 DECREASE = 0.1  # part of the expected decrease that a step must bring
@@ -59,7 +59,7 @@ def descend(
     tolerance = LOOSEST
     while here.merit > 0.0:
         step, kept = system.step(here, equations, tolerance, kept)
-        found = _line_search(system, equations, here, step) if np.isfinite(step).all() else None
+        found = line_search(system, equations, here, step) if np.isfinite(step).all() else None
         if found is None:
             return
         there, length, trials = found
@@ -109,7 +109,7 @@ def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterato
         yield from descend(system, equations, system.at(vertices, equations))
 
 
-def _line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
+def line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
     """Return the first of the halved steps that makes the merit smaller without a sharp fold."""
     length, trials = 1.0, 0
     turning = Turning(system, here.vertices)
