@@ -126,3 +126,24 @@ class CurvatureEquations:
         weight = np.zeros(len(vertices))
         weight[self.rows] = multipliers
         return _second_derivatives.defects_along(vertices, self.faces, weight, np.ascontiguousarray(moves))
+
+    def second_derivative(self, vertices: FloatArray, multipliers: FloatArray) -> sparse.csr_matrix:
+        """Return the second derivative of the weighted sum of the residuals, that of the mixed areas included.
+
+        Parameters
+        ----------
+        vertices
+            ``(n, 3)`` coordinates [L].
+        multipliers
+            ``(k,)`` weights of the rows.
+
+        Returns
+        -------
+        csr_matrix
+            ``(3c, 3c)`` by the coordinates of the moving vertices [1/L^2].
+        """
+        pattern = RingPattern(self.faces, len(vertices), self.columns, self.columns)
+        weight = np.zeros(len(vertices))
+        weight[self.rows] = multipliers
+        data = _second_derivatives.entries(vertices, self.faces, weight, self.targets, pattern.slots, pattern.size)
+        return sparse.bsr_matrix((data, pattern.indices, pattern.indptr), shape=(3 * len(self.columns),) * 2).tocsr()

@@ -34,7 +34,7 @@ from .selection import run_auto
 from .selection import run_method
 from .settings import Settings
 
-__all__ = ["solve"]
+__all__ = ["chosen_settings", "solve"]
 
 # Natural, and said of the mesh rather than of the solve.
 ON_THE_MESH = {
@@ -121,7 +121,7 @@ def solve(
     >>> result.status, result.method
     ('converged', 'newton')
     """
-    chosen = _chosen(method, settings)
+    chosen = chosen_settings(method, settings)
     if not hasattr(problem, "to_problem"):
         raise CGCError(wrong_problem(problem))
     posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
@@ -145,7 +145,7 @@ def _unknown_regions(unknown: object) -> Union[str, list[int]]:
     return [int(unknown)] if isinstance(unknown, (int, np.integer)) else [int(region) for region in unknown]
 
 
-def _chosen(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> Optional[Settings]:
+def chosen_settings(method: str, settings: Union[Settings, Mapping[str, Any], None]) -> Optional[Settings]:
     """Return settings, of the method that was asked for."""
     if settings is None or isinstance(settings, Mapping):
         made = settings_for(method, settings)

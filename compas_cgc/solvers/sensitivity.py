@@ -192,7 +192,7 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
     system = system.touching(point, equations)
     solved = optimality(system, point, equations)
     for _ in range(NEARER):
-        step = solved.correction(equations)
+        step = solved.correction(point, equations, solved.multipliers)[0]
         longest = float(np.abs(step).max(initial=0.0))
         if not STILL < longest < AWAY:
             break
@@ -201,4 +201,4 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
     position = np.full(len(vertices), -1)
     position[system.rows] = np.arange(len(system.rows))
     rows = {region: position[own][position[own] >= 0] for region, own in groups.items()}
-    return {region: solved.moves(own) * frame.scale**3 for region, own in rows.items()}
+    return {region: solved.moves(equations, own) * frame.scale**3 for region, own in rows.items()}

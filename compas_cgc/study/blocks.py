@@ -14,21 +14,14 @@ from ..execution.worker import stop_wanted
 from .variants import Measured
 from .variants import Plan
 
-__all__ = ["block_size", "solve_block"]
+__all__ = ["solve_block"]
 
-WORK = 4096  # vertices of a block
-LARGEST = 16  # variants
 PLANS = 2  # that a worker keeps
 
 _plans: OrderedDict[str, Plan] = OrderedDict()
 
 
-def block_size(vertices: int) -> int:
-    """Return the number of variants of a block."""
-    return max(1, min(LARGEST, WORK // max(1, vertices)))
-
-
-def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Measured]:
+def solve_block(digest: str, content: bytes, first: int, last: int, alone: bool = False) -> list[Measured]:
     """Return what was measured of the variants from the first up to, without, the last.
 
     Parameters
@@ -37,6 +30,8 @@ def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Meas
         Name of the study, and itself with its drawing as bytes, which are read once.
     first, last
         Numbers of variants.
+    alone
+        Whether each is solved without looking at others of its block, one of which may end the process.
     """
     plan = _plans.get(digest)
     if plan is None:
@@ -47,6 +42,6 @@ def solve_block(digest: str, content: bytes, first: int, last: int) -> list[Meas
     for variant in range(first, last):
         if stop_wanted():
             break
-        done.append(plan.measured(variant))
+        done.append(plan.measured(variant, alone))
         report({"variants": len(done)})
     return done

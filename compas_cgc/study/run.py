@@ -26,7 +26,6 @@ from ..execution.pool import WorkerPool
 from ..execution.protocol import TaskExecutor
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
-from .blocks import block_size
 from .blocks import solve_block
 from .results import DRAWING
 from .results import PARQUET
@@ -44,7 +43,7 @@ __all__ = ["Progress", "run_study"]
 
 POLL_INTERVAL = 0.1  # seconds between two looks at whether to stop
 AHEAD = 3  # blocks for each worker that are under way or wait, at most
-TRIES = 2  # times that a block is begun whose worker ends
+TRIES = 2  # times that a block is begun whose worker ends; a variant alone does not look at others of its block the last time
 
 
 class Progress(NamedTuple):
@@ -154,7 +153,8 @@ class _Run:
 
         def begin(block: tuple[int, int]) -> None:
             tries[block] = tries.get(block, 0) + 1
-            running[executor.start(solve_block, (self.digest, self.content, *block))] = block
+            alone = block[1] - block[0] == 1 and tries[block] == TRIES
+            running[executor.start(solve_block, (self.digest, self.content, *block, alone))] = block
 
         try:
             while True:
@@ -183,7 +183,7 @@ class _Run:
                 stop(task, "the study was stopped")
 
     def _blocks(self) -> Iterator[tuple[int, int]]:
-        size = block_size(len(self.plan.drawing.vertices))
+        size = self.plan.block_size
         for first in range(0, self.count, size):
             block = max(first, self.before), min(first + size, self.count)
             if block[0] < block[1]:

@@ -16,17 +16,29 @@ from ..model.goals import measures
 from ..model.goals.binding import support_height
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
+from ..solvers.between import Between
+from ..solvers.between import between
 from ..solvers.run import solve
 from ..solvers.selection import choose
 from .parameters import STRATEGIES
 from .parameters import Change
 from .spec import Study
 
-__all__ = ["Measured", "Plan"]
+__all__ = ["Measured", "Plan", "block_size"]
 
 MEASURES = ("status", "verdict", "rise", "height", "area", "volume", "error", "roughness", "steps", "method")
 KEPT = 1_000_000  # vertices of surfaces that are kept for variants with the same
 SHAPES = 16  # drawings of moved creases and supports that are kept
+WORK, LARGEST = 4096, 16  # vertices and variants of a block
+LONG, MORE = 1024, 4  # variants of a study from which blocks grow with it, and how many times larger they get
+ENDS = 8  # results and branches that are kept
+SHORTEST = 4  # distance of two variants between which others are gone on from one of them
+
+
+def block_size(vertices: int, variants: int) -> int:
+    """Return the number of variants of a block, for those of a study on a mesh of so many vertices."""
+    growth = max(1, min(MORE, variants // LONG))
+    return max(1, growth * min(LARGEST, WORK // max(1, vertices)))
 
 
 class Measured(NamedTuple):
@@ -61,6 +73,11 @@ class Plan:
         self._solved: OrderedDict[tuple, tuple[dict[str, Any], str, Optional[FloatArray]]] = OrderedDict()
         self._settings = study.solver_settings
         self._unknown = list(unknown_regions(self.drawing))
+        self._block = block_size(len(self.drawing.vertices), len(study.variants))
+        # Where variants share a solve whatever their block, none may depend on the others of its block.
+        self._by_blocks = all(own.kind not in STRATEGIES for own in study.parameters)
+        self._results: OrderedDict[int, Optional[SolveResult]] = OrderedDict()
+        self._between: OrderedDict[tuple[int, int], Optional[Between]] = OrderedDict()
         # A study that cannot be is refused before it begins.
         for own in study.parameters:
             own.change(self.drawing)
@@ -100,19 +117,34 @@ class Plan:
             problem = change(problem, values[k])
         return problem
 
-    def solve(self, variant: int) -> SolveResult:
-        """Return the result of a variant."""
-        return solve(self.problem(variant), method=self.study.method, settings=self._settings)
+    @property
+    def block_size(self) -> int:
+        """The number of variants of a block; a variant depends on no others than those of its block."""
+        return self._block
 
-    def measured(self, variant: int) -> Measured:
-        """Return the row of a variant and its surface; what is wrong with it is told in its note."""
+    def solve(self, variant: int) -> SolveResult:
+        """Return the result of a variant.
+
+        Between two of its block that have surfaces on one branch it is gone on from one of them, which comes to the same surface.
+        """
+        ends = self._ends(variant)
+        found = None if ends is None else ends.solve(self.problem(variant))
+        return found or self._alone(variant)
+
+    def measured(self, variant: int, alone: bool = False) -> Measured:
+        """Return the row of a variant and its surface; what is wrong with it is told in its note.
+
+        One alone is solved without looking at others of its block.
+        """
         try:
             problem = self.problem(variant)
         except CGCError as error:
             return self.refused(variant, str(error))
         key = self._decisive(problem, self.study.variants[variant])
+        if self._by_blocks:
+            key = variant // self._block, key
         if key not in self._solved:
-            self._solved[key] = self._solution(problem)
+            self._solved[key] = self._solution(variant, alone)
             if len(self._solved) > max(1, KEPT // len(problem.vertices)):
                 self._solved.popitem(last=False)
         figures, note, vertices = self._solved[key]
@@ -141,13 +173,66 @@ class Plan:
         methods = [one.method for one in choose(problem, self._settings)] if self.study.method == "auto" else [self.study.method]
         return (*own, *((problem.s.tobytes(), problem.e.tobytes()) if "flow" in methods else ()))
 
-    def _solution(self, problem: CGCProblem) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
-        """Return the figures of a problem's surface, what is wrong with it, and its vertices."""
+    def _solution(self, variant: int, alone: bool) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
+        """Return the figures of a variant's surface, what is wrong with it, and its vertices."""
         try:
-            result = solve(problem, method=self.study.method, settings=self._settings)
+            result = self._alone(variant) if alone else self.solve(variant)
         except CGCError as error:
             return {"status": "refused"}, str(error), None
         return (*self._figures(result), result.vertices)
+
+    def _alone(self, variant: int) -> SolveResult:
+        """Return the result of a variant, solved on its own."""
+        found = self._results.get(variant)
+        if found is None:
+            found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
+            _keep(self._results, variant, found)
+        return found
+
+    def _ends(self, variant: int) -> Optional[Between]:
+        """Return what solves a variant by two others with surfaces on one branch, as near to it as need be; None where there are none."""
+        first, last = self._run(variant)
+        while first < variant < last and last - first >= SHORTEST:
+            if (first, last) not in self._between:
+                _keep(self._between, (first, last), self._joined(first, last))
+            joined = self._between[first, last]
+            if joined is not None:
+                return joined
+            middle = (first + last) // 2
+            first, last = (first, middle) if variant <= middle else (middle, last)
+        return None
+
+    def _joined(self, first: int, last: int) -> Optional[Between]:
+        try:
+            return between(self._alone(first), self._alone(last), self.study.method, self._settings)
+        except CGCError:
+            return None
+
+    def _run(self, variant: int) -> tuple[int, int]:
+        """Return the first and the last of the variants about one, within its block, that go from K to K on one drawing one way."""
+        low = variant // self._block * self._block
+        high = min(low + self._block, len(self.study.variants)) - 1
+        varied = [k for k, own in enumerate(self.study.parameters) if own.kind == "K"]
+        if not self._by_blocks or not varied or self.study.method not in ("auto", "projection"):
+            return variant, variant
+
+        def way(k: int) -> Optional[tuple[bool, ...]]:
+            """Return which K grow from a variant to the next one, None where something else changes."""
+            here, there = self.study.variants[k], self.study.variants[k + 1]
+            if any(here[m] != there[m] for m in range(len(here)) if m not in varied):
+                return None
+            return tuple(there[m] > here[m] for m in varied)
+
+        ways = [way(k) for k in range(low, high)]
+        start = low
+        for k in range(low, high + 1):
+            # A new run begins where the way turns; its first variant is the one after the last of that before.
+            ends = k == high or ways[k - low] is None or (k > start and ways[k - low] != ways[start - low])
+            if ends and start <= variant <= k:
+                return start, k
+            if ends:
+                start = k + 1
+        return variant, variant
 
     def _row(self, variant: int, figures: Mapping[str, Any], note: str) -> tuple[Any, ...]:
         own = dict(zip(self.inputs, self.study.variants[variant]))
@@ -216,3 +301,10 @@ def _plain(value: Any) -> Any:
 
 def _hashable(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
+
+
+def _keep(kept: OrderedDict, key: Any, value: Any) -> None:
+    """Keep a value with the last few."""
+    kept[key] = value
+    if len(kept) > ENDS:
+        kept.popitem(last=False)

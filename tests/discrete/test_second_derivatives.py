@@ -33,3 +33,14 @@ def test_they_are_symmetric_and_blind_to_translations():
     there, back = (np.sum(a * equations.curvature_along(vertices, weights, b)) for a, b in ((one, other), (other, one)))
     assert abs(there - back) < 1e-10 * abs(there)
     assert np.abs(equations.curvature_along(vertices, weights, np.ones_like(vertices))).max() < 1e-9
+
+
+def test_the_matrix_is_the_derivative_of_the_first_with_areas_and_obtuse_faces():
+    vertices, equations, weights, move, _ = problem()
+    equations.targets = np.linspace(-3.0, 5.0, len(vertices))
+    matrix = equations.second_derivative(vertices, weights)
+    h = 1e-6
+    ahead, back = (equations.jacobian(vertices + s * h * move).T @ weights for s in (1, -1))
+    difference = (ahead - back) / (2 * h)
+    assert np.abs(matrix @ move.ravel() - difference).max() < 1e-7 * np.abs(difference).max()
+    assert np.abs(matrix - matrix.T).max() < 1e-12 * np.abs(matrix).max()

@@ -50,7 +50,8 @@ def fairest(result, targets) -> np.ndarray:
     point = system.at(frame.to_local(result.vertices), equations)
     system = system.touching(point, equations)
     for _ in range(4):
-        step = optimality(system, point, equations).correction(equations)
+        solved = optimality(system, point, equations)
+        step = solved.correction(point, equations, solved.multipliers)[0]
         point = system.at(point.vertices + step, equations)
     assert np.abs(step).max() < 1e-11
     return frame.to_model(point.vertices)

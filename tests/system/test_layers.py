@@ -36,6 +36,7 @@ INSIDE = {
         {"reasons", "registry"},
         {"selection"},
         {"run", "sensitivity"},
+        {"between"},
     ],
     "server": [{"errors", "limits", "memory"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
     "grasshopper": [{"runtime", "build"}, {"components"}],

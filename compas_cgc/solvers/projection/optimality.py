@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Callable
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy import sparse
@@ -11,6 +13,8 @@ from scipy.sparse.linalg import splu
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
+from ...linalg import SingularMatrixError
+from ...linalg.ordering import elimination_order
 from .iterate import Point
 from .system import System
 
@@ -18,6 +22,7 @@ __all__ = ["Optimality", "optimality"]
 
 STEP = 1e-8  # of the difference quotients of first derivatives, in the local frame
 PRECISE = 1e-10  # residual of the multipliers
+PIVOT = 1e-3  # of a pivot, against the largest entry of its column, that is kept in its place
 
 
 class Optimality(NamedTuple):
@@ -28,58 +33,92 @@ class Optimality(NamedTuple):
 
     system: System
     multipliers: FloatArray  # (l,) of the leading equations
-    basis: sparse.csr_matrix  # (3c, q) free directions
-    factor: object  # of the matrix (q + l, q + l)
-    areas: sparse.csr_matrix  # (k, 3c) derivatives of the mixed areas
+    basis: Optional[sparse.csr_matrix]  # (3c, q) free directions, None for all
+    factor: Callable[[FloatArray], FloatArray]  # the inverse of the matrix (q + l, q + l)
     point: Point
 
-    def correction(self, equations: CurvatureEquations) -> FloatArray:
-        """Return Newton's step (n, 3) from the shape to the fairest one near to it."""
-        system, point = self.system, self.point
+    def correction(self, point: Point, equations: CurvatureEquations, multipliers: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return Newton's step (n, 3) from a shape to the fairest one near to it, and that of the multipliers (l,)."""
+        system = self.system
         energy = system.fairness.energy(point.vertices)[1]
         J = system.jacobian(point, equations)
-        slope = self.basis.T @ (energy + J.T @ system.spread(self.multipliers)[: len(system.rows)])
-        right = -np.concatenate([slope, point.residual[system.leading]])
-        solution = self.factor.solve(right)  # type: ignore[attr-defined]
-        return system.full(self.basis @ solution[: self.basis.shape[1]])
+        slope = energy + J.T @ system.spread(multipliers)[: len(system.rows)]
+        return self._solved(slope, point.residual[system.leading])
 
-    def moves(self, group: IntArray) -> FloatArray:
+    def moves(self, equations: CurvatureEquations, group: IntArray) -> FloatArray:
         """Return the derivative (n, 3) of the shape by the K of some equations, by their positions among the k rows."""
         system, leading = self.system, self.system.leading
         own = np.zeros(len(system.rows))
         own[group] = 1.0
         weights = system.spread(self.multipliers)[: len(system.rows)] * own
-        gradient = self.basis.T @ (self.areas.T @ weights)
+        unit, none = (system.equations(np.full_like(equations.targets, K)).jacobian(self.point.vertices) for K in (1.0, 0.0))
+        gradient = (none - unit).T @ weights
         asked = np.append(own * self.point.areas, np.zeros(len(system.goals.equations)))[leading]
-        solution = self.factor.solve(np.concatenate([gradient, asked]))  # type: ignore[attr-defined]
-        return system.full(self.basis @ solution[: self.basis.shape[1]])
+        return self._solved(-gradient, -asked)[0]
+
+    def _solved(self, gradient: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the move (n, 3) and the multipliers (l,) that take a gradient (3c,) and residuals (l,) away."""
+        free = gradient if self.basis is None else self.basis.T @ gradient
+        solution = self.factor(-np.concatenate([free, residual]))
+        move = solution[: len(free)]
+        return self.system.full(move if self.basis is None else self.basis @ move), solution[len(free) :]
 
 
-def optimality(system: System, point: Point, equations: CurvatureEquations) -> Optimality:
-    """Return the optimality system at a shape that is the fairest one for given K.
+def optimality(system: System, point: Point, equations: CurvatureEquations, multipliers: Optional[FloatArray] = None) -> Optimality:
+    """Return the optimality system at a shape that is the fairest one for given K, with its multipliers (l,) where they are known.
 
     Goals of the whole surface are let go: what they push with stays, as weights of theirs.
+
+    Raises
+    ------
+    SingularMatrixError
+        If there are many such shapes side by side.
     """
-    linear = system.linearised(point, equations)
-    energy = system.fairness.energy(point.vertices)[1]
-    multipliers = linear.solver.without_effect(-linear.reduced(energy), PRECISE)[1]
-    basis = linear.solver.metric.basis
-    count = 3 * len(system.columns)
-    free = sparse.identity(count, format="csr") if basis is None else basis
+    if multipliers is None:
+        linear = system.linearised(point, equations)
+        energy = system.fairness.energy(point.vertices)[1]
+        multipliers = linear.solver.without_effect(-linear.reduced(energy), PRECISE)[1]
+    freedoms = system.places.freedoms(point.vertices)
+    free = freedoms.basis
     weights = system.spread(multipliers)
     held = system.without_goals(keep_contact=True)
-    second = system.fairness.second_derivative() + _second_derivative(system, equations, point, weights)
+    second = system.fairness.second_derivative() + equations.second_derivative(point.vertices, weights[: len(system.rows)])
+    if system.goals.equations:
+        second = second + _second_derivative_of_goals(system, point, weights)
     rows = held.leading[held.leading < len(system.rows)]
-    J = (system.jacobian(point, equations)[rows] @ free).tocsr()
-    H = free.T @ second @ free
-    matrix = sparse.bmat([[H, J.T], [J, None]], format="csc")
-    unit = system.equations(np.ones_like(equations.targets))
-    areas = system.equations(np.zeros_like(equations.targets)).jacobian(point.vertices) - unit.jacobian(point.vertices)
-    return Optimality(held, multipliers[: len(rows)], free.tocsr(), splu(matrix), areas.tocsr(), point)
+    J = system.jacobian(point, equations)[rows]
+    if free is not None:
+        second, J = free.T @ second @ free, J @ free
+    matrix = sparse.bmat([[second, J.T], [J, None]], format="csr")
+    order = _elimination_order(system, np.concatenate([freedoms.owner, system.rows[rows]]))
+    return Optimality(held, multipliers[: len(rows)], free, _factorised(matrix, order), point)
 
 
-def _second_derivative(system: System, equations: CurvatureEquations, point: Point, weights: FloatArray) -> sparse.csr_matrix:
-    """Return the second derivative (3c, 3c) of the equations weighed by (k + g,), by differences of their first ones.
+def _elimination_order(system: System, owner: IntArray) -> IntArray:
+    """Return an order of unknowns that belong to vertices: all of one together, its multiplier last, so that no pivot is zero."""
+    rank = np.full(len(system.places.start), len(system.columns))
+    rank[system.columns[elimination_order(system.fairness.plan)]] = np.arange(len(system.columns))
+    return np.argsort(rank[owner], kind="stable")
+
+
+def _factorised(matrix: sparse.csr_matrix, order: IntArray) -> Callable[[FloatArray], FloatArray]:
+    """Return the inverse of a symmetric matrix, by factors in an order of elimination."""
+    places = np.argsort(order)
+    try:
+        factors = splu(_reordered(matrix, places), permc_spec="NATURAL", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SingularMatrixError(str(error)) from None
+    return lambda right: factors.solve(right[order])[places]
+
+
+def _reordered(matrix: sparse.csr_matrix, places: IntArray) -> sparse.csc_matrix:
+    """Return a matrix with its unknowns at other places."""
+    entries = matrix.tocoo()
+    return sparse.csc_matrix((entries.data, (places[entries.row], places[entries.col])), shape=matrix.shape)
+
+
+def _second_derivative_of_goals(system: System, point: Point, weights: FloatArray) -> sparse.csr_matrix:
+    """Return the second derivative (3c, 3c) of the goals of the whole surface weighed by (k + g,), by differences of their first ones.
 
     Only vertices of one face have to do with each other, so vertices without a common neighbour are moved together.
     """
@@ -89,7 +128,7 @@ def _second_derivative(system: System, equations: CurvatureEquations, point: Poi
     position[columns] = np.arange(len(columns))
 
     def gradient(vertices: FloatArray) -> FloatArray:
-        total = (equations.jacobian(vertices).T @ weights[:k]).reshape(-1, 3)
+        total = np.zeros((len(columns), 3))
         for own, weight in zip(system.goals.equations, weights[k:]):
             total = total + weight / system.size**own.power * own.gradient(vertices)[columns]
         return total

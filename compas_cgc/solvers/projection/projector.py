@@ -50,7 +50,7 @@ from .symmetric import symmetric_start
 from .symmetry import Image
 from .system import System
 
-__all__ = ["Projector", "project"]
+__all__ = ["Projector", "project", "ready"]
 
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 READY = 3  # drawings for which what does not change is kept, or ways to keep to one
@@ -132,7 +132,7 @@ class Projector:
             If a vertex where K is asked for has no target.
         """
         system, settings, scale2 = self._system, self.settings, self._frame.scale**2
-        local = self._posed(targets, vertices)
+        local = self.posed(targets, vertices)
         equations = system.equations(local.targets)
         asked = exact_equations(equations, settings.measure)
         energy = energy_meter(local, self._edges)
@@ -140,7 +140,7 @@ class Projector:
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
         best, used, layout = start, equations, False
         measure = "defect" if settings.measure == AUTO else settings.measure
-        status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self._to_model)
+        status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self.to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
         elif not len(system.columns):
@@ -183,7 +183,7 @@ class Projector:
             own = [float(targets[self.problem.region_vertices(region)][0]) for region in regions]
             sentence += "; " + found(own, regions, len(system.goals.equations) + len(system.goals.places) + len(system.goals.sides))
         return Solution(
-            self._to_model(best.vertices),
+            self.to_model(best.vertices),
             status,
             sentence,
             len(recorder),
@@ -194,6 +194,20 @@ class Projector:
             targets=targets,
         )
 
+    def found_at(self, point: Point, targets: ArrayLike) -> Optional[Solution]:
+        """Return the solution at a shape that was found from elsewhere, None if it does not meet the targets (n,) [1/L^2]."""
+        system, local = self._system, self.posed(targets)
+        equations, scale2 = system.equations(local.targets), self._frame.scale**2
+        goal = self.settings.tolerance * local.target_scale
+        recorder = Recorder(1, None, self._frame, self.to_model)
+        point = self._symmetric(point, local, goal)
+        if not point.fulfils(goal, ROUNDINGS * system.rounding(point, equations)):
+            return None
+        recorder.record(energy_meter(local, self._edges)(point.vertices), point.error_norm, point.max_error, 1.0, 1)
+        error = point.max_error / scale2
+        sentence = message("converged", 1, error, system.at(local.vertices, equations).max_error / scale2, goal / scale2, "", "defect")
+        return Solution(self.to_model(point.vertices), "converged", sentence, 1, recorder.seconds, error, recorder.history)
+
     def _symmetric(self, reached: Point, local: CGCProblem, goal: float) -> Point:
         """Return a surface with the symmetries that it nearly has, if the drawing has them; else the surface itself."""
         kept = kept_symmetries(reached.vertices, self._system.size, self._own_symmetries(replace(self._local, targets=local.targets)))
@@ -202,12 +216,14 @@ class Projector:
         system = self._keeping(kept)
         equations = system.equations(local.targets)
         best = symmetric_start(system, equations, reached.vertices)
-        for taken in islice(made_symmetric(system, equations, reached.vertices), POLISHING):
-            if best.fulfils(goal, CLOSE * system.floor):
+        polishing = islice(made_symmetric(system, equations, reached.vertices), POLISHING)
+        while not best.fulfils(goal, CLOSE * system.floor):
+            taken = next(polishing, None)
+            if taken is None:
                 break
             best = min(best, system.at(taken.vertices, equations), key=lambda point: point.badness)
         # Compared as they are returned: rounding in the model's coordinates is part of them.
-        told = [self._system.at(self._frame.to_local(self._to_model(one.vertices)), equations).residual for one in (best, reached)]
+        told = [self._system.at(self._frame.to_local(self.to_model(one.vertices)), equations).residual for one in (best, reached)]
         left, had = (float(np.abs(residual).max(initial=0.0)) for residual in told)
         return best if best.fulfils(goal, system.floor) and left <= max(had, ROUNDED) else reached
 
@@ -242,8 +258,13 @@ class Projector:
             targets[within] = reached[rows[0]] if len(rows) else np.nan
         return targets
 
-    def _posed(self, targets: Optional[ArrayLike], vertices: Optional[ArrayLike]) -> CGCProblem:
-        """Return the local problem with other targets and another shape."""
+    @property
+    def system(self) -> System:
+        """The equations, freedoms and metric, in the local frame."""
+        return self._system
+
+    def posed(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None) -> CGCProblem:
+        """Return the problem in the local frame with other targets and another shape, both as in the model."""
         local, rows, columns = self._local, self._system.rows, self._system.columns
         if targets is not None:
             local = replace(local, targets=np.asarray(targets, dtype=np.float64) * self._frame.scale**2)
@@ -259,7 +280,8 @@ class Projector:
             local = replace(local, vertices=moved)
         return local
 
-    def _to_model(self, vertices: FloatArray) -> FloatArray:
+    def to_model(self, vertices: FloatArray) -> FloatArray:
+        """Return a shape (n, 3) of the local frame in the model."""
         # What may not move is handed back bit for bit, without the way through the frame.
         result = self.problem.vertices.copy()
         columns = self._system.columns
@@ -273,6 +295,11 @@ def _made(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntAr
 
 
 _ready = remembered(_made, recent=READY)
+
+
+def ready(problem: CGCProblem, settings: Optional[ProjectionSettings] = None) -> Projector:
+    """Return the projector of a problem without constraints, the last one again where only targets are others."""
+    return _ready(problem.vertices, problem.faces, problem.roles, problem.creases, settings or ProjectionSettings())
 
 
 def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
@@ -326,8 +353,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     if problem.constraints or len(problem.vertices) > MANY:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
-        ready = _ready(problem.vertices, problem.faces, problem.roles, problem.creases, settings or ProjectionSettings())
-        solution = ready.solve(problem.targets, callback=callback)
+        solution = ready(problem, settings).solve(problem.targets, callback=callback)
     if solution.status != "stalled" or not bind(problem).whole:
         return solution
     had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from .at_rest import brought_to_rest
 from .exact import exactly
 from .exact import unsettled
 from .gauss_newton import FINISH
@@ -104,12 +105,15 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     if found is None:
         return
     reached = yield from refine(system, equations, found.reached)
+    rested = brought_to_rest(system, equations, reached)
+    reached = rested or reached
     if settings.measure == "smooth":
         yield from smoothed(system, equations, reached)
     elif settings.measure == AUTO:
         if shows_layout(system, equations, reached.point.vertices):
             yield from smoothed(system, equations, reached)
         # Where it does not come to rest in that measure either.
+        yield from _told(rested)
         yield from descend(system, equations, reached.point, patience=FINISH)
     elif settings.measure in EXACT:
         vertices = reached.point.vertices
@@ -118,7 +122,14 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
             vertices = yield from unsettled(smoothed(system, equations, reached), vertices)
         yield from exactly(system, equations, settings.measure, vertices)
     else:
+        yield from _told(rested)
         yield from descend_over_saddles(system, equations, reached.point)
+
+
+def _told(rested: Optional[Reached]) -> Iterator[Taken]:
+    """Yield the shape at rest, if there is one."""
+    if rested is not None:
+        yield Taken(rested.point.vertices, 1.0, 1)
 
 
 def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -> bool:

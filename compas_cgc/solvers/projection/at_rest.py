@@ -1,0 +1,62 @@
+"""Newton's method on the conditions of the fairest shape: to where rounding alone says which it is, whatever the way there."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.jacobian import CurvatureEquations
+from ...linalg import SingularMatrixError
+from .found_curvature import FoundCurvature
+from .gauss_newton import FULFILLED
+from .optimality import Optimality
+from .optimality import optimality
+from .sequential import Reached
+from .system import System
+
+__all__ = ["MOST", "brought_to_rest", "rests", "to_rest"]
+
+MOST = 500  # vertices that may move, up to which the matrix is factorised
+NEAR = 1e-2  # step, against the size of the mesh, that leads elsewhere
+STILL, QUIET = 1e-13, 1e-10  # the same, that is none, and that is as good as none where rounding allows no less
+FASTER = 0.3  # of a step, against the one before, while the matrix is good enough
+STEPS = 16  # with one matrix
+
+
+def rests(system: System, equations: CurvatureEquations) -> bool:
+    """Return whether shapes are few enough unknowns, bound by nothing but K, that a problem's are brought to rest."""
+    bound = system.goals.equations or system.goals.sides or not system.places.trivial
+    return not bound and len(system.columns) <= MOST and not isinstance(equations, FoundCurvature)
+
+
+def brought_to_rest(system: System, equations: CurvatureEquations, reached: Reached) -> Optional[Reached]:
+    """Return the fairest shape near to one, to the last digits; None where there is none or it takes too long."""
+    if not rests(system, equations):
+        return None
+    try:
+        return to_rest(optimality(system, reached.point, equations, reached.multipliers), equations, reached)
+    except SingularMatrixError:
+        return None
+
+
+def to_rest(solved: Optimality, equations: CurvatureEquations, reached: Reached) -> Optional[Reached]:
+    """Return the fairest shape by Newton's steps with one matrix, that of a shape near to it; None where they do not lead there.
+
+    References
+    ----------
+    Nocedal and Wright, *Numerical Optimization*, section 18.1, doi:10.1007/978-0-387-40065-5.
+    """
+    system = solved.system
+    here, multipliers, longest = system.at(reached.point.vertices, equations), reached.multipliers, NEAR / FASTER
+    for _ in range(STEPS):
+        before = longest
+        move, more = solved.correction(here, equations, multipliers)
+        longest = float(np.abs(move).max(initial=0.0)) / system.size
+        if not longest <= FASTER * before:
+            longest = before
+            break
+        here, multipliers = system.at(here.vertices + move, equations), multipliers + more
+        if longest <= STILL:
+            break
+    return Reached(here, multipliers) if longest <= QUIET and system.missing(here, equations) <= FULFILLED else None
