@@ -21,7 +21,7 @@ from .registry import settings_of
 from .run import chosen_settings
 from .settings import Settings
 
-__all__ = ["Between", "between"]
+__all__ = ["Between", "between", "leads_on"]
 
 SAME = 1e-9  # distance of two surfaces, against their size, that are one
 
@@ -65,27 +65,49 @@ class Between:
         return SolveResult.from_solution(problem, found._replace(method="projection", verdict=judged), self._settings, None, remarks)
 
 
-def between(
-    first: SolveResult, last: SolveResult, method: str = "auto", settings: Union[Settings, Mapping[str, Any], None] = None
-) -> Optional[Between]:
+def leads_on(result: SolveResult, method: str = "auto", settings: Union[Settings, Mapping[str, Any], None] = None) -> Optional[Branch]:
+    """Return the branch that the surface of a result lies on, None where others are not found from it.
+
+    Parameters
+    ----------
+    result
+        Of :func:`compas_cgc.solve`.
+    method, settings
+        With which it was solved.
+    """
+    if method not in ("auto", "projection") or result.method != "projection" or not _is_fair(result) or result.start is None:
+        return None
+    own = settings_of(METHODS["projection"], chosen_settings(method, settings))
+    branch = branch_through(result.problem.with_vertices(result.start), result.vertices, own)  # type: ignore[arg-type]
+    return branch if branch is not None and _reaches(branch, result) else None
+
+
+def between(branch: Branch, first: SolveResult, last: SolveResult, settings: Optional[Settings]) -> Optional[Between]:
     """Return what solves the problems between two of the same drawing, None where their surfaces do not lie on one branch.
 
     From the surface of the first the targets are changed to those of the last. Where that comes to the last one's surface, which was
     found on its own, the surfaces between are taken for those that are found on their own, too.
+
+    Parameters
+    ----------
+    branch
+        That the surface of the first lies on.
+    first, last
+        Results of the same method and settings.
+    settings
+        These.
     """
-    results = (first, last)
-    chosen = chosen_settings(method, settings)
-    if method not in ("auto", "projection") or first.start is None:
+    if last.method != "projection" or not _is_fair(last) or not _reaches(branch, last):
         return None
-    if not all(own.converged and own.method == "projection" and own.verdict is not None and own.verdict.fair for own in results):
-        return None
-    problem = first.problem.with_vertices(first.start)
-    branch = branch_through(problem, first.vertices, settings_of(METHODS["projection"], chosen))  # type: ignore[arg-type]
-    if branch is None:
-        return None
-    size = float(np.ptp(first.vertices, axis=0).max())
-    for own in results:
-        found = branch.to(own.problem.targets)
-        if found is None or not np.abs(found.vertices - own.vertices).max() <= SAME * size:
-            return None
-    return Between(branch, np.array([own.problem.targets for own in results]), chosen)
+    return Between(branch, np.array([own.problem.targets for own in (first, last)]), settings)
+
+
+def _is_fair(result: SolveResult) -> bool:
+    return result.converged and result.verdict is not None and result.verdict.fair
+
+
+def _reaches(branch: Branch, result: SolveResult) -> bool:
+    """Return whether a branch comes to the surface of a result."""
+    found = branch.to(result.problem.targets)
+    size = float(np.ptp(result.vertices, axis=0).max())
+    return found is not None and bool(np.abs(found.vertices - result.vertices).max() <= SAME * size)

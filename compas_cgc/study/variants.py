@@ -18,6 +18,8 @@ from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..solvers.between import Between
 from ..solvers.between import between
+from ..solvers.between import leads_on
+from ..solvers.projection.branch import Branch
 from ..solvers.run import solve
 from ..solvers.selection import choose
 from .parameters import STRATEGIES
@@ -31,7 +33,7 @@ KEPT = 1_000_000  # vertices of surfaces that are kept for variants with the sam
 SHAPES = 16  # drawings of moved creases and supports that are kept
 WORK, LARGEST = 4096, 16  # vertices and variants of a block
 LONG, MORE = 1024, 4  # variants of a study from which blocks grow with it, and how many times larger they get
-ENDS = 8  # results and branches that are kept
+ENDS = 16  # results and branches that are kept
 SHORTEST = 4  # distance of two variants between which others are gone on from one of them
 
 
@@ -76,7 +78,8 @@ class Plan:
         self._block = block_size(len(self.drawing.vertices), len(study.variants))
         # Where variants share a solve whatever their block, none may depend on the others of its block.
         self._by_blocks = all(own.kind not in STRATEGIES for own in study.parameters)
-        self._results: OrderedDict[int, Optional[SolveResult]] = OrderedDict()
+        self._results: OrderedDict[int, SolveResult] = OrderedDict()
+        self._branches: OrderedDict[int, Optional[Branch]] = OrderedDict()
         self._between: OrderedDict[tuple[int, int], Optional[Between]] = OrderedDict()
         # A study that cannot be is refused before it begins.
         for own in study.parameters:
@@ -183,10 +186,10 @@ class Plan:
 
     def _alone(self, variant: int) -> SolveResult:
         """Return the result of a variant, solved on its own."""
-        found = self._results.get(variant)
+        found = self._results.pop(variant, None)
         if found is None:
             found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
-            _keep(self._results, variant, found)
+        _keep(self._results, variant, found)
         return found
 
     def _ends(self, variant: int) -> Optional[Between]:
@@ -196,7 +199,7 @@ class Plan:
             if (first, last) not in self._between:
                 _keep(self._between, (first, last), self._joined(first, last))
             joined = self._between[first, last]
-            if joined is not None:
+            if joined is not None or self._branches.get(first) is None:
                 return joined
             middle = (first + last) // 2
             first, last = (first, middle) if variant <= middle else (middle, last)
@@ -204,7 +207,10 @@ class Plan:
 
     def _joined(self, first: int, last: int) -> Optional[Between]:
         try:
-            return between(self._alone(first), self._alone(last), self.study.method, self._settings)
+            if first not in self._branches:
+                _keep(self._branches, first, leads_on(self._alone(first), self.study.method, self._settings))
+            branch = self._branches[first]
+            return None if branch is None else between(branch, self._alone(first), self._alone(last), self._settings)
         except CGCError:
             return None
 

@@ -90,6 +90,7 @@ class Places:
             new = np.flatnonzero(np.arange(n) < self.head[image.to])
             later = image.to[new]
             self.head[later], self.turn[later], self.shift[later] = new, image.turn, image.shift
+        self._by_symmetry: Optional[tuple[FloatArray, FloatArray, sparse.csr_matrix, IntArray]] = None
         self._all = Freedoms(None, np.repeat(np.flatnonzero(movable), 3), None)
         self._refuse_astray()
 
@@ -118,14 +119,28 @@ class Places:
         """Return what may move at a shape (n, 3)."""
         if self.trivial:
             return self._all
-        columns = np.flatnonzero(self.movable)
         goal = self.symmetric(vertices)
-        free, direction, shift = self._solve(*self.conditions(goal), goal)
+        bound, pull = self.conditions(goal)
+        at = np.flatnonzero(bound.any(axis=(1, 2)))
+        # Symmetries alone bind the same directions at every shape.
+        known = None if self.constraints else self._by_symmetry
+        value, vector = np.linalg.eigh(bound[at]) if known is None else known[:2]
+        shift = _shortest(value, vector, pull[at], at, len(vertices))
         for ring in self.rings:
             shift[ring, 2] += goal[ring, 2].mean() - goal[ring, 2]
         goal = self._from_heads(goal + shift)
+        basis, owner = self._basis(value, vector, at) if known is None else known[2:]
+        if not self.constraints:
+            self._by_symmetry = value, vector, basis, owner
+        return Freedoms(basis, owner, (goal - vertices)[np.flatnonzero(self.movable)])
+
+    def _basis(self, value: FloatArray, vector: FloatArray, at: IntArray) -> tuple[sparse.csr_matrix, IntArray]:
+        """Return the free directions (3c, q) where some vertices are bound, and the vertices that they belong to (q,)."""
+        n, columns = len(self.start), np.flatnonzero(self.movable)
+        free, direction = np.ones((n, 3), bool), np.tile(np.eye(3), (n, 1, 1))
+        free[at], direction[at] = value <= SAME, vector
         heads = self.head[columns]
-        live = np.zeros(len(vertices), bool)
+        live = np.zeros(n, bool)
         live[heads] = True
         owned = free & live[:, None]
         number = self._numbered(owned, direction)
@@ -137,7 +152,7 @@ class Places:
         basis = sparse.csr_matrix((moves.ravel(), (rows.ravel(), columns_of)), shape=(3 * len(columns), count))
         owner = np.empty(count, dtype=np.int64)
         owner[number[owned][::-1]] = np.nonzero(owned)[0][::-1]
-        return Freedoms(basis, owner, (goal - vertices)[columns])
+        return basis, owner
 
     def _numbered(self, owned: NDArray[np.bool_], direction: FloatArray) -> IntArray:
         """Return the number of every free direction (n, 3), -1 of others; the upright ones of a level edge are made one."""
@@ -182,18 +197,6 @@ class Places:
             toward[itself] += (image.shift - vertices[itself] @ stay.T) @ stay
         return total, toward
 
-    def _solve(self, bound: FloatArray, pull: FloatArray, vertices: FloatArray) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
-        """Return which directions (n, 3, 3) are free (n, 3), and the shortest moves that fulfil the conditions (n, 3)."""
-        n = len(vertices)
-        free, direction, shift = np.ones((n, 3), bool), np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3))
-        at = np.flatnonzero(bound.any(axis=(1, 2)))
-        value, vector = np.linalg.eigh(bound[at])
-        held = value > SAME
-        along = np.einsum("nxk,nx->nk", vector, pull[at])
-        shift[at] = np.einsum("nxk,nk->nx", vector, np.where(held, along / np.where(held, value, 1.0), 0.0))
-        free[at], direction[at] = ~held, vector
-        return free, direction, shift
-
     def _refuse_astray(self) -> None:
         gap = np.where(self.movable, 0.0, self.gap(self.start))
         if (gap > ASTRAY).any():
@@ -201,6 +204,15 @@ class Places:
             raise ProblemError(
                 [f"vertex {vertex} is fixed away from where a constraint wants it; free it, or take it out of the constraint"]
             )
+
+
+def _shortest(value: FloatArray, vector: FloatArray, pull: FloatArray, at: IntArray, n: int) -> FloatArray:
+    """Return the shortest moves (n, 3) that fulfil the conditions of some vertices, by their principal values and directions."""
+    held = value > SAME
+    along = np.einsum("nxk,nx->nk", vector, pull)
+    shift = np.zeros((n, 3))
+    shift[at] = np.einsum("nxk,nk->nx", vector, np.where(held, along / np.where(held, value, 1.0), 0.0))
+    return shift
 
 
 def movable_vertices(problem: CGCProblem, faces: IntArray, constraints: Sequence[Constraint]) -> NDArray[np.bool_]:
