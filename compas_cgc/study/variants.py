@@ -79,6 +79,7 @@ class Plan:
         # Where variants share a solve whatever their block, none may depend on the others of its block.
         self._by_blocks = all(own.kind not in STRATEGIES for own in study.parameters)
         self._results: OrderedDict[int, SolveResult] = OrderedDict()
+        self._runs: OrderedDict[int, list[tuple[int, int]]] = OrderedDict()
         self._branches: OrderedDict[int, Optional[Branch]] = OrderedDict()
         self._between: OrderedDict[tuple[int, int], Optional[Between]] = OrderedDict()
         # A study that cannot be is refused before it begins.
@@ -216,29 +217,28 @@ class Plan:
 
     def _run(self, variant: int) -> tuple[int, int]:
         """Return the first and the last of the variants about one, within its block, that go from K to K on one drawing one way."""
-        low = variant // self._block * self._block
-        high = min(low + self._block, len(self.study.variants)) - 1
-        varied = [k for k, own in enumerate(self.study.parameters) if own.kind == "K"]
-        if not self._by_blocks or not varied or self.study.method not in ("auto", "projection"):
-            return variant, variant
+        block = variant // self._block
+        if block not in self._runs:
+            _keep(self._runs, block, self._runs_of(block))
+        return next(run for run in self._runs[block] if run[0] <= variant <= run[1])
 
-        def way(k: int) -> Optional[tuple[bool, ...]]:
-            """Return which K grow from a variant to the next one, None where something else changes."""
-            here, there = self.study.variants[k], self.study.variants[k + 1]
-            if any(here[m] != there[m] for m in range(len(here)) if m not in varied):
-                return None
-            return tuple(there[m] > here[m] for m in varied)
-
-        ways = [way(k) for k in range(low, high)]
-        start = low
-        for k in range(low, high + 1):
-            # A new run begins where the way turns; its first variant is the one after the last of that before.
-            ends = k == high or ways[k - low] is None or (k > start and ways[k - low] != ways[start - low])
-            if ends and start <= variant <= k:
-                return start, k
-            if ends:
+    def _runs_of(self, block: int) -> list[tuple[int, int]]:
+        first = block * self._block
+        values = self.study.variants[first : first + self._block]
+        varied = [own.kind == "K" for own in self.study.parameters]
+        last = first + len(values) - 1
+        if not self._by_blocks or not any(varied) or self.study.method not in ("auto", "projection"):
+            return [(k, k) for k in range(first, last + 1)]
+        runs, start, before = [], first, None
+        for k, (here, there) in enumerate(zip(values, values[1:]), first):
+            same = all(one == other for one, other, varies in zip(here, there, varied) if not varies)
+            way = [other > one for one, other, varies in zip(here, there, varied) if varies] if same else None
+            # Where the way turns a new run begins, with the variant after the last of that before.
+            if way is None or (k > start and way != before):
+                runs.append((start, k))
                 start = k + 1
-        return variant, variant
+            before = way
+        return [*runs, (start, last)] if start <= last else runs
 
     def _row(self, variant: int, figures: Mapping[str, Any], note: str) -> tuple[Any, ...]:
         own = dict(zip(self.inputs, self.study.variants[variant]))
