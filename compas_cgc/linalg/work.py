@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from typing import Optional
 from typing import TypeVar
 
-__all__ = ["Work", "spend", "until_spent"]
+__all__ = ["Work", "is_spent", "spend", "until_spent"]
 
 T = TypeVar("T")
 
@@ -59,6 +59,12 @@ def spend(amount: float) -> None:
     work.left = before - amount
     if before >= 0.0 > work.left:
         raise _Spent
+
+
+def is_spent() -> bool:
+    """Return whether the work that is counted is used up."""
+    work = _COUNTED.get()
+    return work is not None and work.spent
 
 
 def until_spent(steps: Iterator[T]) -> Iterator[T]:

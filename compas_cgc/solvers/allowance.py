@@ -14,7 +14,7 @@ from .settings import Settings
 __all__ = ["Allowance"]
 
 # Right sides solved for, with all coordinates unknown; a thousand take 0.6 s for 1,000 vertices.
-EACH, ALL = 12_500, 13_500
+EACH, ALL = 12_500, 15_500
 SMALLEST = 400  # vertices, of which smaller problems are taken to have as many
 FLOW_STEP = 25  # right sides that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"

@@ -12,6 +12,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..linalg.work import Work
 from ..model.goals.binding import held_by_newton
@@ -33,6 +34,7 @@ from .registry import METHODS
 from .registry import method_of
 from .registry import settings_of
 from .settings import Settings
+from .smoothed import solved_smoothed
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
@@ -47,17 +49,19 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    anew: bool = False  # on a mesh of the same drawing laid out anew first, where the layout is what may be rough
+    start: str = "drawn"  # or "anew", on a mesh of the same drawing laid out anew first; or "smoothed", from what was found so far
 
 
 FLOW_STEPS = 400
 # What it has not reached by then it does not reach, and meshes of some size would take their time.
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": FLOW_STEPS}))
 SECOND = [
-    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape"}), True),
+    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape"}), "anew"),
+    Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
 ]
+STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", False, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -88,7 +92,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄"), *SECOND]
+        return [Choice("projection", "it alone reaches negative K̄"), STALLED, *SECOND]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -98,7 +102,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             Choice("projection", "it moves vertices sideways too"),
             FLOW,
         ]
-    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), *SECOND, FLOW]
+    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), STALLED, *SECOND, FLOW]
 
 
 def run_method(
@@ -134,13 +138,16 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     for choice in choose(problem, settings):
         if allowed.spent and tried:
             break
-        if choice.second is not bool(rough) and not choice.anew:
-            if rough:
-                break
+        if choice.second is not bool(rough) and choice.start != "anew":
             continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
-        found = allowed.solved(partial(solved_anew, problem, run, callback) if choice.anew else partial(run, problem))
+        if choice.start == "anew":
+            found = allowed.solved(partial(solved_anew, problem, run, callback))
+        elif choice.start == "smoothed":
+            found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
+        else:
+            found = allowed.solved(partial(run, problem))
         if found is None:
             continue
         solution = found
@@ -163,6 +170,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     return _told(best, choice, tried, why_not_found(problem, best.status, partial(_columns, problem, best)))
 
 
+def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:
+    """Return the surface (n, 3) that came nearest to a fair one."""
+    if rough:
+        return min(rough, key=lambda one: one[0])[1].vertices
+    return min(tried, key=lambda pair: pair[0].max_error)[0].vertices
+
+
 def _columns(problem: CGCProblem, rough: Solution) -> str:
     """Return which columns are in the way of a surface of K > 0, and what heights they may have, where that is found soon."""
     if len(problem.vertices) > LARGE or not problem.real_faces.all() or unknown_regions(problem):
@@ -176,7 +190,7 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     """Return the first fair surface that the methods arrive at, else the last that they do."""
     found: Optional[Attempt] = None
     for choice in choose(problem):
-        if choice.options is FLOW.options or choice.anew or (choice.second and found is None):
+        if choice.options is FLOW.options or choice.start != "drawn" or (choice.second and found is None):
             continue
         try:
             solution = run_method(METHODS[choice.method], problem, options=choice.options)

@@ -30,13 +30,32 @@ def bent_sheet(n: int = 20) -> CGCProblem:
     return CGCProblem(vertices + wave[:, None] * np.column_stack([np.sin(turn), 0 * y, np.cos(turn)]), faces, roles, 0.0)
 
 
-def test_a_developable_is_found_free_of_a_wavy_drawing():
+def test_a_developable_is_found_from_a_wavy_drawing():
     problem = bent_sheet()
     straight = solve(problem, method="projection")
     found = solve(problem)
     assert straight.converged and not straight.verdict.fair
     assert found.converged and found.verdict.fair, str(found.verdict)
-    assert "free of the drawing it is fairer" in found.message
+    assert "from what was found, smoothed, it is fairer" in found.message
+
+
+@pytest.mark.parametrize("number", [1121, 1082])
+def test_waves_that_a_search_has_put_into_a_surface_are_smoothed_out(number):
+    """A cone on a regular mesh, and points at heights with K < 0: no search for less bending takes the waves out again."""
+    problem = case(number).problem
+    assert not solve(problem, method="projection").verdict.fair
+    found = solve(problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "smoothed" in found.message
+
+
+@pytest.mark.slow
+def test_where_a_search_stalls_a_smooth_surface_is_gone_on_from():
+    """A saddle of revolution on an irregular mesh, whose angle defects hold it too tightly for the search to arrive."""
+    problem = case(1023).problem
+    found = solve(problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "from where it stalled, smoothed, it arrives" in found.message
 
 
 def test_a_dome_that_is_fair_at_once_is_solved_once():

@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
-        {"anew", "columns", "flow", "limits"},
+        {"anew", "smoothed", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
         {"run", "sensitivity"},

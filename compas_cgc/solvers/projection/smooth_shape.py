@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from collections.abc import Sequence
 from typing import Optional
 
 import numpy as np
@@ -31,7 +32,9 @@ HALVINGS = 5
 STILL = 3e-4  # move, against that, that is none
 
 
-def smooth_shape(system: System, equations: CurvatureEquations, vertices: FloatArray) -> Generator[Taken, None, FloatArray]:
+def smooth_shape(
+    system: System, equations: CurvatureEquations, vertices: FloatArray, weights: Sequence[float] = WEIGHTS, rounds: int = ROUNDS
+) -> Generator[Taken, None, FloatArray]:
     r"""Take steps from a shape (n, 3) to one nearby that is smooth and nearly has the curvature asked for, and return that.
 
     .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{3}{2} \text{waves} + \tfrac{b}{2} \text{bending}
@@ -41,8 +44,8 @@ def smooth_shape(system: System, equations: CurvatureEquations, vertices: FloatA
     K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
     """
     here = _State(system, equations, vertices, vertices)
-    for weight in WEIGHTS:
-        for _ in range(ROUNDS):
+    for weight in weights:
+        for _ in range(rounds):
             there = here.next(weight)
             if there is None:
                 break

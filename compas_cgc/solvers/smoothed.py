@@ -1,0 +1,65 @@
+"""A start that is smooth: the surface that was found, with its waves and its errors of K taken out by fitted polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Callable
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..linalg.work import is_spent
+from ..linalg.work import spend
+from ..linalg.work import until_spent
+from ..model.goals.binding import bind
+from ..model.problem import CGCProblem
+from ..model.result import Solution
+from .projection.settings import ProjectionSettings
+from .projection.smooth_shape import smooth_shape
+from .projection.system import System
+
+__all__ = ["solved_smoothed"]
+
+WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
+STEP = 85.0  # right sides that a step takes as long as
+FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
+
+
+def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+    """Return the solution from what was found, smoothed.
+
+    The equations of angle defects tell nothing of waves, and once a search has put some into a surface none of its steps takes them
+    out again. Polynomials fitted around the vertices do tell, and the surface that is smooth by them has nearly the K asked for.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets.
+    found
+        ``(n, 3)`` vertices of a surface that is rough, or was not arrived at [L].
+    solve
+        Solves the problem with the smooth surface drawn.
+
+    Returns
+    -------
+    Solution or None
+        None where the mesh is too small or large, with constraints, or where it takes more work than is allowed.
+    """
+    if problem.constraints or not FEWEST <= int(problem.asked.sum()) <= MOST or not np.isfinite(found).all():
+        return None
+    local, frame = problem.with_vertices(found).local()
+    system = System(local, ProjectionSettings(keep="shape"), bind(local, ()))
+    shapes = list(until_spent(_shapes(system, local)))
+    if is_spent():
+        return None
+    shape = problem.vertices.copy()
+    shape[system.columns] = frame.to_model([local.vertices, *shapes][-1][system.columns])
+    return solve(problem.with_vertices(shape))
+
+
+def _shapes(system: System, local: CGCProblem) -> Iterator[FloatArray]:
+    """Pass on smoother and smoother shapes (n, 3), each paid for."""
+    for taken in smooth_shape(system, system.equations(local.targets), local.vertices, WEIGHTS, ROUNDS):
+        yield taken.vertices
+        spend(STEP * 3.0 * len(local.vertices))
