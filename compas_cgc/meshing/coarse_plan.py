@@ -19,7 +19,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..discrete.plan import cross
 from .creases import crease_paths
+from .edge_flips import flipped
 
 __all__ = ["CoarsePlan", "coarse_plan"]
 
@@ -76,13 +78,13 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
     within, weights = located(inner, plan, faces, step)
     inner, weights, within = inner[within >= 0], weights[within >= 0], within[within >= 0]
     points = np.vstack([plan[chosen], inner])
-    try:
-        coarse = _delaunay(points, plan, faces, step)
-    except QhullError:
-        return None
     place = np.full(len(plan), -1)
     place[chosen] = np.arange(len(chosen))
     outer, inside = (_edges_of(place, own) for own in (around, along))
+    try:
+        coarse = _delaunay(points, np.vstack([outer, inside]), plan, faces, step)
+    except QhullError:
+        return None
     if not len(coarse) or not _runs_along(coarse, outer, inside) or not _covers(points, coarse, plan, faces):
         return None
     return CoarsePlan(coarse, chosen, within, weights, inside)
@@ -185,13 +187,35 @@ def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
     return plan[edges[owner, 0]] + part[:, None] * along[owner]
 
 
-def _delaunay(points: FloatArray, plan: FloatArray, faces: Faces, step: float) -> Faces:
-    """Return the Delaunay triangles of points (p, 2) that lie in the faces of another mesh."""
+def _delaunay(points: FloatArray, lines: Edges, plan: FloatArray, faces: Faces, step: float) -> Faces:
+    """Return the triangles of points (p, 2) that lie in the faces of another mesh: Delaunay, but for lines (c, 2) that are edges of it."""
     coarse = Delaunay(points).simplices.astype(np.int64)
+    coarse[_double_areas(points, coarse) < 0] = coarse[_double_areas(points, coarse) < 0][:, ::-1]
+    coarse = _with_lines(points, coarse, lines)
     double = _double_areas(points, coarse)
-    coarse[double < 0] = coarse[double < 0][:, ::-1]
     coarse = coarse[np.abs(double) > SLIVER * np.abs(double).mean()]
     return np.ascontiguousarray(coarse[located(points[coarse].mean(axis=1), plan, faces, step)[0] >= 0])
+
+
+def _with_lines(points: FloatArray, faces: Faces, lines: Edges) -> Faces:
+    """Return triangles (f, 3) after flips of the edges that cross lines (c, 2), as far as that makes the lines edges of theirs.
+
+    A line that turns sharply is not one of a Delaunay mesh by itself.
+    """
+    n, codes = len(points), np.sort(lines, axis=1) @ [len(points), 1]
+    lost = points[lines[~np.isin(codes, np.sort(edge_faces(faces)[:, :2], axis=1) @ [n, 1])]]
+    if not len(lost):
+        return faces
+    return flipped(points, faces, codes, lambda e: _crossed(points[e.a], points[e.b], lost) - _crossed(points[e.c], points[e.d], lost))
+
+
+def _crossed(start: FloatArray, end: FloatArray, lines: FloatArray) -> IntArray:
+    """Return how many lines (c, 2, 2) each of some edges (k, 2) crosses, away from the ends of both (k,)."""
+    count = np.zeros(len(start), np.int64)
+    for first, last in lines[:, :, None]:
+        apart = cross(last - first, start - first) * cross(last - first, end - first) < 0.0
+        count += apart & (cross(end - start, first - start) * cross(end - start, last - start) < 0.0)
+    return count
 
 
 def _double_areas(points: FloatArray, faces: Faces) -> FloatArray:

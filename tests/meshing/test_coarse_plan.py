@@ -67,3 +67,28 @@ def test_the_error_of_what_is_carried_over_falls_with_the_fifth_power():
 
     errors = [np.abs(CarryOver(shapes.grid(n)[0][:, :2], goal)(wave(shapes.grid(n)[0][:, :2])) - wave(goal)).max() for n in (16, 32)]
     assert errors[1] < errors[0] / 20
+
+
+def between_sides(vertices, faces, angle):
+    """The inner edges between the triangles on two sides of a line through the middle, which go in a zigzag along it."""
+    side = (vertices[faces].mean(axis=1)[:, :2] - 0.5) @ [np.cos(angle), np.sin(angle)] > 0.0
+    edges = edge_faces(faces)
+    edges = edges[edges[:, 3] >= 0]
+    return edges[side[edges[:, 2]] != side[edges[:, 3]], :2]
+
+
+@pytest.mark.parametrize("n", [6, 9, 14])
+@pytest.mark.parametrize("angle", np.linspace(0.1, 3.0, 8))
+def test_lines_that_go_in_a_zigzag_stay_on_a_mesh_laid_out_anew(n, angle):
+    rng = np.random.default_rng(int(10 * angle) + n)
+    vertices, faces = shapes.grid(n)
+    inside = np.abs(vertices[:, :2] - 0.5).max(axis=1) < 0.5 - 1e-9
+    vertices[inside, :2] += rng.uniform(-0.25, 0.25, (inside.sum(), 2)) / n
+    plan = np.ascontiguousarray(vertices[:, :2])
+    lines = between_sides(vertices, faces, angle)
+    for step in (1.0 / n, 0.6 / n, 1.7 / n):
+        found = coarse_plan(plan, faces, lines, np.zeros(len(plan), bool), step)
+        assert found is not None
+        own = found.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        assert {tuple(sorted(e)) for e in found.lines.tolist()} <= {tuple(sorted(e)) for e in own.tolist()}
+        assert {*lines.ravel().tolist()} >= {*found.kept[found.lines].ravel().tolist()}
