@@ -3,6 +3,7 @@
 
 import * as THREE from './vendor/three/three.module.min.js';
 import { OrbitControls } from './vendor/three/controls/OrbitControls.js';
+import { Pace } from './see/pace.js';
 import { Surface } from './surface.js';
 
 const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
@@ -17,7 +18,8 @@ export class Scene {
   constructor(canvas) {
     this.canvas = canvas;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setPixelRatio(pixels());
+    this.pace = new Pace(() => this.draw());
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.01, 100);
@@ -198,7 +200,7 @@ export class Scene {
     this.resize();
     return new Promise((resolve) => {
       this.canvas.toBlob((blob) => {
-        this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+        this.renderer.setPixelRatio(pixels());
         this.resize();
         resolve(blob);
       });
@@ -242,6 +244,9 @@ export class Scene {
   tick(now) {
     this.frame = 0;
     if (this.goal) this.glide(now);
+    const ratio = this.pace.coarse ? 0.5 * pixels() : pixels();
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    this.pace.begin();
     this.render();
   }
 
@@ -270,4 +275,9 @@ export class Scene {
     if (arrived) this.goal = null;
     else this.draw();
   }
+}
+
+/** Return how many pixels are drawn for each of the page, at their finest. */
+function pixels() {
+  return Math.min(2, window.devicePixelRatio);
 }

@@ -31,6 +31,7 @@ import { capital } from './words.js';
 
 const SMALL = 3000; // vertices up to which a solve keeps up with a slider
 const WORTH = 200; // milliseconds; what is over sooner needs no word
+const QUICK = 0.3; // seconds; a surface that follows a slider so soon is near the one before, and need not glide there
 const CLOSE = 0.05; // of the limit that is looked for; a mark on a slider is no finer
 
 /** @type {(id: string) => any} the elements are those of index.html */
@@ -502,7 +503,7 @@ export class Studio {
     if (this.result) this.painter.before = this.result.xyz;
     this.result = result;
     this.find(result);
-    this.place(result.xyz, result.curvature);
+    this.place(result.xyz, result.curvature, !first && result.seconds < QUICK);
     this.painter.measure(result.xyz, this.settings.supports, result.curvature);
     this.painter.paint();
     this.crown.show(this.model, result.xyz, this.settings.supports);
