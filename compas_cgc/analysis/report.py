@@ -200,7 +200,7 @@ class SurfaceReport:
             *_columns([heads, *rows]),
             f"mesh: {q.vertices} vertices, {q.faces} faces, {100 * q.regular:.0f} % of the inner vertices regular, "
             f"angles {q.smallest_angle:.1f} to {q.largest_angle:.1f} degrees, edges {q.shortest_edge:.4g} to {q.longest_edge:.4g}",
-            f"K by the {self.measure} measure; largest error by the others: {others}",
+            f"K by the {self.measure} measure" + (f"; largest error by the others: {others}" if others else ""),
             f"curvature cannot be known better than {q.rounding_floor:.1e} on this mesh",
         ]
         if self.moved_max is not None:
@@ -208,7 +208,7 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
-def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> SurfaceReport:
+def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, others: bool = True) -> SurfaceReport:
     """Measure a surface against its targets.
 
     Parameters
@@ -218,6 +218,8 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
         angle defects.
     reference
         What it was made from, to tell how far it moved.
+    others
+        Tell the errors by other measures too, which takes as long as all the rest.
 
     Returns
     -------
@@ -244,7 +246,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None) -> 
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
     regions = _regions(problem, problem.regions(), problem.creases, measured_curvature(problem, measure))
-    errors = {name: _largest(measured_curvature(problem, name) - problem.targets) for name in ("defect", "smooth") if name != measure}
+    errors = {name: _largest(measured_curvature(problem, name) - problem.targets) for name in ("defect", "smooth") if others and name != measure}
     return SurfaceReport(
         getattr(surface, "verdict", None) or verdict(problem, before),
         measure,

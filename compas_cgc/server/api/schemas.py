@@ -198,7 +198,7 @@ def request_schema() -> dict:
             "settings": settings_schema(),
             "unit": {"enum": list(UNITS), "description": "of lengths; files of the result are in it"},
             "flip": {"type": "boolean"},
-            "live": {"type": "boolean", "description": "report the moving surface"},
+            "live": {"type": "boolean", "description": "report the moving surface, and the result without errors by other measures"},
         },
     }
 

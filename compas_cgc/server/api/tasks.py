@@ -127,7 +127,8 @@ def _report(request: SolveRequest, result: SolveResult) -> dict:
         return {"notes": notes}
     if not result.converged:
         notes += [in_request_words(said) for said in check(request.problem)]
-    report = analyse(result, request.problem)
+    # Whoever watches a surface move waits for it.
+    report = analyse(result, request.problem, others=not request.live)
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")
     return {"notes": notes, **report.to_dict()}

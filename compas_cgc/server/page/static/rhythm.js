@@ -1,6 +1,5 @@
 /** When to solve while a slider moves. */
 
-const PAUSE = 8; // milliseconds from a change to its solve, for the changes that come with it
 const PATIENCE = 700; // milliseconds after which a running solve is dropped for a newer one
 
 /** Begins solves, not more often than they can be done. */
@@ -16,9 +15,9 @@ export class Rhythm {
     this.waiting = false;
   }
 
-  /** Something has changed. A change does not put off the solve of the one before: the surface shall follow a slider that moves. */
+  /** Something has changed, maybe with others at once. A change does not put off the solve of the one before: the surface shall follow a slider that moves. */
   changed() {
-    if (!this.timer) this.timer = setTimeout(() => this.soon(), PAUSE);
+    if (!this.timer) this.timer = setTimeout(() => this.soon());
   }
 
   /** A solve is over: go on with what has waited for it. */

@@ -7,6 +7,7 @@ import { Pace } from './see/pace.js';
 import { Surface } from './surface.js';
 
 const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
+const REACH = 1.6; // from the middle, as far as the sun throws shadows: a larger ground would be drawn in vain
 const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
 
 /** A view of one model. */
@@ -56,8 +57,8 @@ export class Scene {
     this.sun.shadow.radius = 6;
     this.sun.shadow.camera.near = 0.5;
     this.sun.shadow.camera.far = 9;
-    for (const [side, at] of Object.entries({ left: -1.6, right: 1.6, top: 1.6, bottom: -1.6 })) this.sun.shadow.camera[side] = at;
-    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(8, 8), new THREE.ShadowMaterial({ opacity: 0.13 }));
+    for (const [side, at] of Object.entries({ left: -REACH, right: REACH, top: REACH, bottom: -REACH })) this.sun.shadow.camera[side] = at;
+    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(2.1 * REACH, 2.1 * REACH), new THREE.ShadowMaterial({ opacity: 0.13 }));
     this.ground.receiveShadow = true;
     this.world.add(this.sun, this.ground);
   }
