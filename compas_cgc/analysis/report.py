@@ -246,7 +246,9 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
     regions = _regions(problem, problem.regions(), problem.creases, measured_curvature(problem, measure))
-    errors = {name: _largest(measured_curvature(problem, name) - problem.targets) for name in ("defect", "smooth") if others and name != measure}
+    errors = {
+        name: _largest(measured_curvature(problem, name) - problem.targets) for name in ("defect", "smooth") if others and name != measure
+    }
     return SurfaceReport(
         getattr(surface, "verdict", None) or verdict(problem, before),
         measure,

@@ -15,11 +15,13 @@ from ..solvers import Settings
 from ..solvers import options
 from ..solvers import settings_for
 from ..solvers.registry import owners
+from .console import Parts
 
 if TYPE_CHECKING:
+    from ..io.reading import ReadProblem
     from ..model.problem import CGCProblem
 
-__all__ = ["add_options", "add_reading", "reading", "settings_of", "with_targets"]
+__all__ = ["add_options", "add_reading", "read_input", "settings_of", "with_targets"]
 
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
@@ -44,7 +46,15 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--weld", type=float, metavar="D", help="distance within which points are one (default: the file's tolerance)")
 
 
-def reading(arguments: argparse.Namespace) -> dict[str, Any]:
+def read_input(arguments: argparse.Namespace, *, result: bool = False) -> ReadProblem:
+    """Return what the file of a command holds, or its result where there is one; a terminal shows that it is being read."""
+    with Parts(1, quiet=getattr(arguments, "quiet", False)).part(f"reading {arguments.input}"):
+        from ..io import read_problem
+
+        return read_problem(arguments.input, **_reading(arguments), result=result)
+
+
+def _reading(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments for :func:`compas_cgc.io.read_problem`.
 
     Raises

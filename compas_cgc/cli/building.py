@@ -12,7 +12,7 @@ from ..fabrication.tasks import TASKS
 from ..fabrication.tasks import BuildOption
 from ..fabrication.tasks import read_settings
 from .arguments import add_reading
-from .arguments import reading
+from .arguments import read_input
 from .arguments import with_targets
 from .console import Parts
 from .console import speaker
@@ -86,9 +86,8 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     CGCError
         If it cannot be read.
     """
-    from ..io import read_problem
 
-    read = read_problem(arguments.input, **reading(arguments), result=True)
+    read = read_input(arguments, result=True)
     say = speaker(arguments.quiet)
     for note in read.notes:
         say(f"{arguments.input}: {note}")

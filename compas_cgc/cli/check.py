@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from .arguments import add_reading
-from .arguments import reading
+from .arguments import read_input
 from .exits import DONE
 from .exits import REFUSED
 
@@ -24,12 +24,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..errors import ProblemError
-    from ..io import read_problem
     from ..io.summary import describe
     from ..meshing import Diagnostic
 
     try:
-        text, diagnostics = describe(read_problem(arguments.input, **reading(arguments)))
+        text, diagnostics = describe(read_input(arguments))
     except ProblemError as error:
         text, diagnostics = Path(arguments.input).name, [Diagnostic(problem) for problem in error.problems]
     print(text)

@@ -6,7 +6,7 @@ import argparse
 import json
 
 from .arguments import add_reading
-from .arguments import reading
+from .arguments import read_input
 from .console import Parts
 from .exits import DONE
 from .exits import NOT_CONVERGED
@@ -33,12 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..errors import CGCError
-    from ..io import read_problem
     from ..solvers.limits import largest_target
 
     if not 0.0 < arguments.tolerance < 1.0:
         raise CGCError(f"--tolerance must be between 0 and 1, not {arguments.tolerance:g}")
-    problem = read_problem(arguments.input, **reading(arguments)).checked()
+    problem = read_input(arguments).checked()
     if arguments.supports:
         problem = problem.with_supports(arguments.supports)
     if arguments.target is not None:

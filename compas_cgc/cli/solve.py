@@ -15,9 +15,10 @@ from typing import cast
 from ..errors import FileError
 from .arguments import add_options
 from .arguments import add_reading
-from .arguments import reading
+from .arguments import read_input
 from .arguments import settings_of
 from .arguments import with_targets
+from .console import Parts
 from .console import ProgressBar
 from .console import interruptible
 from .console import speaker
@@ -93,7 +94,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..analysis import analyse
     from ..io import known_suffix
-    from ..io import read_problem
 
     # Nobody should wait for a solve that cannot be written.
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
@@ -101,27 +101,32 @@ def run(arguments: argparse.Namespace) -> int:
     say = speaker(arguments.quiet)
     draw = _picture(arguments)
     settings = settings_of(arguments)
-    read = read_problem(arguments.input, **reading(arguments))
+    read = read_input(arguments)
     for note in read.notes:
         say(f"{arguments.input}: {note}")
     problem = _with_arguments(read.checked(), arguments)
     result = _solve(problem, arguments, settings)
     for remark in result.remarks:
         say(f"note: {remark}")
-    analysis = analyse(result, problem)
+    parts = Parts(4, quiet=arguments.quiet)
+    with parts.part("measuring the surface"):
+        analysis = analyse(result, problem)
     say(_summary(result, analysis))
     change = None
     if arguments.sensitivity and result.converged:
         from ..solvers.sensitivity import sensitivity
 
-        change = sensitivity(result)
+        with parts.part("seeing what a little more K would do"):
+            change = sensitivity(result)
         for sentence in change.sentences():
             say(sentence)
     if arguments.report:
         _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
-    code = _write_surface(arguments, result, analysis)
+    code = _write_surface(arguments, result, analysis, parts)
     if draw is not None and result.status not in ("infeasible", "diverged"):
-        say(f"wrote {draw(result)}")
+        with parts.part("drawing the picture"):
+            drawn = draw(result)
+        say(f"wrote {drawn}")
     return code
 
 
@@ -193,13 +198,14 @@ def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: 
     write_text(arguments.report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
 
 
-def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport) -> int:
+def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> int:
     """Write the surface, beside the output where it is not finished, and return the exit code."""
     from ..io import write
 
     output = Path(arguments.output)
     if result.converged:
-        notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
+        with parts.part(f"writing {output}"):
+            notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
         say = speaker(arguments.quiet)
         for told in (*notes, f"wrote {output}"):
             say(told)

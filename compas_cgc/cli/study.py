@@ -15,7 +15,7 @@ from typing import Optional
 
 from ..errors import CGCError
 from .arguments import add_reading
-from .arguments import reading
+from .arguments import read_input
 from .console import bar
 from .console import interruptible
 from .console import speaker
@@ -67,7 +67,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
-    from ..io import read_problem
     from ..study.outputs import best_variants
     from ..study.outputs import write_best
     from ..study.outputs import write_pictures
@@ -76,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     say = speaker(arguments.quiet)
     study = read_study(arguments.study)
-    read = read_problem(arguments.input, **reading(arguments))
+    read = read_input(arguments)
     for note in read.notes:
         say(f"{arguments.input}: {note}")
     shown = _Bar(arguments.quiet)
