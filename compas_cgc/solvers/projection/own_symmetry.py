@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import permutations
 from typing import Optional
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...model.constraints import Mirror
 from ...model.constraints import Proximity
 from ...model.goals.binding import BoundGoals
+from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_regions
 from ...model.goals.wholes import Length
 from ...model.problem import CGCProblem
@@ -21,9 +24,11 @@ from .placement import Places
 from .placement import movable_vertices
 from .symmetry import MOST
 from .symmetry import Image
+from .symmetry import images
 from .symmetry import keep_faces
+from .symmetry import together
 
-__all__ = ["colours", "own_symmetries"]
+__all__ = ["colours", "mirrors_and_own", "own_symmetries"]
 
 EXACT = 1e-7  # how far an image may be from its vertex, against the size of the mesh
 PROBES = 12  # vertices that are looked at before all are
@@ -61,6 +66,16 @@ def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:
         if len(found) > MOST:
             return [identity]
     return found
+
+
+def mirrors_and_own(problem: CGCProblem) -> list[Image]:
+    """Return the symmetries that the mirrors of a problem make together with those that its drawing has of itself."""
+    mirrors = [constraint for constraint in problem.constraints if isinstance(constraint, Mirror)]
+    others = replace(problem, constraints=tuple(own for own in problem.constraints if not isinstance(own, Mirror)))
+    edges = edge_faces(problem.faces)
+    edge = float(np.linalg.norm(problem.vertices[edges[:, 0]] - problem.vertices[edges[:, 1]], axis=1).mean())
+    made = [*images(problem.vertices, edge, mirrors), *own_symmetries(others, bind(others))]
+    return together(made[1:], len(problem.vertices))
 
 
 def colours(problem: CGCProblem) -> IntArray:

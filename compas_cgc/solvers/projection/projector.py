@@ -40,6 +40,7 @@ from .messages import cause
 from .messages import found
 from .messages import message
 from .own_symmetry import colours
+from .own_symmetry import mirrors_and_own
 from .own_symmetry import own_symmetries
 from .settings import AUTO
 from .settings import ProjectionSettings
@@ -48,6 +49,7 @@ from .symmetric import kept_symmetries
 from .symmetric import made_symmetric
 from .symmetric import symmetric_start
 from .symmetry import Image
+from .symmetry import tears_faces
 from .system import System
 
 __all__ = ["Projector", "project", "ready"]
@@ -69,6 +71,8 @@ class Projector:
         Vertices, faces, roles, targets and constraints. The vertices are the drawing.
     settings
         Parameters.
+    symmetric
+        Whether the symmetries that the drawing has of itself are kept besides the mirrors that are asked for.
 
     Raises
     ------
@@ -89,7 +93,7 @@ class Projector:
     ('converged', 'converged', True)
     """
 
-    def __init__(self, problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None):
+    def __init__(self, problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, symmetric: bool = False):
         if not len(problem.faces):
             raise MeshError("the mesh has no faces")
         self.settings = settings or ProjectionSettings()
@@ -100,7 +104,8 @@ class Projector:
         self.problem = guessed(problem)
         drawn, self._frame = self.problem.local()
         self._local = as_meant(drawn)
-        self._system = System(self._local, self.settings, bind(self._local, problem.constraints))
+        own = mirrors_and_own(self._local) if symmetric else []
+        self._system = System(self._local, self.settings, bind(self._local, problem.constraints), own=own)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []
@@ -354,6 +359,10 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)
+    if solution.status == "stalled" and tears_faces(problem):
+        # Where K is asked twice over, with what else the drawing has of symmetry it may be asked once.
+        other = Projector(problem, settings=settings, symmetric=True).solve(callback=callback)
+        solution = other if other.status == "converged" else solution
     if solution.status != "stalled" or not bind(problem).whole:
         return solution
     had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))

@@ -16,7 +16,7 @@ from ...model.constraints import Mirror
 from ...model.constraints import unit
 from ...model.problem import CGCProblem
 
-__all__ = ["Image", "images", "keep_faces", "tears_faces"]
+__all__ = ["Image", "images", "keep_faces", "tears_faces", "together"]
 
 REACH = 0.5  # how far from its place an image may be, in mean edges
 SAME = 1e-9  # difference of two symmetries that is rounding
@@ -48,8 +48,12 @@ def images(vertices: FloatArray, edge: float, mirrors: Sequence[Mirror]) -> list
     ProblemError
         If a vertex has no image, or the mirrors make no end of images.
     """
-    generators = [_reflection(vertices, edge, mirror) for mirror in mirrors]
-    found = [Image(np.arange(len(vertices)), np.eye(3), np.zeros(3))]
+    return together([_reflection(vertices, edge, mirror) for mirror in mirrors], len(vertices))
+
+
+def together(generators: Sequence[Image], count: int) -> list[Image]:
+    """Return all symmetries of `count` vertices that a few make together, the identity first."""
+    found = [Image(np.arange(count), np.eye(3), np.zeros(3))]
     for image in found:
         for other in generators:
             new = Image(other.to[image.to], other.turn @ image.turn, other.turn @ image.shift + other.shift)

@@ -147,6 +147,12 @@ def test_two_mirrors_over_diagonals_that_run_one_way_ask_for_k_once(n, target):
         assert np.abs((solution.vertices[image] - [5, 5, 0]) * flip - (solution.vertices - [5, 5, 0])).max() < 1e-12
 
 
+def test_one_mirror_over_such_diagonals_is_helped_by_the_half_turn_that_keeps_them():
+    problem = twisted_vault(20, -0.005).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
+    solution = project(problem)
+    assert solution.status == "converged" and solution.max_error < 1e-12, solution.message
+
+
 def test_a_stall_for_faces_that_are_not_mirrored_blames_the_mesh_alone(monkeypatch):
     """What the supports carry is not searched for then."""
     monkeypatch.setattr(reasons, "largest_target", None)
