@@ -44,6 +44,7 @@ from .own_symmetry import mirrors_and_own
 from .own_symmetry import own_symmetries
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .starts import is_flat
 from .strategies import ways
 from .symmetric import kept_symmetries
 from .symmetric import made_symmetric
@@ -110,6 +111,12 @@ class Projector:
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []
         self._kept: tuple[bytes, Optional[System]] = b"", None
+
+    @property
+    def flat(self) -> bool:
+        """Whether the drawing is flat where much of the curvature is asked for."""
+        equations = self._system.equations(self._local.targets)
+        return is_flat(self._system, equations, self._system.at(self._local.vertices, equations))
 
     def solve(self, targets: Optional[ArrayLike] = None, vertices: Optional[ArrayLike] = None, *, callback: Callback = None) -> Solution:
         """Return the fairest surface with the curvature asked for.
@@ -299,6 +306,20 @@ def _made(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntAr
     return Projector(CGCProblem(vertices, faces, roles, creases=creases), settings=settings)
 
 
+def _of_mirrors(problem: CGCProblem, settings: Optional[ProjectionSettings], callback: Callback) -> Solution:
+    """Return the solution under mirrors that take faces to none: K is asked twice over, and with the drawing's other symmetries once.
+
+    A drawing with a shape keeps these; out of a flat one a saddle may break them, so there they come second.
+    """
+    plain, symmetric = Projector(problem, settings=settings), Projector(problem, settings=settings, symmetric=True)
+    first, second = (plain, symmetric) if plain.flat else (symmetric, plain)
+    solution = first.solve(callback=callback)
+    if solution.status != "stalled":
+        return solution
+    other = second.solve(callback=callback)
+    return other if other.status != "stalled" else min(solution, other, key=lambda one: one.max_error)
+
+
 _ready = remembered(_made, recent=READY)
 
 
@@ -355,14 +376,12 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     >>> project(plan).status
     'converged'
     """
-    if problem.constraints or len(problem.vertices) > MANY:
+    if tears_faces(problem):
+        solution = _of_mirrors(problem, settings, callback)
+    elif problem.constraints or len(problem.vertices) > MANY:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)
-    if solution.status == "stalled" and tears_faces(problem):
-        # Where K is asked twice over, with what else the drawing has of symmetry it may be asked once.
-        other = Projector(problem, settings=settings, symmetric=True).solve(callback=callback)
-        solution = other if other.status == "converged" else solution
     if solution.status != "stalled" or not bind(problem).whole:
         return solution
     had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))
