@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -72,8 +74,10 @@ def seams_between(patchwork: Patchwork) -> list[Seam]:
     out = outline_sides(patchwork).ravel()
     side = np.flatnonzero(out & (mate > np.arange(len(mate))))
     piece = np.repeat(patchwork.piece, 3)
-    # Left of the seam the piece with the smaller number.
-    left = np.where(piece[side] <= piece[mate[side]], side, mate[side])
+    # Left of the seam the piece with the smaller number; within one piece the same side all along.
+    left = np.where(piece[side] < piece[mate[side]], side, mate[side])
+    within = piece[side] == piece[mate[side]]
+    left[within] = _one_way(patchwork, side[within], mate)
     right = mate[left]
     kind = np.clip(patchwork.side.ravel()[left], CUT, CREASE)
     keys = np.column_stack([piece[left], piece[right], kind])
@@ -83,6 +87,23 @@ def seams_between(patchwork: Patchwork) -> list[Seam]:
         for chain in _chains(patchwork, chosen):
             seams.append(_seam(patchwork, len(seams) + 1, chain, mate))
     return seams
+
+
+def _one_way(own: Patchwork, sides: IntArray, mate: IntArray) -> IntArray:
+    """Return sides (k,) that have a piece on both sides, or their mates, so that those which follow each other run the same way."""
+    both = np.r_[sides, mate[sides]]
+    order = np.argsort(own.faces.ravel()[both], kind="stable")
+    node = own.faces.ravel()[both[order]]
+    first = np.flatnonzero(np.r_[True, node[1:] != node[:-1]])
+    pairs = first[np.diff(np.r_[first, len(node)]) == 2]
+    one, other = both[order[pairs]], both[order[pairs + 1]]
+    # What arrives at a node is the mate of what leaves it.
+    ahead, after = np.r_[mate[one], mate[other]], np.r_[other, one]
+    graph = sparse.coo_matrix((np.ones(len(ahead), np.int8), (ahead, after)), shape=(len(mate),) * 2)
+    label = connected_components(graph, directed=False)[1]
+    lowest = np.full(len(mate), len(mate))
+    np.minimum.at(lowest, label[both], both)
+    return np.where(lowest[label[sides]] <= lowest[label[mate[sides]]], sides, mate[sides])
 
 
 def _seam(own: Patchwork, number: int, chain: IntArray, mate: IntArray) -> Seam:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -10,6 +11,7 @@ from ..discrete import angle_defects
 from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete.arrays import Edges
+from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -30,6 +32,7 @@ from .patterns import Unrolling
 from .plane_layout import unfold
 from .seams import opens_to_disks
 from .seams import seam_edges
+from .straight_seams import straightened
 
 __all__ = ["developed"]
 
@@ -37,38 +40,44 @@ CLOSED = 1e-6  # gap, against the size of a region, up to which its faces close 
 CONE = 1e-9  # angle defect [rad] of a vertex where none is asked, from which on a seam has to pass through it
 
 
+class _Laid(NamedTuple):
+    """A region in the plane."""
+
+    plane: FloatArray  # (m, 3, 2) places of the corners of its faces [L]
+    faces: Faces  # (m, 3) vertices
+    parent: IntArray  # (m,) face of the mesh that each is, or is a part of
+    fresh: Vertices  # (k, 3) new vertices on its seams, numbered from a number on [L]
+    seams: Edges  # (s, 2)
+    unrolling: Unrolling
+
+
 def developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, Edges, list[Unrolling]]:
     """Return the chosen regions in the plane, each a piece by itself, the edges cut for it, and how they came there."""
     label, targets = problem.regions(), problem.region_targets()
-    planes, sides, faces, unrollings = [], [], [], []
-    cuts = [problem.creases]
+    space, laid = problem.vertices, []
     for region in regions:
         own = np.flatnonzero(label == region)
-        plane, seams, unrolling = _region(problem, region, own, targets[region], given)
-        side = np.where(_sides_among(problem.faces[own], seams, len(problem.vertices)), SEAM, EDGE)
-        planes.append(plane)
-        sides.append(side)
-        faces.append(own)
-        cuts.append(seams)
-        unrollings.append(unrolling)
-    parent = np.concatenate(faces)
-    F = problem.faces[parent]
-    side = np.concatenate(sides)
-    mate = mates(F)
-    side = np.where(_sides_among(F, problem.creases, len(problem.vertices)), CREASE, side)
-    side = np.where(mate < 0, FREE, side)
+        laid.append(_region(problem, region, own, targets[region], given, len(space)))
+        space = np.vstack([space, laid[-1].fresh])
+    parent = np.concatenate([one.parent for one in laid])
+    F = np.concatenate([one.faces for one in laid])
+    seams = [one.seams for one in laid]
+    side = np.concatenate([np.where(_sides_among(one.faces, one.seams, len(space)), SEAM, EDGE) for one in laid])
+    side = np.where(_sides_among(F, problem.creases, len(space)), CREASE, side)
+    side = np.where(mates(F) < 0, FREE, side)
     used, corners = np.unique(F, return_inverse=True)
+    named = problem.names.vertices
     flat = Patchwork(
-        space=problem.vertices[used],
-        names=problem.names.vertices[used],
+        space=space[used],
+        names=np.r_[named, named.max(initial=-1) + 1 + np.arange(len(space) - len(named))][used],
         faces=corners.reshape(-1, 3).astype(np.int64),
-        plane=np.concatenate(planes),
+        plane=np.concatenate([one.plane for one in laid]),
         side=side,
         piece=label[parent],
         region=label[parent],
         parent=parent,
     )
-    return flat, np.vstack(cuts), unrollings
+    return flat, np.vstack([problem.creases, *seams]), [one.unrolling for one in laid]
 
 
 def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
@@ -76,10 +85,8 @@ def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
     return among(ends, edges, n).reshape(-1, 3)
 
 
-def _region(
-    problem: CGCProblem, region: int, own: IntArray, target: Optional[float], given: Optional[Edges]
-) -> tuple[FloatArray, Edges, Unrolling]:
-    """Return a region's corners in the plane (m, 3, 2), the edges that were cut for it, and how it went."""
+def _region(problem: CGCProblem, region: int, own: IntArray, target: Optional[float], given: Optional[Edges], free: int) -> _Laid:
+    """Return a region in the plane, with new vertices from the number `free` on."""
     edges = edge_faces(problem.faces[own])
     faces, origin = cut_open(problem.faces[own], edges[edges[:, 3] >= 0])
     V = problem.vertices[origin]
@@ -90,6 +97,10 @@ def _region(
     flat = target == 0.0 or (target is None and not (defect[asked] > CLOSED).any())
     if given is None:
         cuts = seam_edges(V, faces, cones if flat else _ends_of_a_slit(V, inner))
+        if flat and len(cuts):
+            cut, cuts = straightened(V, faces, cuts)
+            origin = np.r_[origin, free + np.arange(len(cut.vertices) - len(V))]
+            V, faces, own = cut.vertices, cut.faces, own[cut.parent]
     else:
         every = edge_faces(faces)[:, :2]
         cuts = every[among(origin[every], given, len(problem.vertices))]
@@ -112,7 +123,8 @@ def _region(
     else:
         plane, gap, error = layout.plane[layout.faces], layout.gap, layout.edge_error
         cuts = cuts[~_close_again(faces, plane, cuts, CLOSED * size)]
-    return plane, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts))
+    fresh = V[origin >= free]
+    return _Laid(plane, origin[faces], own, fresh, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts)))
 
 
 def _ends_of_a_slit(vertices: Vertices, inner: Mask) -> Mask:

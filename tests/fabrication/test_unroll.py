@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from scipy.spatial import Delaunay
 
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
@@ -133,6 +134,52 @@ def test_unrolling_does_not_depend_on_where_a_surface_stands(cut):
     moved = unroll(cut.problem.with_vertices(cut.problem.vertices @ turn.T + [300.0, -20.0, 7.0]), rough=True)
     still = unroll(cut.problem, rough=True)
     assert [piece.area for piece in moved.pieces] == pytest.approx([piece.area for piece in still.pieces], rel=1e-11)
+
+
+def irregular_ring(bottom=4.0, top=2.0, height=3.0) -> CGCProblem:
+    """Return a frustum of a pyramid on a square, its four sides, which are `height` high, of random triangles."""
+    rng = np.random.default_rng(4)
+    step = 0.25
+
+    def half(z):
+        return 0.5 * (bottom + (top - bottom) * z / height)
+
+    points = [(side * half(z), z) for z in np.linspace(0.0, height, 14) for side in (-1, 1)]
+    points += [(x * half(z), z) for z, count in ((0.0, 16), (height, 8)) for x in np.linspace(-1.0, 1.0, count + 1)[1:-1]]
+    while len(points) < 200:
+        x, z = rng.uniform(-2.0, 2.0), rng.uniform(0.6 * step, height - 0.6 * step)
+        if abs(x) < half(z) - 0.6 * step and np.linalg.norm(np.array(points) - (x, z), axis=1).min() > 0.5 * step:
+            points.append((x, z))
+    plan = np.array(points)
+    corners = Delaunay(plan).simplices
+    ahead, back = plan[corners[:, 1]] - plan[corners[:, 0]], plan[corners[:, 2]] - plan[corners[:, 0]]
+    double = ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]
+    corners = np.where((double < 0)[:, None], corners[:, ::-1], corners)[np.abs(double) > 1e-9]
+    out, up = 0.5 * (bottom - top) / height, (1.0 - (0.5 * (bottom - top) / height) ** 2) ** 0.5
+    wall = np.column_stack([plan[:, 0], -0.5 * bottom + out * plan[:, 1], up * plan[:, 1]])
+    turns = [np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]) for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))]
+    space = np.vstack([wall @ turn.T for turn in turns])
+    faces = np.vstack([corners + k * len(wall) for k in range(4)])
+    _, first, same = np.unique(np.round(space, 9), axis=0, return_index=True, return_inverse=True)
+    return CGCProblem(space[first], same.ravel()[faces]).with_targets(0.0)
+
+
+def test_the_seam_of_an_irregular_ring_is_straight_through_its_faces():
+    problem = irregular_ring()
+    patterns = unroll(problem, rulings=0, rough=True)
+    (seam,) = patterns.seams
+    names = patterns.patchwork.names
+    assert (names[seam.nodes[[0, -1]]] < len(problem.vertices)).all()
+    assert names[seam.nodes].max() >= len(problem.vertices) and len(np.unique(names)) == len(names)
+    for side in seam.sides:
+        along = (side[-1] - side[0]) / np.linalg.norm(side[-1] - side[0])
+        assert np.abs((side - side[0]) @ [-along[1], along[0]]).max() < 0.01 * 0.3
+    # As short as the way straight up, but for where it has to begin and end at vertices.
+    assert 3.0 <= seam.length < 3.0 * 1.01
+    assert patterns.seam_mismatch < 1e-12 and patterns.unrollings[0].gap < 1e-11 and patterns.unrollings[0].edge_error < 1e-11
+    assert patterns.area == pytest.approx(36.0, rel=1e-12) and patterns.area_in_space == pytest.approx(36.0, rel=1e-12)
+    within = unroll(problem, SHEET, rulings=0, rough=True)
+    assert within.area == pytest.approx(36.0, rel=1e-12) and within.seam_mismatch < 1e-12
 
 
 def test_a_flat_surface_with_a_hole_needs_no_seam():
