@@ -21,6 +21,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.plan import cross
 from .creases import crease_paths
+from .edge_flips import Diagonals
 from .edge_flips import flipped
 
 __all__ = ["CoarsePlan", "coarse_plan"]
@@ -202,16 +203,21 @@ def _with_lines(points: FloatArray, faces: Faces, lines: Edges) -> Faces:
 
     A line that turns sharply is not one of a Delaunay mesh by itself.
     """
-    n, codes = len(points), np.sort(lines, axis=1) @ [len(points), 1]
+    n = len(points)
+    codes = np.asarray(np.sort(lines, axis=1) @ [n, 1], dtype=np.int64)
     lost = points[lines[~np.isin(codes, np.sort(edge_faces(faces)[:, :2], axis=1) @ [n, 1])]]
     if not len(lost):
         return faces
-    return flipped(points, faces, codes, lambda e: _crossed(points[e.a], points[e.b], lost) - _crossed(points[e.c], points[e.d], lost))
+
+    def fewer(e: Diagonals) -> FloatArray:
+        return _crossed(points[e.a], points[e.b], lost) - _crossed(points[e.c], points[e.d], lost)
+
+    return np.ascontiguousarray(flipped(points, faces, codes, fewer))
 
 
-def _crossed(start: FloatArray, end: FloatArray, lines: FloatArray) -> IntArray:
+def _crossed(start: FloatArray, end: FloatArray, lines: FloatArray) -> FloatArray:
     """Return how many lines (c, 2, 2) each of some edges (k, 2) crosses, away from the ends of both (k,)."""
-    count = np.zeros(len(start), np.int64)
+    count = np.zeros(len(start))
     for first, last in lines[:, :, None]:
         apart = cross(last - first, start - first) * cross(last - first, end - first) < 0.0
         count += apart & (cross(end - start, first - start) * cross(end - start, last - start) < 0.0)
