@@ -38,7 +38,7 @@ from .smoothed import solved_smoothed
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
-LARGE, SEARCH = 2000, 3e7  # vertices, and right sides times unknowns, of a search for heights of columns: some ten seconds at most
+LARGE, SEARCH = 2000, 1e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
