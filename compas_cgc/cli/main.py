@@ -6,6 +6,7 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import Optional
@@ -14,6 +15,7 @@ from .._version import __version__
 from .console import compiling
 from .exits import INTERRUPTED
 from .exits import REFUSED
+from .parser import Parser
 
 __all__ = ["build_parser", "main"]
 
@@ -42,7 +44,7 @@ exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a senten
 
 def build_parser(called: Optional[str] = None) -> argparse.ArgumentParser:
     """Return the parser, which knows the arguments of the command that is called, and name and purpose of the others."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="compas-cgc",
         description="Surfaces of piecewise constant Gaussian curvature.",
         epilog=EXITS,
@@ -73,7 +75,14 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in (".3dm", ".json", ".obj", ".off", ".ply", ".stl"):
         print(f"compas-cgc: {words[0]} is a file; say what to do with it: compas-cgc check {words[0]}", file=sys.stderr)
         return REFUSED
-    arguments = build_parser(next(iter(words), None)).parse_args(words)
+    if not words or words[0] == "help":
+        words = [*words[1:2], "--help"]
+    if words[0] not in COMMANDS and not words[0].startswith("-"):
+        near = get_close_matches(words[0], COMMANDS, 1, 0.7)
+        meant = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
+        print(f"compas-cgc: there is no command {words[0]!r}; {meant}", file=sys.stderr)
+        return REFUSED
+    arguments = build_parser(words[0]).parse_args(words)
     try:
         with compiling(quiet=getattr(arguments, "quiet", False)):
             return arguments.run(arguments)

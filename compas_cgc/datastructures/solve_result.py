@@ -31,9 +31,17 @@ from .cgcmesh import CGCMesh
 __all__ = ["SolveResult"]
 
 
+INSTEAD = {
+    **dict.fromkeys(("K", "k", "gaussian_curvature"), "it is result.curvature, and of regions result.problem.region_targets()"),
+    **dict.fromkeys(("save", "write", "to_file"), 'it is a function: compas_cgc.write("roof.3dm", result)'),
+    **dict.fromkeys(("show", "plot", "draw", "picture"), "a picture is drawn by compas_cgc.plot.studio, see 'A picture' in the recipes"),
+    **dict.fromkeys(("height", "heights", "rise"), "they are in result.vertices[:, 2], and in words in result.summary"),
+}
+
+
 def _of_the_mesh(name: str) -> str:
     """Return where an attribute is that a result has not, but its mesh has."""
-    return f"its mesh has: result.mesh.{name}" if hasattr(CGCMesh, name) else ""
+    return INSTEAD.get(name) or (f"its mesh has: result.mesh.{name}" if hasattr(CGCMesh, name) else "")
 
 
 class _Settings(Protocol):

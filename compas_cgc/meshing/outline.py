@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from collections.abc import Sequence
+from numbers import Real
 from typing import TYPE_CHECKING
 from typing import NamedTuple
 from typing import Optional
@@ -25,12 +26,15 @@ from .relaxation import valences
 from .weld import weld
 
 if TYPE_CHECKING:
+    import shapely
+
     from .curve_sampling import Cell
     from .curve_sampling import Spread
 
 CLEAR = (0.56, 0.62)  # of the edge length, that a lattice keeps away from curves: both are tried
 MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
 MET = 0.2  # of the edge length, within which a point has become a vertex
+LARGEST = 2e6  # vertices that a mesh may have
 FIRST, GOOD = 16, 0.9  # triangulations that are tried anyway, and the quality at which no more are
 ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
 
@@ -93,14 +97,19 @@ def mesh_from_outline(
         from .curve_sampling import spread
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
-    if not edge_length > 0:
-        raise MeshError(f"the edge length must be above zero, not {edge_length!r}")
+    if not isinstance(edge_length, Real) or not 0 < edge_length < np.inf:
+        raise MeshError(f"the edge length must be above zero, a number in the unit of the outline, not {edge_length!r}")
     outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
     rings = [ring[:, :2] for ring in (outline, *holes)]
     domain = shapely.Polygon(rings[0], rings[1:])
     if not domain.is_valid or domain.area < edge_length**2:
-        reason = shapely.is_valid_reason(domain) if not domain.is_valid else "its area is less than that of an edge squared"
-        raise MeshError(f"the outline and its holes do not bound an area that can be meshed ({reason}); correct the curves")
+        raise MeshError(f"the outline and its holes do not bound an area that can be meshed: {_fault(domain, outline, edge_length)}")
+    expected = domain.area / (edge_length**2 * np.sqrt(3) / 2)
+    if expected > LARGEST:
+        raise MeshError(
+            f"edges of {edge_length:g} would fill this outline with {expected:.2g} vertices; choose a longer edge, "
+            f"such as {np.sqrt(domain.area) / 20:.2g}, and see that outline and edge are in the same unit"
+        )
     given = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
     laid = spread(domain, rings, [np.asarray(crease)[:, :2] for crease in creases], given[:, :2], edge_length, tolerance)
     around, inner = laid.rings, laid.pieces
@@ -137,6 +146,25 @@ def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -
             f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} from the "
             "nearest vertex; move it inside, or leave it out"
         )
+
+
+def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> str:
+    """Return what is wrong with a domain, and the mend."""
+    import shapely
+
+    said = shapely.is_valid_reason(domain)
+    at = said.partition("[")[2].rstrip("]").replace(" ", ", ")
+    if domain.area < MET * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
+        return "seen from above it has hardly any; draw an upright outline laid flat, and stand the mesh up"
+    if said.startswith("Self-intersection"):
+        return f"a curve crosses itself or another one at ({at}); draw them apart"
+    if said.startswith("Hole lies outside"):
+        return f"the hole at ({at}) lies outside of the outline; move it inside, or leave it out"
+    if said.startswith("Too few points"):
+        return "an outline needs three corners or more, and so does a hole"
+    if domain.is_valid:
+        return f"the area is less than that of an edge of {edge_length:g} squared; choose a shorter edge"
+    return f"{said[:1].lower()}{said[1:]}; correct the curves"
 
 
 def _closed(ring: FloatArray, tolerance: float) -> FloatArray:

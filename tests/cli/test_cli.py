@@ -407,3 +407,28 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, 
     assert main(["solve", str(tmp_path / "nothing.obj"), "-o", str(tmp_path / "a.xyz"), "--target", "1"]) == 2
     said = capsys.readouterr()
     assert "files of the kind '.xyz' are not known; use .3dm" in said.err and not said.out
+
+
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        (["solv", "roof.3dm"], "there is no command 'solv'; did you mean solve?"),
+        (["solve", "roof.3dm"], "compas-cgc solve: still needed: -o/--output; see compas-cgc solve --help"),
+        (["solve", "roof.3dm", "-o", "a.3dm", "--edge_length", "1"], "there is no argument --edge_length, did you mean --edge-length?"),
+        (["solve", "roof.3dm", "-o", "a.3dm", "--rise", "3m"], "'3m' is not understood; give a number"),
+        (["check", "my", "roof.3dm"], "put names with spaces into quotation marks"),
+    ],
+)
+def test_mistyped_commands_are_answered_in_one_line(capsys, words, sentence):
+    try:
+        code = main(words)
+    except SystemExit as ended:
+        code = ended.code
+    said = capsys.readouterr().err
+    assert code == 2 and sentence in said and said.count("\n") == 1
+
+
+def test_help_is_given_without_dashes(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["help", "limits"])
+    assert ended.value.code == 0 and "compas-cgc limits" in capsys.readouterr().out

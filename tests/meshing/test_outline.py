@@ -128,3 +128,19 @@ def test_an_outline_is_closed_however_it_ends(end):
     given = {"to the last digit": ring, "to some digits": ring + np.where(np.arange(41)[:, None] == 40, 1e-9, 0), "open": ring[:-1]}[end]
     mesh, same = CGCMesh.from_outline(given, 1.0), CGCMesh.from_outline(ring, 1.0)
     assert np.array_equal(mesh.arrays()[0], same.arrays()[0]) and np.array_equal(mesh.arrays()[1], same.arrays()[1])
+
+
+@pytest.mark.parametrize(
+    "outline, edge, sentence",
+    [
+        (ring((0, 0), (10, 8), (10, 0), (0, 8)), 1.0, "crosses itself or another one at (5, 4)"),
+        (SQUARE[:, [0, 2, 1]], 1.0, "draw an upright outline laid flat"),
+        (SQUARE, 0.001, "see that outline and edge are in the same unit"),
+        (SQUARE, 30.0, "choose a shorter edge"),
+        (SQUARE, "1 m", "must be above zero, a number"),
+    ],
+)
+def test_outlines_that_cannot_be_meshed_are_told_the_mend(outline, edge, sentence):
+    with pytest.raises(MeshError) as refused:
+        CGCMesh.from_outline(outline, edge)
+    assert sentence in str(refused.value)

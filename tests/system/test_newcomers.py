@@ -150,7 +150,7 @@ MISTAKES = {
         lambda: CGCMesh.from_outline(SQUARE, 1.0, holes=[[2, 2, 0], [3, 2, 0], [3, 3, 0], [2, 2, 0]]),
         r"holes=\[curve\]",
     ),
-    "an outline that crosses itself": (lambda: CGCMesh.from_outline([SQUARE[k] for k in (0, 2, 1, 3, 0)], 1.0), "Self-intersection"),
+    "an outline that crosses itself": (lambda: CGCMesh.from_outline([SQUARE[k] for k in (0, 2, 1, 3, 0)], 1.0), "a curve crosses itself"),
     "a length below zero": (lambda: CGCMesh.from_outline(SQUARE, -1.0), "the edge length must be above zero"),
     "a file that is not there": (lambda: read("nothing.3dm"), "there is no file nothing.3dm"),
     "a folder": (lambda: read("."), "is a folder; name a file in it"),
