@@ -192,10 +192,15 @@ def _delaunay(points: FloatArray, lines: Edges, plan: FloatArray, faces: Faces, 
     """Return the triangles of points (p, 2) that lie in the faces of another mesh: Delaunay, but for lines (c, 2) that are edges of it."""
     coarse = Delaunay(points).simplices.astype(np.int64)
     coarse[_double_areas(points, coarse) < 0] = coarse[_double_areas(points, coarse) < 0][:, ::-1]
-    coarse = _with_lines(points, coarse, lines)
-    double = _double_areas(points, coarse)
-    coarse = coarse[np.abs(double) > SLIVER * np.abs(double).mean()]
+    # Those without area, along a straight rim, lie to no side and would not be neighbours of others.
+    coarse = _with_lines(points, _without_slivers(points, coarse), lines)
+    coarse = _without_slivers(points, coarse)
     return np.ascontiguousarray(coarse[located(points[coarse].mean(axis=1), plan, faces, step)[0] >= 0])
+
+
+def _without_slivers(points: FloatArray, faces: Faces) -> Faces:
+    double = np.abs(_double_areas(points, faces))
+    return np.asarray(faces[double > SLIVER * double.mean()])
 
 
 def _with_lines(points: FloatArray, faces: Faces, lines: Edges) -> Faces:

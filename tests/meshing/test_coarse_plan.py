@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc.discrete import edge_faces
 from compas_cgc.meshing.carry_over import CarryOver
 from compas_cgc.meshing.coarse_plan import coarse_plan
@@ -92,3 +93,13 @@ def test_lines_that_go_in_a_zigzag_stay_on_a_mesh_laid_out_anew(n, angle):
         own = found.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         assert {tuple(sorted(e)) for e in found.lines.tolist()} <= {tuple(sorted(e)) for e in own.tolist()}
         assert {*lines.ravel().tolist()} >= {*found.kept[found.lines].ravel().tolist()}
+
+
+def test_a_straight_rim_with_rounding_has_coarser_meshes_too():
+    pytest.importorskip("compas_cgal")
+    outline = [[0, 0, 0], [9, -1, 0], [15, 3, 0], [14, 10, 0], [6, 12, 0], [-1, 7, 0]]
+    vertices, faces = CGCMesh.from_outline(outline, 0.8).arrays()
+    none = np.empty((0, 2), int), np.zeros(len(vertices), bool)
+    for step in np.linspace(0.6, 2.5, 30):
+        found = coarse_plan(np.ascontiguousarray(vertices[:, :2]), faces, *none, step)
+        assert found is None or (edge_faces(found.faces)[:, 3] < 0).any()
