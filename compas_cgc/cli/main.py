@@ -42,7 +42,7 @@ exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a senten
 """
 
 
-def build_parser(called: Optional[str] = None) -> argparse.ArgumentParser:
+def build_parser(called: Optional[str] = None) -> Parser:
     """Return the parser, which knows the arguments of the command that is called, and name and purpose of the others."""
     parser = Parser(
         prog="compas-cgc",
@@ -82,7 +82,10 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         meant = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
         print(f"compas-cgc: there is no command {words[0]!r}; {meant}", file=sys.stderr)
         return REFUSED
-    arguments = build_parser(words[0]).parse_args(words)
+    parser = build_parser(words[0])
+    arguments, unknown = parser.parse_known_args(words)
+    if unknown:
+        parser.of(words[0]).refuse_unknown(unknown)
     try:
         with compiling(quiet=getattr(arguments, "quiet", False)):
             return arguments.run(arguments)

@@ -7,9 +7,8 @@ import re
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Any
 from typing import NoReturn
-from typing import Optional
+from typing import cast
 
 from .exits import REFUSED
 
@@ -29,13 +28,6 @@ class Parser(argparse.ArgumentParser):
         print(f"{self.prog}: {said}; see {self.prog} --help", file=sys.stderr)
         sys.exit(REFUSED)
 
-    def parse_args(self, args: Optional[Sequence[str]] = None, namespace: Any = None) -> Any:
-        """Return the arguments; unknown ones are told with those that look like them."""
-        found, unknown = self.parse_known_args(args, namespace)
-        if unknown:
-            self._called(args).refuse_unknown(unknown)
-        return found
-
     def refuse_unknown(self, unknown: Sequence[str]) -> NoReturn:
         """Tell which arguments are unknown, and what was meant by the first."""
         first = next((text for text in unknown if text.startswith("-")), None)
@@ -45,10 +37,9 @@ class Parser(argparse.ArgumentParser):
         near = get_close_matches(first.split("=")[0].replace("_", "-"), known, 1, 0.6)
         self.error(f"there is no argument {first}" + (f", did you mean {near[0]}?" if near else ""))
 
-    def _called(self, args: Optional[Sequence[str]]) -> Parser:
-        """Return the parser of the command that is called."""
-        words = sys.argv[1:] if args is None else args
+    def of(self, command: str) -> Parser:
+        """Return the parser of a command, or this one where there is no such command."""
         for action in self._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                return next((action.choices[word] for word in words if word in action.choices), self)
+            if isinstance(action, argparse._SubParsersAction) and command in action.choices:
+                return cast(Parser, action.choices[command])
         return self

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from collections.abc import Sequence
-from numbers import Real
 from typing import TYPE_CHECKING
 from typing import NamedTuple
 from typing import Optional
@@ -97,7 +96,7 @@ def mesh_from_outline(
         from .curve_sampling import spread
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
-    if not isinstance(edge_length, Real) or not 0 < edge_length < np.inf:
+    if not _is_length(edge_length):
         raise MeshError(f"the edge length must be above zero, a number in the unit of the outline, not {edge_length!r}")
     outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
     rings = [ring[:, :2] for ring in (outline, *holes)]
@@ -146,6 +145,10 @@ def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -
             f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} from the "
             "nearest vertex; move it inside, or leave it out"
         )
+
+
+def _is_length(value: object) -> bool:
+    return isinstance(value, (int, float, np.number)) and 0.0 < float(value) < np.inf
 
 
 def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> str:
