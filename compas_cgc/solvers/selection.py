@@ -205,9 +205,10 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "") -> Solution:
     """Return the solution that was found, with why it is no better, by which method it was found, and what was tried before."""
-    before = [f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged"]
+    stopped = (f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged")
+    before = list(dict.fromkeys(stopped))
     if choice.second:
-        before.append("as it was tried first it is rough")
+        before.append("what was found first is rough")
     why = why.lstrip("; ")
     # What keeps a surface from being fair matters more than how well K is met on it.
     said = (why, solution.message) if solution.status == "converged" else (solution.message, why)
