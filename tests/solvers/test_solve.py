@@ -192,7 +192,7 @@ def test_when_none_arrives_the_best_surface_is_returned_and_said():
     before = analyse(mesh).max_error
     result = solve(mesh)
     assert result.status == "stalled" and "some free edge" in result.message
-    assert result.max_error <= before
+    assert result.max_error <= before * (1 + 1e-12), "the start itself, but for rounding"
 
 
 def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):
