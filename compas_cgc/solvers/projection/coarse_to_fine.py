@@ -18,7 +18,6 @@ from ...model.problem import CGCProblem
 from ..coarse import coarsened
 from .closing import Closing
 from .exact import exactly
-from .exact import unsettled
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -27,7 +26,6 @@ from .measure import renewed
 from .measure import shows_layout
 from .settings import AUTO
 from .settings import ProjectionSettings
-from .sliding import can_slide
 from .strategies import ways
 from .strategies import ways_on
 from .system import System
@@ -107,10 +105,7 @@ def _from(system: System, equations: CurvatureEquations, carried: Point, setting
     if not _is_met(system, equations, here, settings):
         here = yield from _to_rounding(system, equations, carried, settings)
     if settings.measure in EXACT:
-        vertices = here.vertices
-        if can_slide(system, equations) and shows_layout(system, equations, vertices):
-            vertices = yield from unsettled(renewed(near, equations, vertices), vertices)
-        yield from exactly(system, equations, settings.measure, vertices)
+        yield from exactly(system, equations, settings.measure, here.vertices)
 
 
 def _is_met(system: System, equations: CurvatureEquations, point: Point, settings: ProjectionSettings) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
 from collections.abc import Iterator
 
 from ...discrete.arrays import Vertices
@@ -15,9 +14,12 @@ from .measure import shows_layout
 from .saddles import descend_over_saddles
 from .sliding import can_slide
 from .sliding import slide
+from .smooth_shape import smooth_shape
 from .system import System
 
-__all__ = ["exactly", "unsettled"]
+__all__ = ["exactly"]
+
+NEAR = (10.0, 1000.0)  # weights of K against waves, for a shape that nearly has it
 
 
 def exactly(system: System, equations: CurvatureEquations, measure: str, vertices: Vertices) -> Iterator[Taken]:
@@ -28,23 +30,12 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
     exact = exact_equations(equations, measure)
     if isinstance(exact, SpaceFormEquations) and exact.too_large(vertices) is None:
         if can_slide(system, exact) and shows_layout(system, equations, vertices):
-            for taken in slide(system, exact, system.at(vertices, exact)):
+            # Angles hold the fair shape to waves, which only those who slide along it can do without.
+            slid = yield from smooth_shape(system, equations, vertices, NEAR)
+            for taken in slide(system, exact, system.at(slid, exact)):
                 yield taken._replace(equations=exact)
-                vertices = taken.vertices
-            if system.missing(system.at(vertices, exact), exact) <= FULFILLED:
+                slid = taken.vertices
+            if system.missing(system.at(slid, exact), exact) <= FULFILLED:
                 return
         for taken in descend_over_saddles(system, exact, system.at(vertices, exact)):
             yield taken._replace(equations=exact)
-
-
-def unsettled(steps: Iterator[Taken], vertices: Vertices) -> Generator[Taken, None, Vertices]:
-    """Pass on steps on the way to a start for the exact finish, and the shape (n, 3) that they come to from one.
-
-    The last ones, to rounding in a measure that is given up, are left out.
-    """
-    for taken in steps:
-        vertices = taken.vertices
-        yield taken._replace(settled=False, equations=None)
-        if taken.settled:
-            break
-    return vertices

@@ -13,7 +13,6 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from .at_rest import brought_to_rest
 from .exact import exactly
-from .exact import unsettled
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -30,7 +29,6 @@ from .sequential import Reached
 from .sequential import approach
 from .settings import AUTO
 from .settings import ProjectionSettings
-from .sliding import can_slide
 from .smooth_shape import smooth_shape
 from .starts import Starts
 from .starts import is_flat
@@ -78,15 +76,9 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         if settings.measure in EXACT:
             yield from exactly(system.keeping("shape"), equations, settings.measure, vertices)
         return
-    slides = settings.measure in EXACT and can_slide(system, equations)
-    if not warm and settings.retry and (slides or settings.measure in (AUTO, "smooth")) and _loses_itself(system, equations, start):
+    if not warm and settings.retry and settings.measure in (AUTO, "smooth") and _loses_itself(system, equations, start):
         vertices = yield from smooth_shape(system, equations, start.vertices)
-        steps = renewed(system, equations, vertices)
-        if slides:
-            vertices = yield from unsettled(steps, vertices)
-            yield from exactly(system, equations, settings.measure, vertices)
-        else:
-            yield from steps
+        yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
         found = yield from _closing(system, equations, tried.rivals[0])
@@ -116,11 +108,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from _told(rested)
         yield from descend(system, equations, reached.point, patience=FINISH)
     elif settings.measure in EXACT:
-        vertices = reached.point.vertices
-        if slides and shows_layout(system, equations, vertices):
-            # What is slid along is fair by what polynomials say, not by angles.
-            vertices = yield from unsettled(smoothed(system, equations, reached), vertices)
-        yield from exactly(system, equations, settings.measure, vertices)
+        yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from _told(rested)
         yield from descend_over_saddles(system, equations, reached.point)
