@@ -88,6 +88,7 @@ class Fairness:
         self.plan = (own + sparse.diags(self._pull[:, 0])).tocsr()
         self.height = (own + sparse.diags(self._pull[:, 2])).tocsr() if has_plan else self.plan
         self._last: Optional[Metric] = None
+        self._second: Optional[sparse.csr_matrix] = None
 
     @property
     def bending(self) -> sparse.csr_matrix:
@@ -105,10 +106,12 @@ class Fairness:
 
     def second_derivative(self) -> sparse.csr_matrix:
         """Return the second derivative of E by the coordinates of the vertices that may move (3c, 3c)."""
-        first, second, up = (
-            sparse.kron(weight, np.outer(axis, axis)) for weight, axis in zip((self.plan, self.plan, self.height), self.axes)
-        )
-        return (first + second + up).tocsr()
+        if self._second is None:
+            first, second, up = (
+                sparse.kron(weight, np.outer(axis, axis)) for weight, axis in zip((self.plan, self.plan, self.height), self.axes)
+            )
+            self._second = (first + second + up).tocsr()
+        return self._second
 
     def drawn(self) -> bool:
         """Return whether the drawing has no plan, or bends far more than the fairest shape through its supports: someone meant it."""

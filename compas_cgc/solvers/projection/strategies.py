@@ -12,6 +12,7 @@ import numpy as np
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
 from .at_rest import brought_to_rest
+from .at_rest import rests
 from .exact import exactly
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
@@ -34,6 +35,7 @@ from .starts import Starts
 from .starts import is_flat
 from .starts import starts
 from .system import System
+from .trust_region import SETTLED
 from .trust_region import refine
 
 __all__ = ["ways", "ways_on"]
@@ -46,6 +48,7 @@ GROWING, EASY = 15, 8  # most steps for each, and of one that leads on along the
 DEAR = 1.05  # energy, against another, up to which a shape that was reached from smaller targets is preferred
 SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
+ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
@@ -96,9 +99,12 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         system = system.keeping("shape")
     if found is None:
         return
-    reached = yield from refine(system, equations, found.reached)
+    reached = yield from refine(system, equations, found.reached, ALMOST if rests(system, equations) else SETTLED)
     rested = brought_to_rest(system, equations, reached)
-    reached = rested or reached
+    if rested is not None:
+        reached = rested
+    elif rests(system, equations):
+        reached = yield from refine(system, equations, reached)
     if settings.measure == "smooth":
         yield from smoothed(system, equations, reached)
     elif settings.measure == AUTO:

@@ -34,8 +34,10 @@ AIMLESS = 0.5  # of a step, against the one before, that has not come nearer, wh
 ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
 
-def refine(system: System, equations: CurvatureEquations, reached: Reached) -> Generator[Taken, None, Reached]:
+def refine(system: System, equations: CurvatureEquations, reached: Reached, enough: float = SETTLED) -> Generator[Taken, None, Reached]:
     """Take steps to the least energy, quadratically convergent and past saddles, until nothing moves any more.
+
+    The longest move that counts as none, against the size of the mesh, is `enough`.
 
     Every step is one within the shapes that fulfil the linear equations, and a few moves back onto those that
     fulfil them in truth.
@@ -86,7 +88,7 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached) -> G
         if aimless and system.missing(there, equations) > system.missing(here, equations):
             break
         here, multipliers = there, step.multipliers
-        settled = step.inside and moved * max(step.left, moved) <= SETTLED
+        settled = step.inside and moved * max(step.left, moved) <= enough
         settled = settled and system.renewed(here, equations, multipliers).contact.same(system.contact)
         yield Taken(here.vertices, 1.0, trials, settled)
         if settled or aimless or (trials > 1 and pointless):
