@@ -120,7 +120,8 @@ def _smooth_parts(V: FloatArray, F: IntArray, creases: IntArray) -> FloatArray:
     ahead, back = np.roll(V[F], -1, axis=1) - V[F], np.roll(V[F], 1, axis=1) - V[F]
     square = (ahead**2).sum(axis=2) * (back**2).sum(axis=2)
     own = (np.cross(ahead, back) / np.maximum(square, np.finfo(float).tiny)[..., None]).reshape(-1, 3)
-    return unit_vectors(np.column_stack([np.bincount(corner, own[:, k], len(pairs)) for k in range(3)]))[corner].reshape(-1, 3, 3)
+    sums = np.column_stack([np.bincount(corner, own[:, k], len(pairs)) for k in range(3)]).astype(np.float64)
+    return unit_vectors(sums)[corner].reshape(-1, 3, 3)
 
 
 def _refined(V: FloatArray, F: IntArray, N: FloatArray) -> tuple[FloatArray, FloatArray]:
