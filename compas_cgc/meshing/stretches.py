@@ -47,7 +47,8 @@ class Stretch(NamedTuple):
 def stretches_of(line: shapely.LineString, nodes: FloatArray, reach: float) -> list[Stretch]:
     """Return the stretches of a line between the nodes (k, 2) that lie within reach of it."""
     points = shapely.points(nodes)
-    at, on = shapely.line_locate_point(line, points), shapely.distance(line, points) <= reach
+    at: FloatArray = np.asarray(shapely.line_locate_point(line, points))
+    on = np.asarray(shapely.distance(line, points)) <= reach
     own = np.flatnonzero(on)
     own = own[np.argsort(at[own], kind="stable")].tolist()
     closed = bool(line.is_closed)
