@@ -105,7 +105,7 @@ class System:
         self.places = Places(V, movable, self.goals.places, symmetries)
         self.contact = Contact.none(self.goals.sides, movable, edges[:, :2])
         # Mirrored equations say the same twice, which makes the systems singular. Diagonals may be kept by some symmetries only.
-        keeping = [image for image in symmetries if keep_faces(F, [symmetries[0], image])]
+        keeping = [image for image in symmetries if image is symmetries[0] or keep_faces(F, [symmetries[0], image])]
         self.torn = len(symmetries) - len(keeping)
         leading = np.arange(len(self.rows))
         if len(keeping) > 1:
