@@ -61,7 +61,7 @@ SECOND = [
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
 ]
-STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", False, MappingProxyType({"keep": "shape"}), "smoothed")
+STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
 def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
@@ -138,7 +138,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     for choice in choose(problem, settings):
         if allowed.spent and tried:
             break
-        if choice.second is not bool(rough) and choice.start != "anew":
+        if not _is_due(choice, bool(rough)):
             continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
@@ -168,6 +168,11 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         return _told(best, choice, tried, why_rough(problem, partial(_columns, problem, best)))
     best, choice = min(tried, key=lambda pair: pair[0].max_error)
     return _told(best, choice, tried, why_not_found(problem, best.status, partial(_columns, problem, best)))
+
+
+def _is_due(choice: Choice, rough: bool) -> bool:
+    """Return whether a choice is for what has come out so far: something rough, or nothing."""
+    return not rough if choice is STALLED else choice.start == "anew" or choice.second is rough
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:
@@ -207,7 +212,7 @@ def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice
     """Return the solution that was found, with why it is no better, by which method it was found, and what was tried before."""
     stopped = (f"{other.method} {said.status}" for said, other in tried if other is not choice and said.status != "converged")
     before = list(dict.fromkeys(stopped))
-    if choice.second:
+    if choice.second and any(said.status == "converged" for said, other in tried if other is not choice):
         before.append("what was found first is rough")
     why = why.lstrip("; ")
     # What keeps a surface from being fair matters more than how well K is met on it.

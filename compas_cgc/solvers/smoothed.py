@@ -15,6 +15,7 @@ from ..linalg.work import until_spent
 from ..model.goals.binding import bind
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from .projection.messages import enclosed_negative
 from .projection.settings import ProjectionSettings
 from .projection.smooth_shape import smooth_shape
 from .projection.system import System
@@ -44,12 +45,14 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     Returns
     -------
     Solution or None
-        None where the mesh is too small or large, with constraints, or where it takes more work than is allowed.
+        None where the mesh is too small or large, with constraints or over-determined, or where it takes more work than is allowed.
     """
     if problem.constraints or not FEWEST <= int(problem.asked.sum()) <= MOST or not np.isfinite(found).all():
         return None
     local, frame = problem.with_vertices(found).local()
     system = System(local, ProjectionSettings(keep="shape"), bind(local, ()))
+    if enclosed_negative(system, local.targets):
+        return None
     shapes = list(until_spent(_shapes(system, local)))
     if is_spent():
         return None

@@ -154,8 +154,8 @@ CHOICES = [
 def test_the_method_suits_the_problem_and_is_said(make, settings, methods):
     mesh = make()
     choices = choose(CGCProblem.from_mesh(mesh), settings)
-    assert [choice.method for choice in choices if not choice.second and choice.start == "drawn"] == methods
-    assert {choice.method for choice in choices if choice.second or choice.start != "drawn"} <= {"projection"}
+    assert [choice.method for choice in choices if not choice.second] == methods
+    assert {choice.method for choice in choices if choice.second} <= {"projection"}
     result = solve(mesh, settings=settings)
     if result.method == methods[0]:
         assert f"; by the method {methods[0]}, as {choices[0].reason}" in result.ending
@@ -188,7 +188,7 @@ def test_when_none_arrives_the_best_surface_is_returned_and_said():
         x, y, _ = mesh.vertex_coordinates(v)
         mesh.vertex_attribute(v, "z", 0.3 * ((x - 1) ** 2 - (y - 1) ** 2))
     mesh.set_supports("boundary")
-    mesh.set_target(-0.5)
+    mesh.set_target(-0.2)
     before = analyse(mesh).max_error
     result = solve(mesh)
     assert result.status == "stalled" and "some free edge" in result.message
