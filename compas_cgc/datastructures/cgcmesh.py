@@ -222,7 +222,8 @@ class CGCMesh(Mesh):
         """Make a mesh of near-equilateral triangles within an outline in plan, with the creases set.
 
         There is a vertex at every kink, end and crossing of the curves and at every point; edges are shorter at small features.
-        Heights are those of the curves, and a thin plate's between them. Takes the extra ``mesher``.
+        Heights are those of the curves, and a thin plate's between them; points over curves that are level are heads of columns,
+        which lift nothing but themselves before a solve. Takes the extra ``mesher``.
 
         Parameters
         ----------

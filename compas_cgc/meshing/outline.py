@@ -75,8 +75,8 @@ def mesh_from_outline(
     tolerance
         Length below which two points are one [L].
     points
-        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L]. Those outside
-        of the outline are passed over.
+        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L]. Over curves that
+        are all at one height only they have heights of their own. Those outside of the outline are passed over.
 
     Returns
     -------
@@ -119,11 +119,17 @@ def mesh_from_outline(
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
     heights[on] = _heights_on_curves(plan[on], [outline, *holes, *creases])
+    known = on.copy()
     if len(laid.loose) and given[:, 2].any():
         at = cKDTree(plan).query(laid.loose)[1]
         heights[at] = given[cKDTree(given[:, :2]).query(laid.loose)[1], 2]
-        on[at] = True
-    vertices = np.column_stack([plan, _heights_between(plan, on, heights)])
+        known[at] = True
+    if np.ptp(heights[on]):
+        heights = _heights_between(plan, known, heights)
+    else:
+        # Points over level curves are heads of columns: what sheet goes over them is for the solve to say.
+        heights[~known] = heights[on][0]
+    vertices = np.column_stack([plan, heights])
     place = cKDTree(plan)
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
 
@@ -249,7 +255,7 @@ def _heights_between(plan: FloatArray, known: Mask, heights: FloatArray) -> Floa
     A membrane would sag between two arches, where a plate is all but ruled.
     """
     free = np.flatnonzero(~known)
-    if not len(free) or not heights[known].any():
+    if not len(free):
         return heights
     from scipy.interpolate import RBFInterpolator
 

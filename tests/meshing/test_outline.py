@@ -9,6 +9,7 @@ import pytest
 import rhino3dm
 
 from compas_cgc import CGCMesh
+from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import MeshError
 
@@ -144,3 +145,26 @@ def test_outlines_that_cannot_be_meshed_are_told_the_mend(outline, edge, sentenc
     with pytest.raises(MeshError) as refused:
         CGCMesh.from_outline(outline, edge)
     assert sentence in str(refused.value)
+
+
+@pytest.mark.parametrize("K", [-0.01, 0.004])
+def test_heads_of_columns_over_a_level_outline_lift_nothing_else_and_carry_a_fair_canopy(K):
+    outline = [[0, 0, 1], [9, -1, 1], [15, 3, 1], [14, 10, 1], [6, 12, 1], [-1, 7, 1]]
+    heads = np.array([[2, 2, 5], [11, 2, 4], [11.5, 8, 5], [3, 8, 4]])
+    canopy = CGCMesh.from_outline(outline, 1.2, points=heads)
+    columns = canopy.vertices_near(heads[:, :2])
+    heights = canopy.arrays()[0][:, 2]
+    assert np.allclose(heights[columns], heads[:, 2]) and (np.delete(heights, columns) == 1.0).all()
+    canopy.set_supports(columns)
+    canopy.set_target(K)
+    result = solve(canopy)
+    assert result.converged and result.verdict.fair, result.message
+
+
+def test_between_arches_heights_of_points_count_for_the_sheet():
+    x = np.linspace(0, 6, 13)
+    arch = np.column_stack([x, 0 * x, 0.3 * x * (6 - x)])
+    outline = [*arch.tolist(), *(arch + [0, 6, 0])[::-1].tolist()]
+    low, high = (CGCMesh.from_outline(outline, 0.8, points=[[3, 3, z]]).arrays()[0] for z in (2.0, 3.2))
+    beside = [v[np.argsort(np.hypot(v[:, 0] - 3, v[:, 1] - 3))[1:6], 2].mean() for v in (low, high)]
+    assert beside[1] - beside[0] > 0.6
