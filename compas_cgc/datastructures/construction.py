@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from collections.abc import Iterable
 from collections.abc import Mapping
+from collections.abc import Sequence
 from itertools import chain
 from typing import TYPE_CHECKING
 from typing import Any
@@ -29,7 +30,7 @@ class Evaluated(NamedTuple):
 
     at: Callable[[FloatArray], FloatArray]  # (k, 2) parameters to (k, 3) points [L]
     domain: tuple[tuple[float, float], tuple[float, float]]
-    spans: tuple[list[float], list[float]]  # knots along u and v
+    spans: tuple[Sequence[float], Sequence[float]]  # knots along u and v
 
 
 def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]:
