@@ -10,6 +10,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
@@ -129,6 +130,7 @@ def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) 
                 yield _Between(c, three, float(z[c] - own @ z[list(three)]))
 
 
+@remembered
 def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[IntArray, FloatArray]:
     """Return pairs of supports that others lie between (p, 2), and how far along the way of each pair (p, k), NaN where beside it."""
     places = plan[supports]
@@ -145,6 +147,7 @@ def _pairs_around(plan: FloatArray, supports: IntArray, size: float) -> tuple[In
     return np.column_stack([supports[first], supports[second]])[some], share[some]
 
 
+@remembered
 def _straight_sides(plan: FloatArray, F: IntArray) -> Mask:
     """Return which vertices lie on which straight sides of the edge of some faces in plan (n, s)."""
     on: list[IntArray] = []
