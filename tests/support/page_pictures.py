@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "compas_cgc" / "server" / "page" / "static" / "examples"
 PAGE = ROOT / "docs" / "images" / "page.png"
 ALONE = (
-    "header, .panel, .tools, .marks, .legend { display: none !important }",
+    "header, .panel, .tools, .hand, .crown, .marks, .legend { display: none !important }",
     "main { position: fixed !important; inset: 0; display: block !important }",
     ".view { position: absolute !important; inset: 0; background: none !important }",
     "body { background: none !important }",
@@ -58,29 +58,37 @@ def dithered(png):
     return file.getvalue()
 
 
+def example(window, url, name):
+    """Return the picture of a solved example, alone on the page."""
+    solved(window, url, name)
+    for rule in ALONE:
+        window.execute_script("[...document.styleSheets].at(-1).insertRule(arguments[0])", rule)
+    window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", dict(width=960, height=600, deviceScaleFactor=1, mobile=False))
+    window.execute_cdp_cmd("Emulation.setDefaultBackgroundColorOverride", dict(color=dict(r=0, g=0, b=0, a=0)))
+    time.sleep(0.5)
+    window.execute_script("document.getElementById('fit').click()")
+    window.find_element(By.ID, "canvas").send_keys("+")
+    window.execute_script("document.activeElement.blur()")
+    time.sleep(1.0)
+    return small(base64.b64decode(window.execute_cdp_cmd("Page.captureScreenshot", dict(format="png"))["data"]))
+
+
+def whole(window, url):
+    """Return the picture of the whole page."""
+    solved(window, url, "example4_a")
+    window.execute_script("document.querySelector('[name=colours][value=curvature]').click()")
+    time.sleep(1.0)
+    return dithered(window.get_screenshot_as_png())
+
+
 def take():
-    """Take all pictures."""
+    """Take all pictures, each in a browser of its own, as a page keeps the last design."""
     with tempfile.TemporaryDirectory() as folder, running_server(Path(folder) / "jobs.sqlite") as server:
-        with open_browser(Path(folder), 1280, 940) as window:
-            for name in GALLERY:
-                solved(window, server.url, name)
-                for rule in ALONE:
-                    window.execute_script("[...document.styleSheets].at(-1).insertRule(arguments[0])", rule)
-                window.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", dict(width=960, height=600, deviceScaleFactor=1, mobile=False))
-                window.execute_cdp_cmd("Emulation.setDefaultBackgroundColorOverride", dict(color=dict(r=0, g=0, b=0, a=0)))
-                time.sleep(0.5)
-                window.execute_script("document.getElementById('fit').click()")
-                window.find_element(By.ID, "canvas").send_keys("+")
-                window.execute_script("document.activeElement.blur()")
-                time.sleep(1.0)
-                shot = window.execute_cdp_cmd("Page.captureScreenshot", dict(format="png"))["data"]
-                (EXAMPLES / f"{name}.png").write_bytes(small(base64.b64decode(shot)))
-                window.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-                window.execute_cdp_cmd("Emulation.setDefaultBackgroundColorOverride", {})
-            solved(window, server.url, "example4_a")
-            window.execute_script("document.querySelector('[name=colours][value=curvature]').click()")
-            time.sleep(1.0)
-            PAGE.write_bytes(dithered(window.get_screenshot_as_png()))
+        for name in GALLERY:
+            with open_browser(Path(folder), 1280, 940) as window:
+                (EXAMPLES / f"{name}.png").write_bytes(example(window, server.url, name))
+        with open_browser(Path(folder), 1360, 940) as window:
+            PAGE.write_bytes(whole(window, server.url))
 
 
 if __name__ == "__main__":
