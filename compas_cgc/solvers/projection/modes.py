@@ -9,6 +9,7 @@ from scipy.sparse.linalg import eigsh
 from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.laplacian import cotangent_laplacian
 from .system import System
 
 __all__ = ["bending_modes"]
@@ -16,6 +17,7 @@ __all__ = ["bending_modes"]
 FEWEST = 8  # vertices that may move, for which there is a choice of modes
 ROUGH = 1e-3  # relative error of an eigenvalue
 ROUNDS = 60  # of the Lanczos method
+CLEAR = 0.3  # sum of what a mode is bent, against that of its absolute values, that says which side it bulges to
 SPREAD = 1.7  # step of the first vector's phase: some of every mode
 
 
@@ -73,11 +75,19 @@ def _bending_modes(system: System, equations: CurvatureEquations, vertices: Floa
         maxiter=ROUNDS,
     )
     found = [vectors[:, k] for k in np.argsort(-values) if values[k] > 0.0]
-    return [system.full(((_upward(heights) / np.abs(heights).max())[:, None] * normals).ravel()) for heights in found]
+    bends = -cotangent_laplacian(vertices, system.faces)[system.rows[signs > 0.0]][:, columns]
+    return [system.full(((_upward(heights, bends @ heights) / np.abs(heights).max())[:, None] * normals).ravel()) for heights in found]
 
 
-def _upward(heights: FloatArray) -> FloatArray:
-    """Return the heights or their opposite, whichever is on the side of the normals on the whole."""
+def _upward(heights: FloatArray, bent: FloatArray) -> FloatArray:
+    """Return the heights (c,) or their opposite, whichever bulge to the side of the normals.
+
+    Where K > 0 is lacking, what they are bent (k,) tells: the edges of a dome over columns within it come down by more than it rises. Else
+    they are to the side of the normals on the whole.
+    """
+    side = float(bent.sum())
+    if abs(side) > CLEAR * float(np.abs(bent).sum()):
+        return heights if side > 0.0 else -heights
     side = float(np.sum(heights * np.abs(heights)))
     if abs(side) <= 1e-6 * float(np.sum(heights**2)):
         side = float(heights[np.argmax(np.abs(heights) >= (1 - 1e-6) * np.abs(heights).max())])

@@ -98,3 +98,21 @@ def test_two_bays_held_all_around_are_domes_of_one_height():
     left, right = (heights[side] for side in (vertices[:, 0] < 7.0, vertices[:, 0] > 7.0))
     assert result.converged and result.verdict.fair
     assert left.max() == pytest.approx(right.max(), rel=0.02) and heights.mean() > 0.46
+
+
+@pytest.mark.parametrize("inset", [1, 2, 3, 4])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_roof_far_over_its_columns_is_a_dome_whose_edges_come_down(inset, turned):
+    """They come down by more than its middle rises, and still it bulges with the normals."""
+    mesh = CGCMesh.from_meshgrid(dx=12, nx=12)
+    if turned:
+        mesh.flip()
+    places = (inset, 12 - inset)
+    mesh.set_supports(mesh.vertices_near([[x, y] for x in places for y in places]))
+    mesh.set_target(0.004)
+    result = solve(mesh)
+    assert result.converged and result.verdict.fair, result.message
+    heights = result.vertices[:, 2] * (-1 if turned else 1)
+    middle = heights[mesh.vertices_near([[6, 6]])[0]]
+    rim = heights[[v for loop in mesh.boundary_loops() for v in loop]]
+    assert middle > 0.0 and (rim < middle).all()
