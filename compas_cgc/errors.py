@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
 from typing import Callable
+from typing import Optional
 from typing import TypeVar
 from typing import cast
 
-__all__ = ["CGCError", "FileError", "MeshError", "ProblemError", "did_you_mean", "find_attribute", "names_what_was_meant"]
+__all__ = ["CGCError", "FileError", "MeshError", "ProblemError", "did_you_mean", "find_attribute", "names_what_was_meant", "nearest_name"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -110,5 +111,10 @@ def did_you_mean(name: str, names: Iterable[str], alike: float = 0.6) -> str:
     alike
         How much alike two names must be, from 0 to 1.
     """
-    near = get_close_matches(name, list(names), 1, alike)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    near = nearest_name(name, names, alike)
+    return "" if near is None else f"; did you mean {near!r}?"
+
+
+def nearest_name(name: str, names: Iterable[str], alike: float = 0.6) -> Optional[str]:
+    """Return the name that is most alike to another one, None where none is as much alike as asked, from 0 to 1."""
+    return next(iter(get_close_matches(name, list(names), 1, alike)), None)

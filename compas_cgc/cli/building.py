@@ -86,7 +86,6 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     CGCError
         If it cannot be read.
     """
-
     read = read_input(arguments, result=True)
     say = speaker(arguments.quiet)
     for note in read.notes:

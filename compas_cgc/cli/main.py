@@ -6,12 +6,12 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import Optional
 
 from .._version import __version__
+from ..errors import nearest_name
 from .console import compiling
 from .exits import INTERRUPTED
 from .exits import REFUSED
@@ -78,8 +78,8 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     if not words or words[0] == "help":
         words = [*words[1:2], "--help"]
     if words[0] not in COMMANDS and not words[0].startswith("-"):
-        near = get_close_matches(words[0], COMMANDS, 1, 0.7)
-        meant = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
+        near = nearest_name(words[0], COMMANDS, 0.7)
+        meant = f"there are {', '.join(COMMANDS)}" if near is None else f"did you mean {near}?"
         print(f"compas-cgc: there is no command {words[0]!r}; {meant}", file=sys.stderr)
         return REFUSED
     parser = build_parser(words[0])

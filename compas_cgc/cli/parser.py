@@ -6,10 +6,10 @@ import argparse
 import re
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from typing import NoReturn
 from typing import cast
 
+from ..errors import nearest_name
 from .exits import REFUSED
 
 __all__ = ["Parser"]
@@ -34,8 +34,8 @@ class Parser(argparse.ArgumentParser):
         if first is None:
             self.error(f"{' '.join(unknown)} is too much; put names with spaces into quotation marks")
         known = [option for action in self._actions for option in action.option_strings if option.startswith("--")]
-        near = get_close_matches(first.split("=")[0].replace("_", "-"), known, 1, 0.6)
-        self.error(f"there is no argument {first}" + (f", did you mean {near[0]}?" if near else ""))
+        near = nearest_name(first.split("=")[0].replace("_", "-"), known)
+        self.error(f"there is no argument {first}" + ("" if near is None else f", did you mean {near}?"))
 
     def of(self, command: str) -> Parser:
         """Return the parser of a command, or this one where there is no such command."""

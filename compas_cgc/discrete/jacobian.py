@@ -123,9 +123,8 @@ class CurvatureEquations:
         (n, 3) float64
             [1/L]
         """
-        weight = np.zeros(len(vertices))
-        weight[self.rows] = multipliers
-        return _second_derivatives.defects_along(vertices, self.faces, weight, np.ascontiguousarray(moves))
+        weights = self._at_vertices(len(vertices), multipliers)
+        return _second_derivatives.defects_along(vertices, self.faces, weights, np.ascontiguousarray(moves))
 
     def second_derivative(self, vertices: FloatArray, multipliers: FloatArray) -> sparse.csr_matrix:
         """Return the second derivative of the weighted sum of the residuals, that of the mixed areas included.
@@ -143,7 +142,12 @@ class CurvatureEquations:
             ``(3c, 3c)`` by the coordinates of the moving vertices [1/L^2].
         """
         pattern = RingPattern(self.faces, len(vertices), self.columns, self.columns)
-        weight = np.zeros(len(vertices))
-        weight[self.rows] = multipliers
-        data = _second_derivatives.entries(vertices, self.faces, weight, self.targets, pattern.slots, pattern.size)
+        weights = self._at_vertices(len(vertices), multipliers)
+        data = _second_derivatives.entries(vertices, self.faces, weights, self.targets, pattern.slots, pattern.size)
         return sparse.bsr_matrix((data, pattern.indices, pattern.indptr), shape=(3 * len(self.columns),) * 2).tocsr()
+
+    def _at_vertices(self, count: int, multipliers: FloatArray) -> FloatArray:
+        """Return the weights of the rows (k,) at the vertices (n,)."""
+        weights = np.zeros(count)
+        weights[self.rows] = multipliers
+        return weights
