@@ -26,13 +26,13 @@ from .api.requests import READERS
 from .api.responses import respond
 from .api.routes import api
 from .api.tasks import solve_job
-from .api.tasks import warm_up
 from .errors import RequestError
 from .errors import error_body
 from .errors import no_function
 from .hops.inputs import read_hops_request
 from .hops.routes import hops
 from .hops.routes import list_functions
+from .hops.warm_up import warm_up
 from .jobs.engine import Jobs
 from .jobs.store import Store
 from .limits import Limits

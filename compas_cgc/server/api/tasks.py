@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Mapping
 
-from ..._warm_up import warm_up
 from ...analysis import analyse
 from ...datastructures import SolveResult
 from ...execution.worker import report
@@ -28,7 +27,7 @@ from .requests import SolveRequest
 from .serialization import pack_result
 from .wording import in_request_words
 
-__all__ = ["Progress", "run_request", "solve_job", "warm_up"]
+__all__ = ["Progress", "run_request", "solve_job"]
 
 INTERVAL = 0.1  # seconds between two reports
 FIGURES = ("step", "steps", "energy", "error_norm", "max_error", "seconds")

@@ -19,10 +19,10 @@ from compas_cgc.execution.worker import stop_wanted
 from compas_cgc.server.api.requests import accept
 from compas_cgc.server.api.serialization import unpack_result
 from compas_cgc.server.api.tasks import solve_job
-from compas_cgc.server.api.tasks import warm_up
 from compas_cgc.server.errors import Busy
 from compas_cgc.server.errors import Conflict
 from compas_cgc.server.errors import Gone
+from compas_cgc.server.hops.warm_up import warm_up
 from compas_cgc.server.jobs.engine import Jobs
 from compas_cgc.server.jobs.output import JobOutput
 from compas_cgc.server.jobs.store import Job
