@@ -7,6 +7,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete import boundary_vertices
+from ..discrete import face_normals
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
@@ -15,6 +16,7 @@ from ..model.verdict import Verdict
 __all__ = ["summary"]
 
 NOTHING = 1e-9  # of the size of a surface, that is no height
+SUNK = 1e-3  # of it, by which a roof lies under its supports
 
 
 def summary(problem: CGCProblem, status: str, judged: Optional[Verdict], max_error: float) -> str:
@@ -40,7 +42,23 @@ def summary(problem: CGCProblem, status: str, judged: Optional[Verdict], max_err
 def _heights(problem: CGCProblem) -> str:
     size = float(np.ptp(problem.vertices, axis=0).max(initial=0.0))
     low, high = (_number(z, size) for z in (problem.vertices[:, 2].min(), problem.vertices[:, 2].max()))
-    return f"level at {low}" if low == high else f"heights from {low} to {high}"
+    return f"level at {low}" if low == high else f"heights from {low} to {high}{_sunk(problem, size)}"
+
+
+def _sunk(problem: CGCProblem, size: float) -> str:
+    """Return how far a roof of K > 0 dips under the edge that it is held along: between domes, where water would stay."""
+    z, fixed = problem.vertices[:, 2], problem.roles == FIXED
+    held = fixed[boundary_vertices(problem.vertices, problem.faces)]
+    bulges = (problem.targets[problem.asked] > 0.0).all() and face_normals(problem.vertices, problem.faces)[:, 2].mean() > 0.0
+    if not held.any() or not held.all() or not bulges:
+        return ""
+    lowest = float(z[fixed].min())
+    under = lowest - float(z.min())
+    return (
+        f", inside {_number(under, size)} under its edge (goals=[Above({_number(lowest, size)})] keeps it up)"
+        if under > SUNK * size
+        else ""
+    )
 
 
 def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:

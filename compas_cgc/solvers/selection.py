@@ -35,6 +35,7 @@ from .registry import method_of
 from .registry import settings_of
 from .settings import Settings
 from .smoothed import solved_smoothed
+from .smoothed import solved_turned
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
@@ -49,7 +50,9 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    start: str = "drawn"  # or "anew", on a mesh of the same drawing laid out anew first; or "smoothed", from what was found so far
+    start: str = (
+        "drawn"  # or "anew", on a mesh of the same drawing laid out anew first; or "smoothed" or "turned", from what was found so far
+    )
 
 
 FLOW_STEPS = 400
@@ -60,6 +63,7 @@ SECOND = [
     Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
+    Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
@@ -146,6 +150,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             found = allowed.solved(partial(solved_anew, problem, run, callback))
         elif choice.start == "smoothed":
             found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
+        elif choice.start == "turned":
+            found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
             found = allowed.solved(partial(run, problem))
         if found is None:
@@ -158,7 +164,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             solution = solution._replace(verdict=judged)
             if judged.fair:
                 return _told(solution, choice, tried)
-            rough.append((judged.roughness, solution, choice))
+            if choice.start != "turned":  # Which is not what the normals say: worth it for a fair one alone.
+                rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
                 return _told(solution, choice, tried, why_not_found(problem, solution.status))

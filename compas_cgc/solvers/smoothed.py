@@ -16,11 +16,13 @@ from ..model.goals.binding import bind
 from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .projection.messages import enclosed_negative
+from .projection.plate import relaxed
+from .projection.projector import project
 from .projection.settings import ProjectionSettings
 from .projection.smooth_shape import smooth_shape
 from .projection.system import System
 
-__all__ = ["solved_smoothed"]
+__all__ = ["solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
 STEP = 85.0  # right sides that a step takes as long as
@@ -59,6 +61,27 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     shape = problem.vertices.copy()
     shape[system.columns] = frame.to_model([local.vertices, *shapes][-1][system.columns])
     return solve(problem.with_vertices(shape))
+
+
+def solved_turned(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+    """Return the solution from what was found, turned over about the plate through the supports and smoothed.
+
+    Columns at uneven heights may carry a bowl where a dome through them has tips, or the other way round.
+
+    Parameters
+    ----------
+    problem, found, solve
+        As for :func:`solved_smoothed`.
+
+    Returns
+    -------
+    Solution or None
+        None as there, and unless K > 0 is asked for everywhere: of a saddle no side is the other one.
+    """
+    if problem.constraints or not (problem.targets[problem.asked] > 0.0).all():
+        return None
+    turned = project(problem.with_vertices(2.0 * relaxed(problem) - found), settings=ProjectionSettings(keep="plan", retry=False))
+    return solved_smoothed(problem, turned.vertices, solve) if turned.status == "converged" else None
 
 
 def _shapes(system: System, local: CGCProblem) -> Iterator[FloatArray]:

@@ -12,12 +12,14 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.laplacian import cotangent_laplacian
 from .system import System
 
-__all__ = ["bending_modes"]
+__all__ = ["bending_modes", "is_bulge"]
 
 FEWEST = 8  # vertices that may move, for which there is a choice of modes
 ROUGH = 1e-3  # relative error of an eigenvalue
 ROUNDS = 60  # of the Lanczos method
 CLEAR = 0.3  # sum of what a mode is bent, against that of its absolute values, that says which side it bulges to
+MEAN = 0.3  # of a mode, against its mean square, from which it is a bulge
+TINY = 1e-300  # bending that is none
 SPREAD = 1.7  # step of the first vector's phase: some of every mode
 
 
@@ -75,20 +77,38 @@ def _bending_modes(system: System, equations: CurvatureEquations, vertices: Floa
         maxiter=ROUNDS,
     )
     found = [vectors[:, k] for k in np.argsort(-values) if values[k] > 0.0]
-    bends = -cotangent_laplacian(vertices, system.faces)[system.rows[signs > 0.0]][:, columns]
-    return [system.full(((_upward(heights, bends @ heights) / np.abs(heights).max())[:, None] * normals).ravel()) for heights in found]
+    upward = []
+    for heights in found:
+        side = _bent_to(system, vertices, signs, heights)
+        side = side if abs(side) > CLEAR else _lies_to(heights)
+        upward.append(heights if side > 0.0 else -heights)
+    return [system.full(((heights / np.abs(heights).max())[:, None] * normals).ravel()) for heights in upward]
 
 
-def _upward(heights: FloatArray, bent: FloatArray) -> FloatArray:
-    """Return the heights (c,) or their opposite, whichever bulge to the side of the normals.
+def is_bulge(system: System, vertices: FloatArray, lacking: FloatArray, mode: FloatArray) -> bool:
+    """Return whether a move (n, 3) along the normals bends a surface to one side rather than to the other.
 
-    Where K > 0 is lacking, what they are bent (k,) tells: the edges of a dome over columns within it come down by more than it rises. Else
-    they are to the side of the normals on the whole.
+    Where K > 0 is lacking its bending tells, else whether the surface moves to one side.
     """
-    side = float(bent.sum())
-    if abs(side) > CLEAR * float(np.abs(bent).sum()):
-        return heights if side > 0.0 else -heights
+    if (lacking >= 0.0).any():
+        heights = np.einsum("ij,ij->i", mode, vertex_normals(vertices, system.faces))[system.columns]
+        return abs(_bent_to(system, vertices, np.where(lacking >= 0.0, 1.0, -1.0), heights)) > CLEAR
+    mean = mode.mean(axis=0)
+    return float(mean @ mean) > MEAN**2 * float(np.einsum("ij,ij->i", mode, mode).mean())
+
+
+def _bent_to(system: System, vertices: FloatArray, signs: FloatArray, heights: FloatArray) -> float:
+    """Return from -1 to 1 how far heights (c,) are bent to the side of the normals where K > 0 is lacking.
+
+    The edges of a dome over columns within it come down by more than it rises: the heights themselves do not tell.
+    """
+    bent = -cotangent_laplacian(vertices, system.faces)[system.rows[signs > 0.0]][:, system.columns] @ heights
+    return float(bent.sum()) / max(float(np.abs(bent).sum()), TINY)
+
+
+def _lies_to(heights: FloatArray) -> float:
+    """Return a number of the sign of the side that heights (c,) lie to on the whole."""
     side = float(np.sum(heights * np.abs(heights)))
     if abs(side) <= 1e-6 * float(np.sum(heights**2)):
-        side = float(heights[np.argmax(np.abs(heights) >= (1 - 1e-6) * np.abs(heights).max())])
-    return heights if side > 0.0 else -heights
+        return float(heights[np.argmax(np.abs(heights) >= (1 - 1e-6) * np.abs(heights).max())])
+    return side

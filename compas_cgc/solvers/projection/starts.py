@@ -15,6 +15,7 @@ from .initial_guess import flat_vertices
 from .initial_guess import seeded
 from .iterate import Point
 from .modes import bending_modes
+from .modes import is_bulge
 from .patchwork import combined_modes
 from .settings import ProjectionSettings
 from .system import System
@@ -30,7 +31,6 @@ AMPLITUDES = 0.02 * FINER ** np.arange(17)  # of a mode, against the size of the
 LOWEST = 1e-4  # amplitude, likewise, below which nothing is seen
 OTHER_SIDE = 1.5  # how much dearer a start is on the side away from the drawing
 SAID = 0.02  # how far a drawing lies to one side, against what is needed, to say so
-BULGE = 0.3  # mean of a mode, against its mean square, from which it is a bulge
 TRIED = 2  # whose results are compared
 CANDIDATES = 4  # at most, of which the move to the equations is worked out
 DEAREST, MEANT = 3.0, 15.0  # a start, against the cheapest, that is worth a try, and one to the side that is meant
@@ -102,7 +102,7 @@ def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: 
             # A drawing that says next to nothing leaves it to the normals, to which modes point.
             said = abs(side) > SAID * amplitude
             away = sign * side < 0.0 if said else sign < 0.0
-            bulge = 0 if said or not _is_bulge(mode) else int(sign)
+            bulge = 0 if said or not is_bulge(system, plate.vertices, lacking, mode) else int(sign)
             found.append(_Candidate(point, OTHER_SIDE if away else 1.0, bulge))
     for move in combined_modes(system, equations, plate, modes):
         side = -1.0 if dot(move.ravel(), drawn) < 0.0 else 1.0
@@ -126,12 +126,6 @@ def _amplitude(system: System, equations: CurvatureEquations, plate: FloatArray,
             break
         least, best = least / FINER, lower
     return least * system.size
-
-
-def _is_bulge(mode: FloatArray) -> bool:
-    """Return whether a move (n, 3) is to one side of the surface more than to the other."""
-    mean = mode.mean(axis=0)
-    return float(mean @ mean) > BULGE**2 * float(np.einsum("ij,ij->i", mode, mode).mean())
 
 
 def is_flat(system: System, equations: CurvatureEquations, point: Point) -> bool:

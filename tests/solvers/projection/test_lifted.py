@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compas_cgc import Above
 from compas_cgc import CGCMesh
 from compas_cgc import solve
 from compas_cgc.meshing import named_supports
@@ -116,3 +117,57 @@ def test_a_roof_far_over_its_columns_is_a_dome_whose_edges_come_down(inset, turn
     middle = heights[mesh.vertices_near([[6, 6]])[0]]
     rim = heights[[v for loop in mesh.boundary_loops() for v in loop]]
     assert middle > 0.0 and (rim < middle).all()
+
+
+def canopy(outline, heads, target):
+    mesh = CGCMesh.from_outline(np.column_stack([outline, np.zeros(len(outline))]), 1.2, points=heads)
+    mesh.set_supports(mesh.vertices_near(np.asarray(heads)[:, :2]))
+    mesh.set_target(target)
+    return mesh
+
+
+def test_heads_at_uneven_heights_carry_a_dome():
+    """Whose sheet leans one way and the other: its bending tells that it bulges, not where it lies on the whole."""
+    outline = [[9.2, -0.9], [7.0, 6.9], [-2.1, 6.6], [-7.7, 2.4], [-8.7, -3.0], [-4.2, -7.1], [4.4, -5.9]]
+    mesh = canopy(outline, [[6.55, -0.6, 4.37], [-0.67, 4.47, 3.61], [-6.52, -0.75, 4.03], [-1.54, -4.35, 3.95]], 0.005)
+    result = solve(mesh)
+    rim = result.vertices[[v for loop in mesh.boundary_loops() for v in loop], 2]
+    assert result.converged and result.verdict.fair, result.message
+    assert result.vertices[:, 2].max() < 5.5 and np.median(rim) < 3.9
+
+
+def test_heads_that_a_dome_passes_through_with_tips_carry_a_bowl():
+    outline = [[11.2, -0.7], [5.8, 7.7], [-2.6, 8.8], [-9.8, 5.0], [-8.9, -2.9], [-2.8, -7.8], [8.8, -5.5]]
+    heads = [
+        [6.79, 1.79, 3.31],
+        [4.7, 5.08, 3.78],
+        [2.39, 6.27, 3.88],
+        [-0.31, 6.62, 3.57],
+        [-2.08, 6.66, 3.61],
+        [-5.64, 4.76, 3.26],
+        [-6.61, 1.77, 3.51],
+        [-5.93, -1.67, 3.74],
+        [-3.43, -3.66, 3.53],
+        [-0.02, -4.44, 3.86],
+        [4.02, -3.64, 3.83],
+        [6.88, -1.75, 3.62],
+    ]
+    result = solve(canopy(outline, heads, 0.006))
+    assert result.converged and result.verdict.fair, result.message
+    assert "bulging to the other side it is fairer" in result.message
+    middle = result.vertices[np.argmin(np.hypot(*(result.vertices[:, :2] - np.mean(outline, axis=0)).T)), 2]
+    assert middle < min(head[2] for head in heads)
+
+
+def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them_up():
+    angles = np.arange(10) * np.pi / 5
+    around = np.where(np.arange(10) % 2, 5.5, 9.0)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    rim = np.column_stack([around, np.zeros(10)]).tolist()
+    star = CGCMesh.from_outline([*rim, rim[0]], 0.8, creases=[[[0, 0, 0], rim[k]] for k in range(1, 10, 2)])
+    star.set_supports("boundary")
+    star.set_target(0.008)
+    dipping = solve(star)
+    assert "under its edge (goals=[Above(0)] keeps it up)" in dipping.message
+    kept = solve(star, goals=[Above(0)])
+    assert kept.converged and kept.verdict.fair and "under its edge" not in kept.message
+    assert kept.vertices[:, 2].min() > -1e-9
