@@ -9,6 +9,7 @@ import pytest
 
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
+from compas_cgc import solve
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication.membrane_state import stress_at_vertices
@@ -17,6 +18,7 @@ from compas_cgc.io.forces import write_forces
 from ..support.constant_curvature import cone
 from ..support.constant_curvature import revolved_patch
 from ..support.membrane_elements import membrane_stresses
+from ..support.roofs import irregular_disk
 from ..support.shapes import grid
 
 
@@ -70,6 +72,21 @@ def test_the_formula_is_balanced_the_better_the_finer_the_mesh(K):
         assert state.imbalance < 1e-12
         total = state.reactions.sum(axis=0) + state.load.sum(axis=0)
         assert np.abs(total).max() < 1e-10 * np.linalg.norm(state.load, axis=1).sum()
+
+
+def test_on_irregular_meshes_of_the_exact_measure_the_formula_is_balanced_too():
+    """An oval dome, a third of its triangles obtuse: pressure by circumcentric cells is what its folds balance."""
+    states = []
+    for count in (140, 560, 2240):
+        disk = irregular_disk(count)
+        result = solve(disk.with_vertices(disk.vertices * [1.4, 1.0, 1.0]), method="newton", settings={"measure": "exact"})
+        states.append(membrane(result, pressure=1.0))
+    errors = np.array([state.out_of_balance for state in states])
+    assert (np.log2(errors[:-1] / errors[1:]) > 1.0).all()
+    assert max(state.correction for state in states[1:]) < 0.01
+    assert max(state.imbalance for state in states) < 1e-12
+    for load, reactions in (state.totals for state in states):
+        assert reactions == pytest.approx(-load, abs=1e-10 * np.linalg.norm(load))
 
 
 @pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
