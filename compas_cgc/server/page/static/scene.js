@@ -4,10 +4,11 @@
 import * as THREE from './vendor/three/three.module.min.js';
 import { OrbitControls } from './vendor/three/controls/OrbitControls.js';
 import { Pace } from './see/pace.js';
-import { Surface } from './surface.js';
+import { DETAIL, Surface } from './surface.js';
 
 const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
-const REACH = 1.6; // from the middle, as far as the sun throws shadows: a larger ground would be drawn in vain
+const REACH = 1.6; // from the middle, as far as the sun throws shadows
+const RIM = 0.1; // of ground around the surface: its shadow is no wider, and more of it would be drawn in vain
 const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
 
 /** A view of one model. */
@@ -58,7 +59,7 @@ export class Scene {
     this.sun.shadow.camera.near = 0.5;
     this.sun.shadow.camera.far = 9;
     for (const [side, at] of Object.entries({ left: -REACH, right: REACH, top: REACH, bottom: -REACH })) this.sun.shadow.camera[side] = at;
-    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(2.1 * REACH, 2.1 * REACH), new THREE.ShadowMaterial({ opacity: 0.13 }));
+    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(1, 1), new THREE.ShadowMaterial({ opacity: 0.13 }));
     this.ground.receiveShadow = true;
     this.world.add(this.sun, this.ground);
   }
@@ -242,24 +243,58 @@ export class Scene {
     if (!this.frame) this.frame = requestAnimationFrame((now) => this.tick(now));
   }
 
-  tick(now) {
+  /** Draw now what would be drawn soon, where frames are slow: the frame is under way while the page writes its words. */
+  flush() {
+    if (!this.frame || !this.pace.coarse) return;
+    cancelAnimationFrame(this.frame);
+    this.tick(performance.now());
+  }
+
+  /** A surface is on its way: be ready to draw it quickly, as it takes time to change the number of pixels. */
+  expect() {
+    if (!this.pace.slow) return;
+    this.pace.resting = false;
+    this.tick(performance.now(), true);
+  }
+
+  tick(now, expected = false) {
     this.frame = 0;
     if (this.goal) this.glide(now);
-    const ratio = this.pace.coarse ? 0.5 * pixels() : pixels();
-    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
-    this.pace.begin();
+    this.refine(!this.pace.coarse);
+    this.pace.begin(expected);
     this.render();
   }
 
+  /** Draw all there is with all pixels, or what is needed to see a surface move. */
+  refine(fine) {
+    const ratio = fine ? pixels() : 0.5 * pixels();
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    this.renderer.shadowMap.autoUpdate = fine;
+    if (fine) this.camera.layers.enable(DETAIL);
+    else this.camera.layers.disable(DETAIL);
+  }
+
   render() {
-    if (this.surface) {
-      const { array } = this.surface.geometry.getAttribute('position');
-      let low = Infinity;
-      for (let k = 2; k < array.length; k += 3) low = Math.min(low, array[k]);
-      this.ground.position.z = low - 0.02;
-    }
+    if (this.surface) this.lay();
     this.renderer.render(this.world, this.camera);
     this.after();
+  }
+
+  /** Lay the ground under the surface and its shadow. */
+  lay() {
+    const { min, max } = new THREE.Box3().setFromArray(this.surface.xyz);
+    const level = min.z - 0.02;
+    const { x, y, z } = this.sun.position;
+    for (const [axis, slope] of [
+      ['x', x / z],
+      ['y', y / z],
+    ]) {
+      const shift = slope * (max.z - level);
+      const [from, to] = [Math.min(min[axis], min[axis] - shift) - RIM, Math.max(max[axis], max[axis] - shift) + RIM];
+      this.ground.position[axis] = 0.5 * (from + to);
+      this.ground.scale[axis] = to - from;
+    }
+    this.ground.position.z = level;
   }
 
   glide(now) {

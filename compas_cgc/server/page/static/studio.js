@@ -476,6 +476,7 @@ export class Studio {
     $('cancel').hidden = false;
     this.charts.clear();
     this.solver.solve(this.request());
+    this.scene.expect();
   }
 
   /** Called by the solver while it runs. */
@@ -510,6 +511,7 @@ export class Studio {
     this.crown.on = true;
     this.mark(result.report.verdict?.places ?? []);
     if (first) this.scene.fit();
+    this.scene.flush();
     this.verdict.show(result, this.model);
     const drawn = this.charts.end(result.history);
     this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });

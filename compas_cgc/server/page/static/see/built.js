@@ -19,7 +19,7 @@ export function builtGroup({ lines, faces, labels }, toScene) {
     const at = triangles.flat().flatMap((vertex) => [...toScene(vertices[vertex])]);
     geometry.setAttribute('position', new THREE.BufferAttribute(Float32Array.from(at), 3));
     geometry.computeVertexNormals();
-    const material = new THREE.MeshStandardMaterial({ color: colour, side: THREE.DoubleSide, roughness: 0.8, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    const material = new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
     group.add(new THREE.Mesh(geometry, material));
   }
   for (const { colour, ends } of lines) {

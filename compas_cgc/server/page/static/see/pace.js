@@ -1,12 +1,13 @@
 /** How finely frames are drawn: without a graphics card one takes a tenth of a second, and a surface that moves would wait for it. */
 
-const SLOW = 40; // milliseconds; frames that take longer are drawn with fewer pixels while something moves
+const SLOW = 40; // milliseconds; where frames take longer, quick ones are drawn while something moves
 const SEEN = 3; // frames, of which the quickest tells
-const REST = 250; // milliseconds without a new frame, after which the last one is drawn with all pixels
+const REST = 250; // milliseconds without a new frame, after which the last one is drawn finely
+const LULL = 1000; // milliseconds, the same while a surface is expected
 
-/** Decides with how many pixels a frame is drawn. */
+/** Decides whether a frame is drawn finely. */
 export class Pace {
-  /** @param {() => void} redraw called when all is still, to draw once more with all pixels */
+  /** @param {() => void} redraw called when all is still, to draw once more and finely */
   constructor(redraw) {
     this.redraw = redraw;
     /** @type {number[]} */
@@ -15,21 +16,30 @@ export class Pace {
     this.timer = 0;
   }
 
-  /** Whether the next frame is drawn with half the pixels each way. */
-  get coarse() {
-    return !this.resting && this.times.length === SEEN && Math.min(...this.times) > SLOW;
+  /** Whether fine frames take too long to be drawn while something moves. */
+  get slow() {
+    return this.times.length === SEEN && Math.min(...this.times) > SLOW;
   }
 
-  /** A frame is about to be drawn: note how long it takes, and see to a fine one. */
-  begin() {
+  /** Whether the next frame is a quick one. */
+  get coarse() {
+    return !this.resting && this.slow;
+  }
+
+  /**
+   * A frame is about to be drawn: note how long a fine one takes, and see to one after a quick one.
+   * @param {boolean} [expected] whether a surface is on its way, to be drawn after this frame
+   */
+  begin(expected = false) {
     const { coarse } = this;
     clearTimeout(this.timer);
     this.resting = false;
     if (coarse) {
-      this.timer = setTimeout(() => {
+      const finely = () => {
         this.resting = true;
         this.redraw();
-      }, REST);
+      };
+      this.timer = setTimeout(finely, expected ? LULL : REST);
       return;
     }
     const started = performance.now();
