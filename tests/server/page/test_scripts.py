@@ -178,3 +178,28 @@ def test_many_regions_are_grouped(hands):
         data,
     )
     assert top == 4 and single == 72 and changed == [1, 24]
+
+
+def test_a_surface_is_shown_whole_in_what_the_tools_leave_free(hands):
+    """A bar above and a palette at the left take their sides; points reach both ends of the rest, and none is outside."""
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(200, 3)) * (3.0, 1.0, 0.5) + (40.0, -7.0, 2.0)
+    back = np.array([-0.62, -1.0, 0.72]) / np.linalg.norm([-0.62, -1.0, 0.72])
+    right = np.cross([0.0, 0.0, 1.0], back) / np.linalg.norm(np.cross([0.0, 0.0, 1.0], back))
+    up = np.cross(back, right)
+    free, seen = hands.read(
+        "const { freeArea, framing } = await import('/page/see/framing.js');"
+        "const box = ([left, top, right, bottom]) => ({ left, top, right, bottom });"
+        "const free = freeArea(box([100, 50, 900, 850]), [[100, 60, 900, 100], [110, 110, 160, 400], [950, 50, 990, 90]].map(box));"
+        "const [points, right, up, back] = args; return [free, framing(points, { right, up, back }, { across: 0.3, upward: 0.2 })];",
+        *(points.ravel().tolist(), right.tolist(), up.tolist(), back.tolist()),
+    )
+    assert (free["left"], free["top"], free["right"], free["bottom"]) == (70, 60, 790, 790)
+    away = points - seen["target"]
+    deep = seen["far"] - away @ back
+    places = np.array([away @ right / deep / 0.3, away @ up / deep / 0.2])
+    assert np.abs(places).max() <= 1.0 + 1e-12
+    most = np.abs([places.min(axis=1), places.max(axis=1)]).max(axis=0)
+    np.testing.assert_allclose(most.max(), 1.0, atol=1e-12)
+    tight = np.argmax(most)
+    np.testing.assert_allclose([places[tight].min(), places[tight].max()], [-1.0, 1.0], atol=1e-12)

@@ -3,12 +3,15 @@
 
 import * as THREE from './vendor/three/three.module.min.js';
 import { OrbitControls } from './vendor/three/controls/OrbitControls.js';
+import { framing, freeArea } from './see/framing.js';
 import { Pace } from './see/pace.js';
 import { DETAIL, Surface } from './surface.js';
 
 const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
 const REACH = 1.6; // from the middle, as far as the sun throws shadows
 const RIM = 0.1; // of ground around the surface: its shadow is no wider, and more of it would be drawn in vain
+const MARGIN = 1.04; // around a surface that is shown whole
+const PASSING = ['canvas', 'crown', 'readout', 'progress']; // what is no hindrance to the view
 const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
 
 /** A view of one model. */
@@ -38,6 +41,7 @@ export class Scene {
     this.goal = null;
     this.frame = 0;
     this.plain = false;
+    this.framed = false;
     this.after = () => {};
     this.light();
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
@@ -99,23 +103,41 @@ export class Scene {
   }
 
   /**
-   * Look at all of the surface.
+   * Look at all of the surface, in what the tools leave free.
    * @param {boolean} [keep] the direction of view
    */
   fit(keep = true) {
     if (!this.surface) return;
+    this.framed = true;
     // The observer tells of a new size only later.
     this.measure();
-    const box = new THREE.Box3();
-    for (const xyz of [this.goal ?? this.surface.xyz, this.start]) box.union(new THREE.Box3().setFromArray(xyz));
-    const ball = box.getBoundingSphere(new THREE.Sphere());
-    const direction = keep ? this.camera.position.clone().sub(this.controls.target).normalize() : FROM;
-    const half = 0.5 * THREE.MathUtils.degToRad(this.camera.fov);
-    const angle = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
-    this.controls.target.copy(ball.center);
-    this.camera.position.copy(ball.center).addScaledVector(direction, (1.06 * ball.radius) / Math.sin(angle));
+    const back = keep ? this.camera.position.clone().sub(this.controls.target).normalize() : FROM;
+    const right = this.camera.up.clone().cross(back).normalize();
+    const axes = { right: right.toArray(), up: back.clone().cross(right).toArray(), back: back.toArray() };
+    const { target, far } = framing([...(this.goal ?? this.surface.xyz), ...this.start], axes, this.tangents());
+    this.controls.target.fromArray(target);
+    this.camera.position.copy(this.controls.target).addScaledVector(back, MARGIN * far);
     this.controls.update();
     this.draw();
+  }
+
+  /** Put the middle of the view into the middle of what is free, and return the tangents of half of the angles seen there. */
+  tangents() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    const { left, top, right, bottom } = this.free();
+    this.camera.setViewOffset(width, height, (width - left - right) / 2, (height - top - bottom) / 2, width, height);
+    const half = Math.tan(0.5 * THREE.MathUtils.degToRad(this.camera.fov)) / height;
+    return { across: half * Math.max(1, right - left), upward: half * Math.max(1, bottom - top) };
+  }
+
+  /** @returns {import('./see/framing.js').Area} what the tools leave free */
+  free() {
+    const room = this.canvas.parentElement;
+    const over = [...room.children].filter((each) => !PASSING.includes(each.id) && each.checkVisibility());
+    return freeArea(
+      room.getBoundingClientRect(),
+      over.map((each) => each.getBoundingClientRect()),
+    );
   }
 
   /** Take the colours from the style sheet, which knows light and dark. */
@@ -198,10 +220,16 @@ export class Scene {
    * @returns {Promise<Blob>}
    */
   picture() {
+    // No tools lie over a picture.
+    const { framed } = this;
+    this.framed = false;
+    this.camera.clearViewOffset();
+    this.refine(true);
     this.renderer.setPixelRatio(2);
     this.resize();
     return new Promise((resolve) => {
       this.canvas.toBlob((blob) => {
+        this.framed = framed;
         this.renderer.setPixelRatio(pixels());
         this.resize();
         resolve(blob);
@@ -234,6 +262,7 @@ export class Scene {
     if (!width || !height) return false;
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
+    if (this.framed) this.tangents();
     this.camera.updateProjectionMatrix();
     return true;
   }
