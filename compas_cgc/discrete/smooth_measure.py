@@ -39,7 +39,7 @@ def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatAr
     ----------
     Borrelli, Cazals, Morvan, doi:10.1016/S0167-8396(03)00077-3. Stetter, doi:10.1007/BF01432879.
     """
-    return _believed(_fits(vertices, faces, asked))
+    return _believed(_fits(vertices, faces, asked), faces, asked)
 
 
 def is_irregular(vertices: FloatArray, faces: IntArray, asked: Mask, targets: FloatArray) -> bool:
@@ -52,7 +52,7 @@ def is_irregular(vertices: FloatArray, faces: IntArray, asked: Mask, targets: Fl
         # A developable is held against one with a principal curvature of a part of its other.
         bent = fits.mean[np.isfinite(fits.mean)]
         least = FAINT * float(np.median(4.0 * bent**2)) if len(bent) else 0.0
-    told = np.abs(_believed(fits)[asked])
+    told = np.abs(_believed(fits, faces, asked)[asked])
     slight = bool((targets[asked] > 0.0).all()) and told.mean() > SLIGHT * least
     return bool(slight or np.median(told) > SEEN * least > 0.0)
 
@@ -66,7 +66,7 @@ def _fits(vertices: FloatArray, faces: IntArray, asked: Mask) -> LocalFits:
     return local_fits(vertices, faces, asked, asked, DEGREE, RINGS, pinned=False)
 
 
-def _believed(fits: LocalFits) -> FloatArray:
+def _believed(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
     """Return the errors that fits tell, as far as these are to be believed: where vertices lie on them.
 
     K > 0 over a straight edge has curvatures without bounds, which no polynomial follows.
@@ -77,8 +77,36 @@ def _believed(fits: LocalFits) -> FloatArray:
     with np.errstate(invalid="ignore", divide="ignore"):
         close = _falling(fits.residual / fits.sagitta, *WAVY)
         bounded = _falling(bent / np.median(bent[np.isfinite(bent)]), *SINGULAR)
-    told = close * bounded * fits.truncation
-    return np.where(np.isfinite(told), told, 0.0)
+    known = np.isfinite(close * bounded * fits.truncation)
+    belief = _alike(np.where(known, close * bounded, 0.0), faces, asked)
+    return belief * np.where(known, fits.truncation, 0.0)
+
+
+def _alike(belief: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:
+    """Return beliefs (n,) that fall off gently from vertex to vertex, nowhere before what they were.
+
+    The layout moves curvature from a vertex to its neighbours and adds none (Gauss and Bonnet): what is believed of one and
+    not of the others would add some.
+    """
+    least = _least(np.where(asked, belief, 1.0)[faces].min(axis=1), faces, len(belief))
+    shared = _around(np.where(asked, least, 0.0), faces) / np.maximum(_around(asked.astype(np.float64), faces), 1.0)
+    return np.where(asked, shared, 0.0)
+
+
+def _around(values: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the sums of values (n,) over inner vertices and their neighbours (n,)."""
+    n, at = len(values), faces.ravel()
+    # The faces at a vertex have it once each, and each of its neighbours twice.
+    sums = np.bincount(at, np.repeat(values[faces].sum(axis=1), 3), n)
+    own = 1.0 - 0.5 * np.bincount(at, minlength=n)
+    return np.asarray(own * values + 0.5 * sums, dtype=np.float64)
+
+
+def _least(values: FloatArray, faces: IntArray, n: int) -> FloatArray:
+    """Return the least of the values (m,) of the faces at each vertex (n,)."""
+    least = np.ones(n)
+    np.minimum.at(least, faces.ravel(), np.repeat(values, 3))
+    return least
 
 
 def _falling(values: FloatArray, full: float, none: float) -> FloatArray:
