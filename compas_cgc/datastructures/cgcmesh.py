@@ -42,6 +42,7 @@ from ..model.given import vertex_paths
 from ..model.problem import CGCProblem
 from ..model.problem import Drawing
 from ..model.problem import Names
+from ..model.problem import Origin
 from ..model.roles import ROLES
 from .check import diagnostics_of_keys
 from .construction import checked_faces
@@ -93,6 +94,7 @@ class CGCMesh(Mesh):
 
     VERTEX_DEFAULTS = {"role": "internal", "target": None, "s": None, "e": None}
     EDGE_DEFAULTS = {"is_crease": False}
+    origin: Optional[Origin] = None  # of the mesh of a result: what its surface was found for
 
     def __init__(
         self,
@@ -358,6 +360,7 @@ class CGCMesh(Mesh):
             constraints=self.constraints(),
             names=names,
             drawing=Drawing(self.name or "mesh", self.attributes.get("units"), self.attributes.get("tolerance")),
+            origin=self.origin,
         )
 
     @classmethod
@@ -378,6 +381,7 @@ class CGCMesh(Mesh):
         known = {"units": problem.drawing.units, "tolerance": problem.drawing.tolerance}
         mesh.attributes.update({name: value for name, value in known.items() if value is not None})
         mesh.set_constraints(problem.constraints)
+        mesh.origin = problem.origin
         return mesh
 
     def _numbers(self, name: str) -> FloatArray:
@@ -392,6 +396,13 @@ class CGCMesh(Mesh):
             return keys
         order = np.argsort(known)
         return order[np.searchsorted(known, keys, sorter=order)]
+
+    def copy(self, cls: Optional[type] = None, copy_guid: bool = False) -> Any:
+        """Return an independent copy."""
+        mesh = super().copy(cls, copy_guid)
+        if isinstance(mesh, CGCMesh):
+            mesh.origin = self.origin
+        return mesh
 
     def with_coordinates(self, vertices: FloatArray) -> CGCMesh:
         """Return a copy without dummies whose vertices are at `vertices` (n, 3)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 from typing import Any
@@ -20,6 +21,7 @@ from ..meshing import Diagnostic
 from ..model.goals.wholes import Unknown
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
+from ..model.problem import Origin
 from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import DUMMY
@@ -116,7 +118,8 @@ class SolveResult:
         if solution.targets is not None:
             problem = problem.with_targets(solution.targets)
         before = problem.without_dummies()
-        real = before.with_vertices(solution.vertices[problem.roles != DUMMY])
+        surface = solution.vertices[problem.roles != DUMMY]
+        real = replace(before, vertices=surface, origin=Origin(replace(before, origin=None), surface))
         made = cls(
             real,
             *solution[1:8],
@@ -183,6 +186,7 @@ class SolveResult:
 
     def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
         mesh = drawn.with_coordinates(self.vertices)
+        mesh.origin = self.problem.origin
         mesh.set_constraints(self.problem.constraints)
         found = [own.regions for own in self.problem.constraints if isinstance(own, Unknown)]
         for region, K in enumerate(self.problem.region_targets() if found else ()):

@@ -44,7 +44,7 @@ from .roles import INTERNAL
 from .roles import role_numbers
 from .roles import roles_by_place
 
-__all__ = ["CGCProblem", "Drawing", "Names", "PosesProblem"]
+__all__ = ["CGCProblem", "Drawing", "Names", "Origin", "PosesProblem"]
 
 Targets = Union[float, ArrayLike, Mapping[int, float]]
 
@@ -63,6 +63,13 @@ class Drawing(NamedTuple):
     units: Optional[str] = None  # unit system such as ``Meters``
     tolerance: Optional[float] = None  # distance within which points are one [L]
     places: tuple[tuple[str, Sequence[Sequence[float]]], ...] = ()  # closed lines in plan by name [L]
+
+
+class Origin(NamedTuple):
+    """What a surface was found for."""
+
+    drawn: CGCProblem  # as it was drawn, with its targets
+    vertices: FloatArray  # (n, 3) that were found for it [L]
 
 
 class PosesProblem(Protocol):
@@ -104,6 +111,8 @@ class CGCProblem:
         What the user calls vertices and faces. Default: their positions.
     drawing
         Name, units and tolerance of the drawing that the mesh comes from.
+    origin
+        Of a result: what its surface was found for, so that other targets lead on from there.
 
     Raises
     ------
@@ -133,6 +142,7 @@ class CGCProblem:
     constraints: tuple[Constraint, ...] = ()
     names: Names = None  # type: ignore[assignment]
     drawing: Drawing = field(default=Drawing())
+    origin: Optional[Origin] = None
 
     def __post_init__(self) -> None:
         def put(name: str, value: object) -> None:
@@ -266,6 +276,18 @@ class CGCProblem:
     # ------------------------------------------------------------------
     # Parts
     # ------------------------------------------------------------------
+
+    @property
+    def drawn(self) -> Optional[CGCProblem]:
+        """The problem over the drawing that its surface was found from; None unless its targets, and nothing else, were changed since."""
+        if self.origin is None:
+            return None
+        was, now = self.origin.drawn, self
+        same = np.array_equal(self.origin.vertices, now.vertices) and was.constraints == now.constraints
+        same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
+        if not same or np.array_equal(was.targets, now.targets, equal_nan=True):
+            return None
+        return replace(self, vertices=was.vertices, origin=None)
 
     @property
     def asked(self) -> NDArray[np.bool_]:

@@ -23,9 +23,11 @@ from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import Targets
 from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.roles import DUMMY
+from .continued import solved_on
 from .registry import METHODS
 from .registry import method_of
 from .registry import options
@@ -38,7 +40,7 @@ __all__ = ["chosen_settings", "solve"]
 
 # Natural, and said of the mesh rather than of the solve.
 ON_THE_MESH = {
-    **dict.fromkeys(("target", "targets", "K", "k", "curvature"), "set_target(0.005)"),
+    **dict.fromkeys(("target", "K", "k", "curvature"), "set_target(0.005)"),
     **dict.fromkeys(("supports", "support", "fixed", "boundary"), 'set_supports("boundary")'),
     **dict.fromkeys(("creases", "crease", "folds"), "set_creases(paths)"),
 }
@@ -59,6 +61,7 @@ def _instead(name: str) -> str:
 def solve(
     problem: Union[CGCProblem, PosesProblem],
     *,
+    targets: Optional[Targets] = None,
     method: str = "auto",
     settings: Union[Settings, Mapping[str, Any], None] = None,
     constraints: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
@@ -71,7 +74,10 @@ def solve(
     Parameters
     ----------
     problem
-        A mesh or problem with supports, creases, targets and constraints; it is not changed.
+        A mesh or problem with supports, creases, targets and constraints; it is not changed. A result, its problem or its mesh with
+        other targets goes on from the surface that was found.
+    targets
+        K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
     method
         ``"auto"`` (default)
             Picks one of the others by the problem and the settings, says which and why,
@@ -127,13 +133,20 @@ def solve(
     posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
     regions = _unknown_regions(unknown)
     found = [Unknown(regions)] if len(regions) else []
+    posed = posed if targets is None else posed.with_targets(targets)
     posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals), *found])
-    _check_constraints(method if chosen is None else method_of(chosen), posed)
+    own = method if chosen is None else method_of(chosen)
+    _check_constraints(own, posed)
+    told = _real_only(callback, posed.roles != DUMMY)
+    drawn = posed.drawn if own in ("auto", "projection") else None
+    surface, posed = posed, posed if drawn is None else drawn
     diagnostics = check(posed)
     refuse(diagnostics)
-    solution = _run(method, posed, chosen, _real_only(callback, posed.roles != DUMMY))
-    drawn = problem if isinstance(problem, CGCMesh) else None
-    return SolveResult.from_solution(posed, solution, chosen, drawn, diagnostics)
+    solution = solved_on(surface, posed, chosen, told) if drawn is not None else None
+    if solution is None:
+        solution = _run(method, posed, chosen, told)
+    mesh = problem if isinstance(problem, CGCMesh) and targets is None else None
+    return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)
 
 
 def _unknown_regions(unknown: object) -> Union[str, list[int]]:

@@ -35,6 +35,7 @@ INSIDE = {
         {"anew", "smoothed", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
+        {"continued"},
         {"run", "sensitivity"},
         {"between"},
     ],

@@ -1,0 +1,56 @@
+"""On from a result: the surface that was found leads to that of other targets, over the same drawing."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+from ..model.problem import CGCProblem
+from ..model.recorder import Callback
+from ..model.result import Solution
+from ..model.verdict import verdict
+from .projection.projector import Projector
+from .projection.projector import ready
+from .projection.symmetry import tears_faces
+from .registry import METHODS
+from .registry import settings_of
+from .selection import choose
+from .settings import Settings
+
+__all__ = ["solved_on"]
+
+
+def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Settings] = None, callback: Callback = None) -> Optional[Solution]:
+    """Return the fair surface that one found before leads on to.
+
+    Distances are still measured from the drawing: so the surface does not depend on the way of the targets.
+
+    Parameters
+    ----------
+    problem
+        With its vertices on a surface that was found for other targets.
+    drawn
+        The same problem over the drawing that was found for.
+    settings
+        As for :func:`compas_cgc.solve`.
+    callback
+        Called after every step.
+
+    Returns
+    -------
+    Solution or None
+        None where it leads to no fair one, or another method than the projection suits the drawing.
+    """
+    if choose(drawn, settings)[0].method != "projection" or tears_faces(drawn):
+        return None
+    own = settings_of(METHODS["projection"], settings)
+    projector = Projector(drawn, settings=own) if drawn.constraints else ready(drawn, own)  # type: ignore[arg-type]
+    solution = projector.solve(problem.targets, problem.vertices, callback=callback)
+    if solution.status == "cancelled":
+        return solution._replace(method="projection")
+    if solution.status != "converged":
+        return None
+    judged = verdict(
+        (drawn if solution.targets is None else drawn.with_targets(solution.targets)).with_vertices(solution.vertices), drawn.vertices
+    )
+    message = f"{solution.message}; by the method projection, on from the surface that was found before"
+    return solution._replace(method="projection", verdict=judged, message=message) if judged.fair else None

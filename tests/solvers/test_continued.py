@@ -1,0 +1,83 @@
+"""Another K from a result: on from its surface, over its drawing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCMesh
+from compas_cgc import Rise
+from compas_cgc import solve
+
+
+def roof(n: int = 10) -> CGCMesh:
+    mesh = CGCMesh.from_meshgrid(dx=1.0, nx=n)
+    mesh.set_supports("corners")
+    mesh.set_target(1.0)
+    return mesh
+
+
+def by_result(result, K):
+    return solve(result, targets=K)
+
+
+def by_problem(result, K):
+    return solve(result.problem.with_targets(K))
+
+
+def by_mesh(result, K):
+    result.mesh.set_target(K)
+    return solve(result.mesh)
+
+
+def by_copy(result, K):
+    mesh = result.mesh.copy()
+    mesh.set_target(K)
+    return solve(mesh)
+
+
+@pytest.mark.parametrize("go_on", [by_result, by_problem, by_mesh, by_copy])
+def test_a_slider_of_a_result_goes_on_and_comes_back(go_on):
+    mesh = roof()
+    first = here = solve(mesh)
+    for K in (1.5, 2.07, 3.0):
+        here = go_on(here, K)
+        assert here.converged and here.verdict.fair and "on from the surface" in here.message
+        assert np.abs(here.vertices - solve(mesh, targets=K).vertices).max() < 1e-3
+    back = go_on(go_on(here, 2.0), 1.0)
+    assert np.abs(back.vertices - first.vertices).max() < 1e-6
+
+
+def test_what_is_changed_otherwise_is_a_new_drawing():
+    found = solve(roof())
+    assert found.problem.drawn is None, "nothing is changed"
+    other = found.problem.with_targets(1.2)
+    assert np.array_equal(other.drawn.vertices, found.start) and other.drawn.drawn is None
+    moved = found.vertices.copy()
+    moved[0, 2] += 0.1
+    for changed in (other.with_vertices(moved), other.with_supports([5], add=True), other.flipped(), other.with_constraints([Rise(0.2)])):
+        assert changed.drawn is None
+
+
+def test_where_the_surface_leads_to_no_fair_one_the_drawing_is_solved_anew():
+    """From a dome to a saddle: no way leads from one to the other."""
+    mesh = roof()
+    saddle = solve(solve(mesh), targets=-1.0)
+    assert saddle.converged and saddle.verdict.fair, saddle.message
+    assert np.abs(saddle.vertices - solve(mesh, targets=-1.0).vertices).max() < 1e-3
+
+
+def test_over_a_fixed_edge_the_drawing_is_solved_by_newtons_method():
+    mesh = roof()
+    mesh.set_supports("boundary")
+    there = solve(solve(mesh), targets=1.4)
+    assert there.method == "newton" and np.array_equal(there.vertices, solve(mesh, targets=1.4).vertices)
+
+
+def test_goals_are_kept_on_the_way():
+    mesh = roof()
+    mesh.set_constraints([Rise(0.2)])
+    first = solve(mesh)
+    there = solve(first, targets=1.3)
+    assert there.converged and there.verdict.fair and there.vertices[:, 2].max() == pytest.approx(0.2, abs=1e-9)
+    assert np.abs(solve(there, targets=1.0).vertices - first.vertices).max() < 1e-4
