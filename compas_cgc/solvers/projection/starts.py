@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError
@@ -17,6 +18,7 @@ from .iterate import Point
 from .modes import bending_modes
 from .modes import is_bulge
 from .patchwork import combined_modes
+from .ruled import ruled
 from .settings import ProjectionSettings
 from .system import System
 from .vectors import dot
@@ -25,6 +27,7 @@ from .vectors import norm
 __all__ = ["Starts", "is_flat", "starts"]
 
 NEARLY = 0.05  # residual, against the curvature asked for, of a drawing that is taken as it is
+SPANNED = 0.01  # of a surface of straight lines that all but has K = 0
 FLAT_SHARE = 0.1  # part of the curvature asked for in flat places above which a seed is needed
 FINER = 1.25  # quotient of amplitudes that are tried
 AMPLITUDES = 0.02 * FINER ** np.arange(17)  # of a mode, against the size of the mesh
@@ -61,12 +64,15 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     """Return the drawing, and shapes bent from the fairest surface through the supports, the cheapest to finish first.
 
     The cost is the metric length of the least move that fulfils the linear equations. Where the
-    drawing is nearly there, or its shape is to be kept and has curvature, it is the only start. Where it
-    says nothing of a side, what bulges with the normals comes before what hangs.
+    drawing is nearly there, or its shape is to be kept and has curvature, it is the only start, and so is what straight
+    lines span where that has K = 0 as asked. Where the drawing says nothing of a side, what bulges with the normals comes first.
     """
     flat = is_flat(system, equations, drawing)
     seed = _seeded(system, equations, drawing, settings.seed_height) if flat and settings.seed_height > 0.0 else None
     drawing = system.at(system.settled(drawing.vertices), equations)
+    spanned = _spanned(system, equations, drawing) if settings.keep != "shape" else None
+    if spanned is not None:
+        return Starts([spanned], [drawing])
     if settings.seed_height == 0.0 or system.missing(drawing, equations) <= NEARLY or (system.keep == "shape" and not flat):
         return Starts([drawing], [])
     candidates = [_Candidate(drawing, 1.0)]
@@ -83,6 +89,18 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     bulging = [k for k in order if best[k].bulge > 0][:1]
     rivals = (bulging + [k for k in order if best[k].bulge >= 0 and k not in bulging] if bulging else order)[:TRIED]
     return Starts([best[k].point for k in rivals], [best[k].point for k in order if k not in rivals])
+
+
+def _spanned(system: System, equations: CurvatureEquations, drawing: Point) -> Optional[Point]:
+    """Return the shape that straight lines between two curves span, where K = 0 is asked for and it is nearer to that than the drawing."""
+    missing = system.missing(drawing, equations)
+    if equations.targets[system.rows].any() or (missing <= NEARLY and not system.torn):
+        return None
+    shape = ruled(system, drawing.vertices)
+    if shape is None:
+        return None
+    point = system.at(system.settled(shape), equations)
+    return point if system.missing(point, equations) < min(SPANNED, missing) else None
 
 
 def _bent(system: System, equations: CurvatureEquations, plate: Point, drawing: Point) -> list[_Candidate]:

@@ -147,6 +147,17 @@ def test_two_mirrors_over_diagonals_that_run_one_way_ask_for_k_once(n, target):
         assert np.abs((solution.vertices[image] - [5, 5, 0]) * flip - (solution.vertices - [5, 5, 0])).max() < 1e-12
 
 
+@pytest.mark.parametrize("n, sag", [(16, 0.02), (16, 0.6), (20, 1.0)])
+def test_a_mirrored_vault_that_was_drawn_sagging_is_a_cylinder(n, sag):
+    """Straight lines span it, whichever way the diagonals run."""
+    problem = twisted_vault(n, 0.0).with_constraints([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
+    arches = problem.vertices
+    drawn = arches * np.column_stack([np.ones((len(arches), 2)), 1.0 - sag * np.sin(np.pi * arches[:, 0] / 10)])
+    solution = project(problem.with_vertices(drawn))
+    assert solution.status == "converged" and solution.iterations < 50, solution.message
+    assert np.abs(solution.vertices[:, 2] - 12 * solution.vertices[:, 1] / 10 * (1 - solution.vertices[:, 1] / 10)).max() < 0.05
+
+
 def test_one_mirror_over_such_diagonals_is_helped_by_the_half_turn_that_keeps_them():
     problem = twisted_vault(20, -0.005).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
     solution = project(problem)
