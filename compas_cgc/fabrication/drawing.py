@@ -14,6 +14,7 @@ from .outlines import Seam
 from .patchwork import EDGE
 from .patterns import Patterns
 from .patterns import Piece
+from .rulings import STRAIGHT
 
 __all__ = ["LAYERS", "Drawing", "Line", "Text", "draw_sheets"]
 
@@ -32,6 +33,8 @@ LAYERS = {
 GAP = 0.1  # between sheets, of a sheet's length
 MARK = 0.012  # length of a mark, of a sheet's length
 FOLD = np.radians(1.0)  # angle from which on an edge is drawn as a fold
+LETTER = 0.8  # width of a letter, of its height
+READABLE = 0.2  # of the height of texts, below which numbers of nodes are left off
 
 
 class Line(NamedTuple):
@@ -58,6 +61,7 @@ class Drawing(NamedTuple):
     texts: list[Text]
     size: tuple[float, float]  # from the origin [L]
     units: Optional[str]  # such as ``Meters``
+    hidden: tuple[str, ...] = ()  # layers that are not shown at first
 
 
 def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> Drawing:
@@ -99,6 +103,10 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
             lines.append(Line("SHEET", corners + origin, True))
             texts.append(Text("SHEET", f"sheet {number + 1}", origin + [0.5 * length, width + 2.0 * height], 2.0 * height))
     names = patterns.patchwork.names
+    ticked: list[set[int]] = [set() for _ in patterns.pieces]
+    for seam in patterns.seams:
+        for side in seam.pieces:
+            ticked[side].update(seam.nodes[_marks_of(seam, mark).nodes].tolist())
     for number, piece in enumerate(patterns.pieces):
         origin = origins[piece.sheet]
         lines += [Line("OUTLINE", loop.points + origin, True) for loop in piece.loops]
@@ -106,7 +114,7 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         place, room = _roomiest(patterns, number, piece)
         texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.6 * room))))
         if nodes:
-            texts += [text for loop in piece.loops for text in _node_numbers(loop, names, height, origin)]
+            texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
     for ruling in patterns.rulings:
         lines.append(Line("RULING", ruling.points + origins[patterns.pieces[ruling.piece].sheet]))
     for seam in patterns.seams:
@@ -117,7 +125,15 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
             lines += [Line("MARK", points + origin) for points in marks]
             texts.append(text._replace(place=text.place + origin))
     size = step * [across, rows] - [GAP * length, GAP * width]
-    return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units)
+    return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units, _hidden(patterns, fold))
+
+
+def _hidden(patterns: Patterns, fold: float) -> tuple[str, ...]:
+    """Return the layers of folds where they are of the mesh only: the surface is rolled along its rulings, or pressed."""
+    rolled = [region for region, own in patterns.straightness.items() if own.median <= STRAIGHT]
+    folded = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
+    shown = np.isin(patterns.patchwork.region, folded)[:, None] & (np.abs(patterns.folds) >= fold)
+    return () if shown.any() else ("FOLD_UP", "FOLD_DOWN")
 
 
 def _extent(patterns: Patterns) -> tuple[float, float]:
@@ -151,32 +167,65 @@ def _roomiest(patterns: Patterns, number: int, piece: Piece) -> tuple[FloatArray
     return centres[best], float(away[best])
 
 
-def _node_numbers(loop: Loop, names: IntArray, height: float, origin: FloatArray) -> list[Text]:
-    """Number the nodes of an outline, inside of it, as small as their distance asks for."""
+def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, height: float, origin: FloatArray) -> list[Text]:
+    """Number the nodes of an outline, inside of it and of their marks; those too near to each other to be read are left off."""
     ahead, back = np.roll(loop.points, -1, axis=0) - loop.points, loop.points - np.roll(loop.points, 1, axis=0)
     near = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
-    inward = _unit(np.column_stack([-(ahead + back)[:, 1], (ahead + back)[:, 0]]))
+    inward = _unit(np.column_stack([-(_unit(ahead) + _unit(back))[:, 1], (_unit(ahead) + _unit(back))[:, 0]]))
+    # Along a bisector it is farther to the sides.
+    slant = np.clip(np.abs(np.einsum("ij,ij->i", inward, np.column_stack([-_unit(ahead)[:, 1], _unit(ahead)[:, 0]]))), 0.3, 1.0)
     texts = []
-    for node, point, direction, room in zip(names[loop.nodes].tolist(), loop.points, inward, near):
+    for node, point, direction, room, share in zip(loop.nodes.tolist(), loop.points, inward, near, slant.tolist()):
         size = float(min(0.7 * height, 0.3 * room))
-        texts.append(Text("NODE", str(node), point + 2.0 * size * direction + origin, size))
+        if size >= READABLE * height:
+            text = str(names[node])
+            away = _clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
+            texts.append(Text("NODE", text, point + away * direction + origin, size))
     return texts
 
 
+def _clearance(text: str, size: float, direction: FloatArray) -> float:
+    """Return how far off a line across a direction the middle of a text stands, so that it keeps clear of it [L]."""
+    return 0.5 * LETTER * size * len(text) * abs(float(direction[0])) + 0.5 * size * abs(float(direction[1])) + 0.4 * size
+
+
+class _Marks(NamedTuple):
+    """Where a seam is marked, on both sides alike."""
+
+    nodes: IntArray  # (k,) places along it, of nodes
+    middle: int  # edge whose middle is marked where no node is, else -1
+
+
+def _marks_of(seam: Seam, mark: float) -> _Marks:
+    """Return up to nine nodes along a seam, off its ends and each other by more than a mark; where there is none the longest edge."""
+    length = np.linalg.norm(np.diff(seam.sides[0], axis=0), axis=1)
+    at = np.r_[0.0, np.cumsum(length)]
+    apart = max(1.5 * mark, at[-1] / 9.0)
+    chosen: list[int] = []
+    for k in range(1, len(at) - 1):
+        if at[k] - (at[chosen[-1]] if chosen else 0.0) >= apart - 0.25 * mark and at[-1] - at[k] >= 1.5 * mark:
+            chosen.append(k)
+    return _Marks(np.array(chosen, dtype=np.int64), -1 if chosen else int(np.argmax(length)))
+
+
 def _seam_marks(seam: Seam, side: int, mate: str, mark: float, height: float) -> tuple[list[FloatArray], Text]:
-    """Return ticks at the same nodes on either side of a seam, and its number with the piece beyond, inside of this piece."""
+    """Return ticks at the same places on either side of a seam, and its number with the piece beyond, inside of this piece."""
     points = seam.sides[side]
     along = _unit(np.diff(points, axis=0))
     at_node = _unit(np.vstack([along[:1], along[1:] + along[:-1], along[-1:]]))
-    inward = np.column_stack([-at_node[:, 1], at_node[:, 0]]) * (1.0 if side == 0 else -1.0)
-    inner = np.arange(1, len(points) - 1)
-    ticks = [np.array([points[k], points[k] + mark * inward[k]]) for k in inner[:: max(1, len(inner) // 8)]]
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]]) * (1.0 if side == 0 else -1.0)
+    where = _marks_of(seam, mark)
+    ticks = [np.array([points[k], points[k] + mark * (at_node[k] @ turn)]) for k in where.nodes]
+    if where.middle >= 0:
+        middle = 0.5 * (points[where.middle] + points[where.middle + 1])
+        ticks = [np.array([middle, middle + min(mark, 0.3 * seam.length) * (along[where.middle] @ turn)])]
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    middle = int(np.argmax(length * np.r_[0.5, np.ones(len(length) - 2), 0.5] if len(length) > 2 else length))
-    across = np.array([-along[middle, 1], along[middle, 0]]) * (1.0 if side == 0 else -1.0)
-    place = 0.5 * (points[middle] + points[middle + 1]) + 1.2 * mark * across
-    size = float(min(height, 0.25 * seam.length))
-    return ticks, Text("SEAM", f"{seam.number}/{mate}", place, size)
+    edge = int(np.argmax(length * np.r_[0.5, np.ones(len(length) - 2), 0.5] if len(length) > 2 else length))
+    text, inward = f"{seam.number}/{mate}", along[edge] @ turn
+    size = float(min(height, 0.25 * seam.length, length[edge] / (LETTER * len(text))))
+    # Beyond a mark in the middle, else beside it.
+    away = _clearance(text, size, inward) + (mark if where.middle == edge else 0.0)
+    return ticks, Text("SEAM", text, 0.5 * (points[edge] + points[edge + 1]) + away * inward, size)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -38,7 +38,9 @@ def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
         raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
     document = filemanagement.new("R2010", units=_UNITS.get(drawing.units or "Meters", 0))
     for name, colour in LAYERS.items():
-        document.layers.add(name, true_color=colors.rgb2int(colour))
+        layer = document.layers.add(name, true_color=colors.rgb2int(colour))
+        if name in drawing.hidden:
+            layer.off()
     space = document.modelspace()
     for line in drawing.lines:
         space.add_lwpolyline(line.points.tolist(), close=line.closed, dxfattribs={"layer": line.layer})

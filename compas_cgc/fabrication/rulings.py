@@ -12,11 +12,12 @@ from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .curves import CurveNet
 from .curves import curve_net
+from .curves.net import usual_spacing
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
 from .patchwork import weights_in
 
-__all__ = ["Ruling", "Straightness", "rulings_of"]
+__all__ = ["STRAIGHT", "Ruling", "Straightness", "rulings_of"]
 
 STRAIGHT = 0.02  # distance from its chord, against the chord, up to which a curve is drawn as a ruling
 
@@ -36,14 +37,17 @@ class Straightness(NamedTuple):
 
 
 def rulings_of(
-    problem: CGCProblem, patchwork: Patchwork, regions: list[int], spacing: Optional[float]
+    problem: CGCProblem, patchwork: Patchwork, regions: list[int], spacing: Optional[float], widest: float
 ) -> tuple[list[Ruling], dict[int, Straightness]]:
-    """Return the rulings of unrolled regions, and how straight they are by region; a flat region has none."""
+    """Return the rulings of unrolled regions, and how straight they are by region; a flat region has none.
+
+    Where no spacing is given it is that of a net, but at most so wide [L].
+    """
     rulings: list[Ruling] = []
     straightness = {}
     for region in regions:
         try:
-            net = curve_net(problem, spacing, regions=[region], rough=True)
+            net = curve_net(problem, spacing or min(widest, usual_spacing(problem, region)), regions=[region], rough=True)
         except CGCError:
             continue  # Flat, or too coarse to tell.
         off = np.array([curve.straightness for curve in net.curves])

@@ -34,7 +34,8 @@ def svg_text(drawing: Drawing) -> str:
     ]
     for layer, colour in LAYERS.items():
         paint = "#{:02x}{:02x}{:02x}".format(*colour)
-        lines.append(f'<g id="{layer}" fill="none" stroke="{paint}" stroke-width="{stroke:.3g}">')
+        shown = ' display="none"' if layer in drawing.hidden else ""
+        lines.append(f'<g id="{layer}" fill="none" stroke="{paint}" stroke-width="{stroke:.3g}"{shown}>')
         for line in drawing.lines:
             if line.layer == layer:
                 tag = "polygon" if line.closed else "polyline"

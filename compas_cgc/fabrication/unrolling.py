@@ -65,7 +65,8 @@ def unroll(
     spacing
         Distance between pieces on a sheet [L].
     rulings
-        Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size.
+        Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size, a quarter of the width of
+        sheets at most.
     rough
         Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
@@ -112,7 +113,7 @@ def unroll(
         raise CGCError(str(error)) from None
     placed, on_sheet = _on_sheets(cut, sheet, spacing)
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
-    lines, straightness = rulings_of(problem, placed, ruled, rulings)
+    lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if sheet is None else 0.25 * sheet[1])
     return patterns_of(problem, placed, on_sheet, unrollings, sheet, lines, straightness)
 
 

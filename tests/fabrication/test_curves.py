@@ -16,6 +16,7 @@ from compas_cgc.io.nets import write_net
 from ..support.constant_curvature import cone
 from ..support.constant_curvature import revolved_patch
 from ..support.shapes import grid
+from ..support.shapes import revolution
 
 
 def patch(n, K) -> CGCProblem:
@@ -64,6 +65,50 @@ def test_lines_of_curvature_are_meridians_and_circles():
         assert min(turn * 4.0, along) < 0.02 * curve.length
         kinds[int(along < turn)] += 1
     assert min(kinds.values()) >= 5
+
+
+def shaken_spindle(K=0.02, rows=15, around=56) -> CGCProblem:
+    """Return a spindle of constant K > 0, open at both ends, its vertices off their rows."""
+    rng, a = np.random.default_rng(2), K**0.5
+    _, faces = revolution(np.ones(rows), np.zeros(rows), around)
+    k, j = np.divmod(np.arange(rows * around), around)
+    s = (k + np.where((k > 0) & (k < rows - 1), rng.uniform(-0.3, 0.3, len(k)), 0.0)) / (rows - 1) * 6.0 - 3.0
+    angle = 2 * np.pi * (j + 0.5 * k + rng.uniform(-0.25, 0.25, len(k))) / around
+    fine = np.linspace(-3.0, 3.0, 2001)
+    height = np.concatenate([[0.0], np.cumsum(np.sqrt(1 - (4 * a * np.sin(a * 0.5 * (fine[1:] + fine[:-1]))) ** 2))]) * (fine[1] - fine[0])
+    r = 4.0 * np.cos(a * s)
+    return CGCProblem(np.column_stack([r * np.cos(angle), r * np.sin(angle), np.interp(s, fine, height)]), faces).with_targets(K)
+
+
+def test_lines_of_curvature_that_come_back_are_closed():
+    """The parallels of a spindle, on a mesh that lets lines drift: each goes around once."""
+    problem = shaken_spindle()
+    circles = [curve for curve in curve_net(problem, 1.0, rough=True).curves if curve.length > 8.0]
+    assert len(circles) >= 5
+    for curve in circles:
+        r = np.hypot(*curve.points[:, :2].T)
+        assert curve.length == pytest.approx(2 * np.pi * r.mean(), rel=0.02)
+        assert (curve.points[0] == curve.points[-1]).all()
+        # Every segment lies in its face.
+        corners = problem.vertices[problem.faces[curve.faces]]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        for ends in (curve.points[:-1], curve.points[1:]):
+            assert np.abs(np.einsum("ij,ij->i", ends - corners[:, 0], normal)).max() < 1e-12
+
+
+def test_rulings_reach_into_fans():
+    """Half of a cone whose rulings the curve across the middle one does not all meet: no place is far from one."""
+    vertices, faces = grid(16, 4.0)
+    x, y = vertices[:, 0] - 2.0, vertices[:, 1] + 1.0
+    r, turn = np.hypot(x, y), np.arctan2(x, y)
+    slope = 1.5  # the cone over (r, turn): circles of radius r / slope, as far around
+    vertices = np.column_stack([r / slope * np.sin(slope * turn), r / slope * np.cos(slope * turn), r * np.sqrt(1 - slope**-2)])
+    net = curve_net(CGCProblem(vertices, faces).with_targets(0.0), 0.5, rough=True)
+    points = np.vstack([curve.points for curve in net.curves])
+    centres = vertices[faces].mean(axis=1)
+    assert max(np.linalg.norm(points - centre, axis=1).min() for centre in centres) < 0.75
+    assert max(curve.straightness for curve in net.curves) < 0.05
 
 
 @pytest.mark.parametrize("through", [None, "supports", [[3.0, 0.0, 0.0], [0.0, 3.0, 0.0]]], ids=["a net", "supports", "points"])

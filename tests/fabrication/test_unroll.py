@@ -249,8 +249,27 @@ READERS = {".dxf": read_dxf, ".svg": read_svg, ".3dm": read_layers}
 def test_marks_stand_at_the_same_nodes_on_both_sides(cut):
     drawing = draw_sheets(cut)
     marks = [line for line in drawing.lines if line.layer == "MARK"]
-    assert len(marks) % 2 == 0 and len(marks) >= 2
+    assert len(marks) % 2 == 0 and len(marks) >= 2 * len(cut.seams)
     assert sum(text.layer == "SEAM" for text in drawing.texts) == 2 * len(cut.seams)
+
+
+def test_no_text_lies_over_marks_and_outlines(cut):
+    drawing = draw_sheets(cut)
+    ends = [np.vstack([line.points, line.points[:1]]) for line in drawing.lines if line.layer in ("MARK", "OUTLINE")]
+    share = np.linspace(0.0, 1.0, 41)[:, None]
+    along = np.vstack([a + share * (b - a) for points in ends for a, b in zip(points[:-1], points[1:])])
+    texts = [text for text in drawing.texts if text.layer in ("NODE", "SEAM")]
+    hit = 0
+    for text in texts:
+        box = 0.5 * text.height * np.array([0.6 * len(text.text), 1.0])
+        hit += bool((np.abs(along - text.place) < box).all(axis=1).any())
+    # In the narrowest corners there is no room beside both lines.
+    assert hit < 0.02 * len(texts)
+
+
+def test_folds_of_the_mesh_are_hidden_where_a_surface_is_rolled():
+    assert set(draw_sheets(unroll(ring(10, 60), SHEET)).hidden) == {"FOLD_UP", "FOLD_DOWN"}
+    assert draw_sheets(unroll(irregular_ring(), rulings=0, rough=True)).hidden == ()
 
 
 # ----------------------------------------------------------------------

@@ -11,7 +11,7 @@ from ..patchwork import pairs_of_equal
 from .trace import DirectionField
 from .trace import Traced
 
-__all__ = ["arc_lengths_of", "crossings", "meetings", "place_at"]
+__all__ = ["arc_lengths_of", "bow_of", "crossings", "is_closed", "meetings", "place_at"]
 
 
 def meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
@@ -68,6 +68,20 @@ def crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vector
 def arc_lengths_of(curve: Traced) -> FloatArray:
     """Return the length along a curve up to each of its points (k,) [L]."""
     return np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1))]
+
+
+def is_closed(curve: Traced) -> bool:
+    """Tell whether a curve ends where it begins."""
+    return len(curve.points) > 2 and np.array_equal(curve.points[0], curve.points[-1])
+
+
+def bow_of(points: Vectors) -> float:
+    """Return the largest distance of points (k, 3) from the chord between the first and the last, against it."""
+    chord = points[-1] - points[0]
+    away = points - points[0]
+    # A closed curve has no chord.
+    span = max(float(np.linalg.norm(chord)), 1e-9 * float(np.abs(away).max()), 1e-100)
+    return float(np.linalg.norm(away - np.outer(away @ chord, chord) / span**2, axis=1).max()) / span
 
 
 def place_at(curve: Traced, at: FloatArray, mark: float) -> tuple[int, Vectors]:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import Optional
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vectors
 from .crossings import arc_lengths_of
+from .crossings import bow_of
+from .crossings import is_closed
 from .crossings import meetings
 from .crossings import place_at
 from .trace import CURVATURE
@@ -21,6 +24,7 @@ __all__ = ["curves_through", "grown_net"]
 
 SHORT = 0.05  # of the spacing: curves shorter than this are left out
 CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
+STRAIGHT = 0.05  # distance from its chord, against this, up to which a curve that fills a gap is a ruling
 GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
 MOST = 2000  # curves of a region
 
@@ -95,7 +99,7 @@ class _Growth:
         low, high = -np.inf, np.inf
         for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
             for s, own in meetings(self.field, curve, new) if there else ():
-                if min(abs(s - t) for t in there) < CROWDED * spacing:
+                if min(_apart(curve, s, t) for t in there) < CROWDED * spacing:
                     if abs(own - mark) < 0.1 * spacing:
                         return Traced(new.points[:1], new.faces[:0])
                     low, high = (max(low, own), high) if own < mark else (low, min(high, own))
@@ -129,7 +133,23 @@ def grown_net(field: DirectionField, kind: int, spacing: float, size: float) -> 
             if _long(new, spacing):
                 touched = growth.add(1 - family, new)
                 waiting += [] if kind == RULING else [each for each in touched if each not in waiting]
-    return [growth.curves[0], []] if kind == RULING else growth.curves
+    return [_filled(field, growth.curves[0], centres, spacing), []] if kind == RULING else growth.curves
+
+
+def _filled(field: DirectionField, curves: list[Traced], centres: Vectors, spacing: float) -> list[Traced]:
+    """Return rulings with others where there are none within a spacing, as in fans that the curve across the first does not reach."""
+    away = np.full(len(centres), np.inf)
+    for curve in curves:
+        away = np.minimum(away, cKDTree(curve.points).query(centres)[0])
+    found = list(curves)
+    while away.max() > spacing and len(found) < MOST:
+        face = int(np.argmax(away))
+        curve = trace(field, RULING, 0, face, centres[face])
+        away[face] = 0.0
+        if _long(curve, spacing) and bow_of(curve.points) < STRAIGHT:
+            found.append(curve)
+            away = np.minimum(away, cKDTree(curve.points).query(centres)[0])
+    return found
 
 
 def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float) -> int:
@@ -153,8 +173,22 @@ def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bo
         return []
     length = float(arc_lengths_of(curve)[-1])
     crossed = sorted(crossed)
+    if between and is_closed(curve):
+        # Closed: the gap over its beginning is one like the others.
+        return [mark % length for mark in _between([*crossed, crossed[0] + length], spacing)]
     marks = [*np.arange(crossed[-1] + spacing, length, spacing).tolist(), *np.arange(crossed[0] - spacing, 0.0, -spacing).tolist()]
-    for s, t in zip(crossed[:-1], crossed[1:]) if between else ():
+    return marks + (_between(crossed, spacing) if between else [])
+
+
+def _apart(curve: Traced, s: float, t: float) -> float:
+    """Return the distance between two places along a curve, the shorter way around a closed one [L]."""
+    return min(abs(s - t), float(arc_lengths_of(curve)[-1]) - abs(s - t)) if is_closed(curve) else abs(s - t)
+
+
+def _between(crossed: list[float], spacing: float) -> list[float]:
+    """Return even marks in the gaps between crossings."""
+    marks = []
+    for s, t in zip(crossed[:-1], crossed[1:]):
         count = int((t - s) / spacing + 1.0 - GAP)
         marks += [s + (t - s) * k / (count + 1) for k in range(1, count + 1)]
     return marks

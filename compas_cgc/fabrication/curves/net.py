@@ -21,6 +21,7 @@ from ...model.problem import PosesProblem
 from ..shape_operators import shape_operators
 from ..solved import solved_problem
 from .crossings import arc_lengths_of
+from .crossings import bow_of
 from .crossings import crossings
 from .growth import curves_through
 from .growth import grown_net
@@ -31,10 +32,12 @@ from .trace import DirectionField
 from .trace import Traced
 from .trace import direction_field
 
-__all__ = ["CurveNet", "NetCurve", "curve_net", "plural"]
+__all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
 
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
+SHARE = 1.0 / 12.0  # of a region's size, between curves
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
+PLAIN = 0.02  # of the largest curvature of a developable region, below which it is plain there and has no rulings
 PLANE = 1e-4  # curvature times size, below which a region is a plane
 ROUND = 1e-3  # difference of the principal curvatures, against their mean, below which a region is a sphere
 
@@ -214,9 +217,9 @@ def curve_net(
     for region in chosen:
         own = np.flatnonzero(label == region)
         kind = _kind(problem, region, targets[region], own)
-        field = _field(problem, region, own)
-        size = float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[own]].reshape(-1, 3), axis=0)))
-        step = spacing or size / 12.0
+        field = _field(problem, region, own, kind == RULING)
+        size = _size(problem, own)
+        step = spacing or size * SHARE
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
@@ -238,6 +241,16 @@ def curve_net(
     return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
 
 
+def usual_spacing(problem: CGCProblem, region: int) -> float:
+    """Return the distance between the curves of a region where none is asked for: a twelfth of its size [L]."""
+    return _size(problem, np.flatnonzero(problem.regions() == region)) * SHARE
+
+
+def _size(problem: CGCProblem, faces: IntArray) -> float:
+    """Return the diagonal of the box around some faces [L]."""
+    return float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[faces]].reshape(-1, 3), axis=0)))
+
+
 def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArray) -> int:
     if target is None:
         raise CGCError(f"region {region} has no one target K, by which curves are chosen; set it and solve first")
@@ -248,12 +261,16 @@ def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArr
     return CURVATURE if target > 0 else ASYMPTOTIC
 
 
-def _field(problem: CGCProblem, region: int, own: IntArray) -> DirectionField:
+def _field(problem: CGCProblem, region: int, own: IntArray, ruled: bool) -> DirectionField:
     S = shape_operators(problem.vertices, problem.faces[own]).operators
     if not np.isfinite(S[problem.faces[own]]).all():
         raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
     # Elsewhere nobody looks.
-    return direction_field(problem.vertices, problem.faces[own], np.where(np.isfinite(S), S, 0.0))
+    S = np.where(np.isfinite(S), S, 0.0)
+    if ruled:
+        size = np.linalg.norm(S, axis=(1, 2))
+        S[size < PLAIN * size.max()] = 0.0
+    return direction_field(problem.vertices, problem.faces[own], S)
 
 
 def _is_flat(field: DirectionField, size: float) -> bool:
@@ -300,9 +317,4 @@ def _supports_of(problem: CGCProblem, region: int, through: object) -> Optional[
 
 
 def _curve(region: int, kind: int, family: int, curve: Traced, own: IntArray) -> NetCurve:
-    chord = curve.points[-1] - curve.points[0]
-    span = float(np.linalg.norm(chord))
-    away = curve.points - curve.points[0]
-    off = np.linalg.norm(away - np.outer(away @ chord, chord) / max(span**2, np.finfo(float).tiny), axis=1).max()
-    length = float(arc_lengths_of(curve)[-1])
-    return NetCurve(region, NAMES[kind], family, curve.points, own[curve.faces], length, float(off) / max(span, np.finfo(float).tiny))
+    return NetCurve(region, NAMES[kind], family, curve.points, own[curve.faces], float(arc_lengths_of(curve)[-1]), bow_of(curve.points))

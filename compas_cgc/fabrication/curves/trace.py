@@ -19,6 +19,8 @@ __all__ = ["ASYMPTOTIC", "CURVATURE", "RULING", "DirectionField", "Traced", "dir
 
 CURVATURE, ASYMPTOTIC, RULING = range(3)
 INSIDE = 1e-6  # share of an edge that curves keep off its ends
+NEAR = 0.5  # of an edge where it begins: a line of curvature that passes its beginning so near beside ends there
+AWAY = 6.0  # edges that it has to run before
 LOOPS = 4  # how often a curve may pass a face before it is taken for a spiral that never ends
 
 
@@ -67,16 +69,43 @@ def trace(field: DirectionField, kind: int, family: int, face: int, point: Vecto
     Returns
     -------
     Traced
-        Of less than two points where there is no such direction.
+        Of less than two points where there is no such direction; a line of curvature that comes back to its beginning ends there.
     """
+    corners = field.vertices[field.faces[face]]
+    edge = float(np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).max()) if kind == CURVATURE else 0.0
     halves = []
     for sign in (1.0, -1.0):
-        points, faces, count = _half(*field, kind, family, face, np.asarray(point, dtype=np.float64), sign, most)
+        start = np.asarray(point, dtype=np.float64)
+        points, faces, count, closed = _half(*field, kind, family, face, start, sign, most, edge)
+        if closed:
+            return _closed(field, points[:count], np.r_[faces[: count - 1], face])
         halves.append((points[:count], faces[: max(count - 1, 0)]))
     (ahead, over), (back, under) = halves
     if np.linalg.norm(ahead[-1] - ahead[0]) == 0.0 and len(back) < 2:
         return Traced(ahead[:1], over[:0])
     return Traced(np.vstack([back[:0:-1], ahead]), np.r_[under[::-1], over])
+
+
+def _closed(field: DirectionField, points: Vectors, faces: IntArray) -> Traced:
+    """Return a curve that has come back to the face it begins in as a closed one: what it misses its beginning by is spread along it.
+
+    Points move along the edges that they lie on, so that every segment stays in its face.
+    """
+    before, after = field.faces[faces[:-1]], field.faces[faces[1:]]
+    shared = (before[:, :, None] == after[:, None]).any(axis=2)
+    # Two faces share one corner less than they have.
+    odd = np.argmin(shared, axis=1)
+    rows = np.arange(len(before))
+    start, end = (field.vertices[before[rows, (odd + k) % 3]] for k in (1, 2))
+    along = np.diff(np.vstack([points, points[:1]]), axis=0)[:-1]
+    aside = np.cross(np.cross(field.axes[faces[:-1], 0], field.axes[faces[:-1], 1]), along)
+    aside /= np.linalg.norm(aside, axis=1, keepdims=True)
+    missed = float((points[0] - points[-1]) @ aside[-1])
+    edges = end - start
+    share = np.einsum("ij,ij->i", points[1:] - start, edges) / np.einsum("ij,ij->i", edges, edges)
+    share += missed * np.linspace(0.0, 1.0, len(points))[1:] / np.einsum("ij,ij->i", edges, aside)
+    share = np.clip(share, INSIDE, 1.0 - INSIDE)[:, None]
+    return Traced(np.vstack([points[:1], (1.0 - share) * start + share * end, points[:1]]), faces)
 
 
 @njit(cache=True)
@@ -94,6 +123,8 @@ def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y
             return 0.0, 0.0
         angle = largest + (0.5 if family == 0 else -0.5) * math.acos(-half / spread)
     elif kind == RULING:
+        if spread == 0.0:
+            return 0.0, 0.0
         # The smaller one is nearest to 0 where the mean is positive.
         angle = largest + (0.5 * math.pi if (half > 0.0) == (family == 0) else 0.0)
     else:
@@ -159,14 +190,21 @@ def _half(
     point: FloatArray,
     sign: float,
     most: int,
-) -> tuple[FloatArray, IntArray, int]:
+    edge: float,
+) -> tuple[FloatArray, IntArray, int, bool]:
     points, faces = np.empty((most, 3)), np.empty(most, np.int64)
     passed = np.zeros(F.shape[0], np.int8)
     corners, forms = np.empty((3, 2)), np.empty((3, 3))
     points[0] = point
     count, f, entry = 1, face, -1
-    d = np.zeros(3)
+    run, last, closed, d = 0.0, np.inf, False, np.zeros(3)
     while count < most and passed[f] < LOOPS:
+        if run > AWAY * edge > 0.0:
+            now = float(np.linalg.norm(points[count - 1] - point))
+            closed = f == face and now < edge
+            if closed or (last < NEAR * edge and now > last):
+                break
+            last = now
         passed[f] += 1
         e1, e2 = axes[f, 0], axes[f, 1]
         origin = V[F[f, 0]]
@@ -206,9 +244,10 @@ def _half(
         points[count] = (1.0 - share) * start + share * end
         faces[count - 1] = f
         count += 1
+        run += far
         d = x * e1 + y * e2
         other = mate[f, side]
         if other < 0:
             break
         f, entry = other // 3, other % 3
-    return points, faces, count
+    return points, faces, count, closed

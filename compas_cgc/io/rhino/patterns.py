@@ -35,7 +35,8 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     # Beside the model, so that neither hides the other.
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
     beside = np.array([high[0] + 0.2 * float(np.linalg.norm(high - low)), low[1], low[2]])
-    layers = {name: writer.layer(f"{PATTERNS}::{_title(name)}", colour, visible=name != "NODE") for name, colour in LAYERS.items()}
+    hidden = ("NODE", *drawing.hidden)
+    layers = {name: writer.layer(f"{PATTERNS}::{_title(name)}", colour, visible=name not in hidden) for name, colour in LAYERS.items()}
     for line in drawing.lines:
         points = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
         writer.polyline(flattened(points) + beside, writer.attributes(layers[line.layer]))
