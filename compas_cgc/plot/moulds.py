@@ -31,6 +31,7 @@ __all__ = ["moulds_figure"]
 
 PAGE = (11.7, 8.3)  # A4 [in]
 NAMED = 200  # panels up to which each is named
+LETTER = 0.65  # width of a letter, of its size
 SHOWN = 4  # moulds that are drawn
 
 
@@ -117,11 +118,23 @@ def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list
     ax.add_collection(collections.PolyCollection(np.concatenate(triangles), facecolors=fill, edgecolors=fill, linewidths=0.2))
     ax.add_collection(collections.LineCollection(outlines, colors=INK, linewidths=0.4))
     if len(report.panels) <= NAMED:
-        size = float(np.clip(60.0 / np.sqrt(len(report.panels)), 2.2, 8.0))
-        for fit, own in zip(report.panels, triangles):
-            x, y = own.reshape(-1, 2).mean(axis=0)
-            ax.text(x, y, fit.panel.name, fontsize=size, ha="center", va="center", color=INK, clip_on=True)
+        _name_panels(ax, report, triangles, colours)
     _tidy(ax)
+
+
+def _name_panels(ax: Axes, report: MouldReport, triangles: list[FloatArray], colours: list) -> None:
+    """Write every panel's name in its middle, as small as its width asks for, light on dark colours."""
+    across = np.ptp(np.concatenate(triangles).reshape(-1, 2), axis=0)
+    box = ax.get_window_extent()
+    scale = 72.0 / ax.figure.dpi * float((np.array([box.width, box.height]) / np.maximum(1.04 * across, 1e-300)).min())  # points to a unit
+    to_rgb = matplotlib_module("colors").to_rgb
+    for fit, own, colour in zip(report.panels, triangles, colours):
+        ahead, back = own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]
+        areas = 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0])
+        x, y = areas @ own.mean(axis=1) / areas.sum()
+        size = float(np.clip(0.75 * np.sqrt(areas.sum()) * scale / (LETTER * len(fit.panel.name)), 2.0, 8.0))
+        ink = INK if np.dot(to_rgb(colour), [0.299, 0.587, 0.114]) > 0.45 else "white"
+        ax.text(x, y, fit.panel.name, fontsize=size, ha="center", va="center", color=ink, clip_on=True)
 
 
 def _draw_values(figure: Figure, ax: Axes, problem: CGCProblem, report: MouldReport, values: list[Optional[float]], what: str) -> None:
