@@ -90,7 +90,8 @@ def outlined(
     lines = [crease for crease in creases if len(crease.points) > 1]
     made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
-    note = f"one with edges of about {edge_length:g} was made in {len(outlines)} outlines"
+    within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
+    note = f"one with edges of about {edge_length:g} was made in an outline{within}"
     return MeshedSurface(Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {}), _pieces(made, lines), [note])
 
 
