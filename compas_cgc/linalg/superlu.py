@@ -15,6 +15,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from .errors import SingularMatrixError
 from .ordering import elimination_order
+from .sweeps import Sweeps
 
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU as Factors
@@ -25,6 +26,7 @@ GOOD = 1e-10  # relative residual that needs no refinement
 POOR = 1e-6  # relative residual from which the pivots on the diagonal are given up
 REFINEMENTS = 2
 PANEL = 4  # columns worked on together; a tenth faster than SuperLU's own choice
+SWEPT = 30_000  # unknowns up to which so many solves are to be expected that the factors are put in order for them
 
 
 class SuperLU:
@@ -48,6 +50,7 @@ class SuperLU:
         self._refine = refine
         self._pattern: Optional[tuple[CSRIndices, CSRIndices]] = None
         self._lu: Optional[Factors] = None
+        self._sweeps: Optional[Sweeps] = None
         self._pivoted = False
 
     def factorise(self, matrix: sparse.csr_matrix) -> SuperLU:
@@ -97,12 +100,16 @@ class SuperLU:
         transposed = sparse.csc_matrix((matrix.data[self._gather], self._indices, self._indptr), shape=matrix.shape)
         self._pivoted = False
         self._lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})
+        swept = self._symmetric and not self._refine and matrix.shape[0] <= SWEPT
+        self._sweeps = _swept(self._lu) if swept else None
 
     def _apply(self, rhs: FloatArray) -> FloatArray:
         if self._lu is None:
             raise SingularMatrixError("there are no factors; factorise a matrix first")
         if self._pivoted:
             return self._lu.solve(rhs)
+        if self._sweeps is not None:
+            return self._sweeps.solve(rhs.take(self._permutation, axis=0)).take(self._places, axis=0)
         # Several right sides at once are solved faster by the factors than by their transposed.
         which = "N" if self._symmetric and rhs.ndim == 2 else "T"
         y = self._lu.solve(rhs.take(self._permutation, axis=0), which)
@@ -124,6 +131,18 @@ class SuperLU:
                 break
             x, quality = better, new
         return x, quality
+
+
+def _swept(lu: Factors) -> Optional[Sweeps]:
+    """Return the factors of a symmetric matrix put in order for many solves; None where pivots have left the diagonal."""
+    own = np.arange(lu.shape[0])
+    if not (np.array_equal(lu.perm_r, own) and np.array_equal(lu.perm_c, own)):
+        return None
+    try:
+        return Sweeps(lu.L, lu.U.diagonal())
+    except ValueError:
+        # A factor may lack what comes out as zero by chance.
+        return None
 
 
 @remembered

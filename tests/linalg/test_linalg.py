@@ -16,6 +16,7 @@ from compas_cgc.linalg import SingularMatrixError
 from compas_cgc.linalg import factorise
 from compas_cgc.linalg import linear_solver
 from compas_cgc.linalg import nested_dissection
+from compas_cgc.linalg.sweeps import Sweeps
 
 from ..support import shapes
 
@@ -247,3 +248,27 @@ def test_unknown_and_unfit_backends_are_named():
         linear_solver(10, backend="umfpack")
     with pytest.raises(ValueError, match="symmetric positive definite"):
         linear_solver(10, backend="amg")
+
+
+def test_factors_in_panels_solve_whatever_their_columns_have_in_common(meshed):
+    """Panels of one to four columns, filled up with zeros or not."""
+    laplacian, _ = stiffness(meshed)
+    arrow = sparse.lil_matrix(sparse.diags(np.r_[np.full(30, 2.0), 40.0]))
+    arrow[30, :30] = arrow[:30, 30] = 1.0
+    full = sparse.csr_matrix(np.full((11, 11), 0.5) + 3 * np.identity(11))
+    for A in (sparse.identity(5), arrow, full, laplacian, laplacian @ laplacian):
+        factors = splu(sparse.csc_matrix(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        lower, diagonal = factors.L.toarray(), factors.U.diagonal()
+        sweeps = Sweeps(factors.L, diagonal)
+        for b in (right_side(len(lower)), right_side(3 * len(lower)).reshape(-1, 3)):
+            x = sweeps.solve(b)
+            assert x.shape == b.shape
+            assert np.allclose(lower @ (diagonal * (lower.T @ x).T).T, b, rtol=1e-9, atol=1e-9)
+
+
+def test_what_no_elimination_makes_is_refused():
+    lower = np.identity(4) + np.diag([0.5, 0.5, 0.0], -1)
+    Sweeps(sparse.csc_matrix(lower), np.ones(4))
+    lower[3, 0] = 0.5  # which elimination would have brought into the second column as well
+    with pytest.raises(ValueError, match="elimination"):
+        Sweeps(sparse.csc_matrix(lower), np.ones(4))
