@@ -64,8 +64,11 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
     both = np.maximum(ends[u] + ends[v], max(float(np.median(size)), np.finfo(float).tiny))
     normals = vertex_normals(problem.vertices, problem.faces)
     change = _within(fits.bending[u] - fits.bending[v], normals[u] + normals[v]) / both
+    jumps = change > max(SUDDEN, OFTEN * float(np.median(change)))
+    if not jumps.any():
+        return Fault(np.zeros(0, np.int64), -1, 0.0)
     apart = known & _apart(problem)
-    jumps = apart[u] & apart[v] & (change > max(SUDDEN, OFTEN * float(np.median(change))))
+    jumps &= apart[u] & apart[v]
     lines = _lines(problem.vertices, u[jumps], v[jumps])
     if not len(lines):
         return Fault(lines, -1, 0.0)

@@ -309,13 +309,18 @@ def _tips(problem: CGCProblem) -> tuple[IntArray, FloatArray]:
     A cone of the slope s has the angle defect ``π s^2``.
     """
     V, F = problem.vertices, problem.faces
+    inner = (problem.roles == FIXED) & ~boundary_vertices(V, F)
+    if not inner.any():
+        return np.flatnonzero(inner), np.zeros(0)
     smooth = problem.asked & (problem.targets > 0)
     least, total, count = np.ones(len(V), bool), np.zeros(len(V)), np.zeros(len(V))
-    for one, other in ((F, np.roll(F, 1, axis=1)), (F, np.roll(F, -1, axis=1))):
-        np.logical_and.at(least, one, smooth[other])
-        np.add.at(total, one, np.where(smooth, problem.targets, 0.0)[other])
-        np.add.at(count, one, 1.0)
-    tips = np.flatnonzero((problem.roles == FIXED) & least & (count > 0) & ~boundary_vertices(V, F))
+    beside = F[inner[F].any(axis=1)]
+    for turn in (1, -1):
+        other = np.roll(beside, turn, axis=1)
+        np.logical_and.at(least, beside, smooth[other])
+        np.add.at(total, beside, np.where(smooth, problem.targets, 0.0)[other])
+        np.add.at(count, beside, 1.0)
+    tips = np.flatnonzero(inner & least & (count > 0))
     if not len(tips):
         return tips, np.zeros(0)
     excess = angle_defects(V, F) - total / np.maximum(count, 1.0) * vertex_areas(V, F)
