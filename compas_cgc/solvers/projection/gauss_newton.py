@@ -46,10 +46,12 @@ def descend(
     slow: float = SLOW,
     patience: int = PATIENCE,
     finish: Optional[int] = None,
+    memory: int = 1,
 ) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
-    With a `finish`, so many of them do from where the equations are nearly fulfilled.
+    With a `finish`, so many of them do from where the equations are nearly fulfilled. A step has to bring the merit below the
+    largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046).
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -59,7 +61,7 @@ def descend(
     tolerance = LOOSEST
     while here.merit > 0.0:
         step, kept = system.step(here, equations, tolerance, kept)
-        found = line_search(system, equations, here, step) if np.isfinite(step).all() else None
+        found = line_search(system, equations, here, step, max(merits[-memory:])) if np.isfinite(step).all() else None
         if found is None:
             return
         there, length, trials = found
@@ -109,8 +111,11 @@ def in_stages(system: System, targets: FloatArray, start: FloatArray) -> Iterato
         yield from descend(system, equations, system.at(vertices, equations))
 
 
-def line_search(system: System, equations: CurvatureEquations, here: Point, step: FloatArray) -> Optional[tuple[Point, float, int]]:
-    """Return the first of the halved steps that makes the merit smaller without a sharp fold."""
+def line_search(
+    system: System, equations: CurvatureEquations, here: Point, step: FloatArray, merit: Optional[float] = None
+) -> Optional[tuple[Point, float, int]]:
+    """Return the first of the halved steps that makes the merit smaller than the present one, or one given, without a sharp fold."""
+    merit = here.merit if merit is None else merit
     length, trials = 1.0, 0
     turning = Turning(system, here.vertices)
     while length >= SHORTEST:
@@ -118,7 +123,7 @@ def line_search(system: System, equations: CurvatureEquations, here: Point, step
         vertices = here.vertices + length * step
         if turning.allows(vertices):
             there = system.at(vertices, equations)
-            if there.merit <= (1.0 - DECREASE * length) * here.merit:
+            if there.merit <= (1.0 - DECREASE * length) * merit:
                 return there, length, trials
         length /= 2
     return None
