@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import numbers
+from collections.abc import Iterable
 from collections.abc import Mapping
 from dataclasses import MISSING
 from dataclasses import fields
@@ -85,7 +86,9 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
     kind = data.get("kind") if isinstance(data, Mapping) else None
     if not isinstance(kind, str) or kind not in KINDS:
         meant = f", not {kind!r:.40}{did_you_mean(kind, KINDS)}" if isinstance(kind, str) else ""
-        value = f"; write a value such as Rise(4.0), not {data!r:.40}" if not isinstance(data, Mapping) else ""
+        alone = isinstance(data, type) and issubclass(data, Constraint)
+        given = f"the class {data.__name__} without its numbers" if alone else f"{data!r:.40}"  # type: ignore[union-attr]
+        value = f"; write a value such as Rise(4.0), not {given}" if not isinstance(data, Mapping) else ""
         raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])
     known = {field.name: field for field in own}
@@ -109,7 +112,8 @@ def as_constraints(given: object) -> tuple[Constraint, ...]:
     ValueError
         If something is no constraint.
     """
-    items = [given] if isinstance(given, (Constraint, Mapping)) else list(given or ())  # type: ignore[call-overload]
+    alone = isinstance(given, (Constraint, Mapping, str, type)) or not (given is None or isinstance(given, Iterable))
+    items = [given] if alone else list(given or ())  # type: ignore[call-overload]
     return tuple(item if isinstance(item, Constraint) else constraint_of(item) for item in items)
 
 

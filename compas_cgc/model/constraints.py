@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import fields
 from dataclasses import replace
+from inspect import signature
+from typing import TYPE_CHECKING
 from typing import Any
 from typing import NamedTuple
 from typing import Union
@@ -15,6 +18,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import ProblemError
+from ..errors import did_you_mean
 from ..meshing.closest_points import nearest_on_polyline
 from .frame import Frame
 from .given import checked_number
@@ -32,6 +36,7 @@ __all__ = [
     "OnPlane",
     "PositionConstraint",
     "Proximity",
+    "called",
     "check_indices",
     "indices",
     "unit",
@@ -51,8 +56,29 @@ class ClosestPoints(NamedTuple):
 Triple = Union[Sequence[float], FloatArray]  # three numbers
 
 
+class _Named(type):
+    """A class whose wrong arguments are told by its name and its fields."""
+
+    if not TYPE_CHECKING:
+
+        def __call__(cls, *given, **by_name):
+            try:
+                signature(cls.__init__).bind(cls, *given, **by_name)
+            except TypeError:
+                takes = [field.name for field in fields(cls)]
+                wrong = next((name for name in by_name if name not in takes), None)
+                told = "" if wrong is None else f", and nothing called {wrong!r}{did_you_mean(wrong, takes)}"
+                raise TypeError(f"{called(cls)} takes {', '.join(takes)}{told}; write {called(cls)}({', '.join(takes)})") from None
+            return super().__call__(*given, **by_name)
+
+
+def called(kind: type) -> str:
+    """Return what users call a kind of constraint."""
+    return "Height" if kind.__name__ == "AtHeight" else kind.__name__
+
+
 @dataclass(frozen=True)
-class Constraint:
+class Constraint(metaclass=_Named):
     """Base of all constraints; vertices are indices, lengths in model units.
 
     Examples
@@ -320,8 +346,8 @@ def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:
     return np.broadcast_to(matrix, (len(points), 3, 3))
 
 
-def indices(vertices: Union[str, Sequence[int]], n: int) -> IntArray:
-    """Return the vertices that a constraint names, sorted, each once.
+def indices(vertices: Union[str, Sequence[int]], n: int, kind: type = Constraint) -> IntArray:
+    """Return the vertices that a constraint of some kind names, sorted, each once.
 
     Raises
     ------
@@ -329,12 +355,15 @@ def indices(vertices: Union[str, Sequence[int]], n: int) -> IntArray:
         If there is no such vertex among ``n``.
     """
     given = np.asarray(vertices)
-    if given.ndim > 1 or (given.size and given.dtype.kind not in "iu"):
+    if given.ndim != 1 or (given.size and given.dtype.kind not in "iu"):
         # Coordinates would be taken for vertices.
-        given = np.asarray(vertex_names(given, "vertices of a constraint"))
+        given = np.asarray(vertex_names(vertices if given.ndim == 0 else given, f"vertices of the goal {called(kind)}"))
     at = np.unique(given.astype(np.int64))
     if len(at) and not (at[0] >= 0 and at[-1] < n):
-        raise ProblemError([f"a constraint names vertex {at[0] if at[0] < 0 else at[-1]}; the mesh has the vertices 0 to {n - 1}"])
+        wrong = at[0] if at[0] < 0 else at[-1]
+        raise ProblemError(
+            [f"a constraint names vertex {wrong}; the mesh has the vertices 0 to {n - 1}; name one of these in the goal {called(kind)}"]
+        )
     return at
 
 
@@ -349,4 +378,4 @@ def check_indices(constraints: Sequence[Constraint], n: int) -> None:
     for constraint in constraints:
         named = getattr(constraint, "vertices", ())
         if not isinstance(named, str):
-            indices(named, n)
+            indices(named, n, type(constraint))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc import check
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.errors import CGCError
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_on_mesh import nearest_on_mesh
 from compas_cgc.meshing.in_outline import inside_outline
@@ -228,3 +231,46 @@ def test_check_says_the_same():
     (said,) = check(roof().with_constraints([Rise(4000.0)]))
     assert said.fatal and "the rise 4000" in said
     assert check(roof(target=np.nan).with_constraints([Unknown("all"), Rise(3.0)])) == []
+
+
+MISNAMED = {
+    "Rise takes rise; write": lambda: Rise(),
+    "nothing called 'height'": lambda: Rise(height=4),
+    "nothing called 'hight'; did you mean 'height'": lambda: Clearance((0, 0, 1, 1), hight=2),
+    "vertices of the goal Height must be a list of vertices, not the number 6; write \\[6\\]": lambda: Height(6, 1.0),
+    "vertices of the goal Above must be a list of vertices, not the number 6": lambda: Above(1.0, 6),
+    "name one of these in the goal Height": lambda: Height([999], 1.0),
+    "out of the goal Height": lambda: Height([0], 1.0),
+    "not the class Rise without its numbers": lambda: Rise,
+    "write a value such as Rise\\(4.0\\), not 3": lambda: 3,
+    "not 'rise 4'": lambda: "rise 4",
+    "leaves out the support at vertex": lambda: Within([(0, 0), (5, 0), (5, 5), (0, 5)]),
+}
+
+
+@pytest.mark.parametrize("sentence", MISNAMED)
+def test_a_wrong_goal_is_told_by_its_name(sentence):
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=8)
+    mesh.set_supports("corners")
+    mesh.set_target(0.003)
+    with pytest.raises((CGCError, ValueError, TypeError), match=sentence):
+        goal = MISNAMED[sentence]()
+        solve(mesh, goals=goal if isinstance(goal, (int, str)) else [goal])
+
+
+def test_of_what_is_far_too_much_the_sentence_names_what_can_be_had():
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=8)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.003)
+    message = solve(mesh, goals=[Volume(90000.0)], unknown="all").message
+    had = float(re.search("of the volume 90000 about ([0-9.]+) can be had", message).group(1))
+    assert 800 < had < 5000, message
+    assert solve(mesh, goals=[Volume(0.5 * had)], unknown="all").converged
+
+
+def test_a_sheet_that_nothing_asks_to_curve_is_flat_and_fair():
+    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=8)
+    mesh.set_supports("boundary")
+    mesh.set_target(0.003)
+    result = solve(mesh, unknown="all")
+    assert result.verdict.fair and result.problem.region_targets() == [0.0]

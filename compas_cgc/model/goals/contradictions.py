@@ -24,6 +24,7 @@ from .inequalities import Above
 from .inequalities import Below
 from .inequalities import Clearance
 from .inequalities import NearPlane
+from .inequalities import Within
 from .names import goal_name
 from .places import EdgeInPlan
 from .places import Level
@@ -215,6 +216,13 @@ def _about(problem: CGCProblem, goal: Constraint) -> IntArray:
 def _held(problem: CGCProblem) -> Iterator[str]:
     """Tell supports on the wrong side of something."""
     rounding = SAME * _size(problem)
+    supports = np.flatnonzero(problem.roles == FIXED)
+    for goal in problem.constraints:
+        if isinstance(goal, Within) and isinstance(goal.vertices, str) and len(supports):
+            inside = goal.slack(problem.vertices[supports])[0]
+            if inside.min() < -rounding:
+                vertex = int(supports[np.argmin(inside)])
+                yield f"{goal_name(goal)} leaves out the support at vertex {vertex}, {-inside.min():.4g} outside; widen it or free that"
     for side in bind(problem).sides:
         at = side.candidates(problem.vertices)
         fixed = at[problem.roles[at] == FIXED]

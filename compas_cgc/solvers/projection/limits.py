@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import fields
 from dataclasses import replace
 from typing import Any
 from typing import Optional
 
+from ...discrete.arrays import FloatArray
 from ...model.constraints import CROWN
 from ...model.constraints import AtHeight
 from ...model.constraints import Constraint
@@ -30,8 +32,9 @@ __all__ = ["limit"]
 
 KINDS = (AtHeight, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
 HALVINGS = 6
+FAR = 8.0  # quotient of numbers of other sizes
 
-Solve = Callable[[CGCProblem], Solution]
+Solve = Callable[[CGCProblem, Optional[FloatArray]], Solution]  # from a shape (n, 3), if there is one
 
 
 def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str]:
@@ -47,28 +50,38 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     solution
         That did not meet them.
     solve
-        Solves a problem without coming back here.
+        Solves a problem, from a shape (n, 3) if there is one, without coming back here.
     """
     missed = _missed(problem, solution)
     if missed is None:
         return None
     goal, number = problem.constraints[missed], _number(problem.constraints[missed])
     without = problem.with_constraints(problem.constraints[:missed] + problem.constraints[missed + 1 :], add=False)
-    free = solve(without)
+    free = found = solve(without, None)
     if free.status != "converged":
         return f"without {goal_name(goal)} the rest cannot be met either"
     had = _had(problem, goal, free)
     met, most = had, float(getattr(goal, number))
     for _ in range(HALVINGS):
-        middle = 0.5 * (met + most)
+        middle = _between(met, most)
         tried = list(problem.constraints)
         changed: dict[str, Any] = {number: middle}
         tried[missed] = replace(goal, **changed)
-        if solve(problem.with_constraints(tried, add=False)).status == "converged":
-            met = middle
+        asked = problem.with_constraints(tried, add=False)
+        # What has no good start of its own is led up to.
+        other = next((one for one in (solve(asked, start) for start in (None, found.vertices)) if one.status == "converged"), None)
+        if other is not None:
+            met, found = middle, other
         else:
             most = middle
     return f"of {goal_name(goal)} about {met:.4g} can be had"
+
+
+def _between(met: float, most: float) -> float:
+    """Return a number between one that is met and one that is not: what is far too much is brought down to its size first."""
+    if abs(met) * FAR**2 < abs(most):
+        return most / FAR
+    return math.copysign(math.sqrt(met * most), most) if met * most > 0.0 and abs(most) > 2.0 * abs(met) else 0.5 * (met + most)
 
 
 def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:

@@ -60,6 +60,7 @@ READY = 3  # drawings for which what does not change is kept, or ways to keep to
 POLISHING = 4  # most steps to a surface that is symmetric to rounding; like other last digits they are not counted
 
 ROUNDED = 3e-15  # residual that the sum of the angles around a vertex has [rad]
+FLAT = 1e-14  # K times the square of the size, that is none
 CLOSE = 0.25  # of the rounding errors, from which they stop
 
 
@@ -267,7 +268,9 @@ class Projector:
         for region in unknown_regions(self.problem):
             within = self.problem.region_vertices(region)
             rows = own[within[own]]
-            targets[within] = reached[rows[0]] if len(rows) else np.nan
+            # A sheet that nothing asks to curve is flat, but for rounding.
+            K = float(reached[rows[0]]) if len(rows) else np.nan
+            targets[within] = 0.0 if abs(K) * self._frame.scale**2 < FLAT else K
         return targets
 
     @property
@@ -384,5 +387,5 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
         solution = ready(problem, settings).solve(problem.targets, callback=callback)
     if solution.status != "stalled" or not bind(problem).whole:
         return solution
-    had = limit(problem, solution, lambda other: Projector(other, settings=settings).solve(callback=callback))
+    had = limit(problem, solution, lambda other, start: Projector(other, settings=settings).solve(None, start, callback=callback))
     return solution if had is None else solution._replace(status="infeasible", message=f"infeasible{solution.message[7:]}; {had}")
