@@ -43,7 +43,7 @@ from .goals.wholes import Volume
 
 __all__ = ["KINDS", "as_constraints", "constraint_data", "constraint_of"]
 
-KINDS = {
+KINDS: dict[str, type[Constraint]] = {
     "plane": OnPlane,
     "height": AtHeight,
     "line": OnLine,
@@ -75,7 +75,7 @@ def constraint_data(constraint: Constraint) -> dict[str, Any]:
     return {"kind": kind, **{name: value for name, value in plain.items() if value is not None}}
 
 
-def constraint_of(data: Mapping[str, Any]) -> Constraint:
+def constraint_of(data: object) -> Constraint:
     """Return the constraint of plain data.
 
     Raises
@@ -84,10 +84,9 @@ def constraint_of(data: Mapping[str, Any]) -> Constraint:
         If there is no such kind, or a field is missing, unknown or of the wrong type.
     """
     kind = data.get("kind") if isinstance(data, Mapping) else None
-    if not isinstance(kind, str) or kind not in KINDS:
+    if not isinstance(data, Mapping) or not isinstance(kind, str) or kind not in KINDS:
         meant = f", not {kind!r:.40}{did_you_mean(kind, KINDS)}" if isinstance(kind, str) else ""
-        alone = isinstance(data, type) and issubclass(data, Constraint)
-        given = f"the class {data.__name__} without its numbers" if alone else f"{data!r:.40}"  # type: ignore[union-attr]
+        given = f"the class {data.__name__} without its numbers" if isinstance(data, type) else f"{data!r:.40}"
         value = f"; write a value such as Rise(4.0), not {given}" if not isinstance(data, Mapping) else ""
         raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])

@@ -27,7 +27,7 @@ def goal_name(goal: Constraint) -> str:
         return (
             f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
         )
-    numbers = {
+    numbers: dict[type, tuple[str, str]] = {
         Rise: ("rise", "rise"),
         Volume: ("volume", "volume"),
         Area: ("area", "area"),
@@ -40,7 +40,7 @@ def goal_name(goal: Constraint) -> str:
     for kind, (field, word) in numbers.items():
         if isinstance(goal, kind):
             return f"the {word} {getattr(goal, field):.6g}"
-    words = {
+    words: dict[type, str] = {
         EdgeInPlan: "the edge in plan",
         Level: "the level edge",
         OnSurface: "the place on a surface",

@@ -42,15 +42,13 @@ def ruled(system: System, vertices: FloatArray) -> Optional[FloatArray]:
         return None
     first, left, second, right = sides
     second = second[::-1]
-    along = [_along_chord(vertices[curve]) for curve in (first, second)]
-    if any(share is None for share in along):
+    along = [share for share in (_along_chord(vertices[curve]) for curve in (first, second)) if share is not None]
+    if len(along) < 2:
         return None
-    facing = unit_vectors(
-        np.cross(*(vertices[system.faces[:, k]] - vertices[system.faces[:, 0]] for k in (1, 2))).sum(axis=0, keepdims=True)
-    )
-    laplacian = cotangent_laplacian(
-        vertices - (vertices @ facing.T) * facing, system.faces
-    )  # in plan, of which linear functions are harmonic
+    a, b, c = (vertices[system.faces[:, k]] for k in range(3))
+    facing = unit_vectors(np.cross(b - a, c - a).sum(axis=0, keepdims=True))
+    # In plan, where linear functions are harmonic.
+    laplacian = cotangent_laplacian(vertices - (vertices @ facing.T) * facing, system.faces)
     between, across = np.full(len(vertices), np.nan), np.full(len(vertices), np.nan)
     between[first], between[second] = 0.0, 1.0
     across[left], across[right] = 1.0, 0.0
