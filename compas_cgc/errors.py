@@ -67,8 +67,8 @@ def find_attribute(value: object, name: str, hint: Callable[[str], str]) -> Any:
     raise AttributeError(f"a {type(value).__name__} has no {name!r}{_meant(name, names, hint)}")
 
 
-def names_what_was_meant(hint: Callable[[str], str]) -> Callable[[F], F]:
-    """Return a decorator of functions of one thing and named arguments, which refuse unknown ones with what was meant.
+def names_what_was_meant(hint: Callable[[str], str] = lambda name: "") -> Callable[[F], F]:
+    """Return a decorator of functions, which refuse arguments that do not fit with what was meant.
 
     Parameters
     ----------
@@ -77,20 +77,37 @@ def names_what_was_meant(hint: Callable[[str], str]) -> Callable[[F], F]:
     """
 
     def decorated(function: F) -> F:
-        known = list(inspect.signature(function).parameters)
+        own = [each for each in inspect.signature(function).parameters.values() if each.name not in ("cls", "self")]
+        implied = len(inspect.signature(function).parameters) - len(own)
 
         @functools.wraps(function)
         def called(*args: Any, **named: Any) -> Any:
-            if len(args) > 1:
-                raise TypeError(f"{function.__name__}() takes only {known[0]!r} without a name; write {known[1]}=... and the like")
-            unknown = next((name for name in named if name not in known), None)
-            if unknown is not None:
-                raise TypeError(f"{function.__name__}() takes no {unknown!r}{_meant(unknown, known, hint)}")
+            fault = _misfit(function.__name__, own, len(args) - implied, named, hint)
+            if fault:
+                raise TypeError(fault)
             return function(*args, **named)
 
         return cast(F, called)
 
     return decorated
+
+
+def _misfit(name: str, own: Sequence[inspect.Parameter], count: int, named: Iterable[str], hint: Callable[[str], str]) -> str:
+    """Return what is wrong with so many arguments without a name, and those with one; nothing where they fit."""
+    known = [each.name for each in own]
+    plain = [each.name for each in own if each.kind is each.POSITIONAL_OR_KEYWORD]
+    unknown = next((each for each in named if each not in known), None)
+    if unknown is not None:
+        return f"{name}() takes no {unknown!r}{_meant(unknown, known, hint)}"
+    if count > len(plain):
+        more = f"; write {known[len(plain)]}=... and the like" if len(known) > len(plain) else ""
+        return f"{name}() takes only {', '.join(map(repr, plain))} without a name{more}"
+    twice = next((each for each in plain[:count] if each in named), None)
+    if twice is not None:
+        return f"{name}() is given {twice!r} twice, in its place and by its name; leave one out"
+    needed = [each.name for each in own if each.default is each.empty]
+    lacking = next((each for each in needed if each not in named and each not in plain[:count]), None)
+    return "" if lacking is None else f"{name}() lacks {lacking!r}; write {name}({', '.join(needed)})"
 
 
 def _meant(name: str, names: Iterable[str], hint: Callable[[str], str]) -> str:

@@ -25,6 +25,7 @@ from ..meshing import vertex_labels
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from ..model.roles import INTERNAL
 from ..model.verdict import Verdict
 from ..model.verdict import verdict
@@ -238,10 +239,10 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
     >>> report.verdict.fair, len(report.regions), report.max_error < 1e-9
     (True, 1, True)
     """
-    problem = surface.to_problem().without_dummies()
+    problem = problem_of(surface, "or the result of a solve is analysed").without_dummies()
     measure = getattr(surface, "measure", "defect")
     V, F = problem.vertices, problem.faces
-    before = None if reference is None else reference.to_problem().without_dummies().vertices
+    before = None if reference is None else problem_of(reference, "is a reference").without_dummies().vertices
     if before is not None and before.shape != V.shape:
         raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)

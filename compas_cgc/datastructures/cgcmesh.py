@@ -20,7 +20,9 @@ from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import MeshError
 from ..errors import find_attribute
+from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing import crease_paths
@@ -36,6 +38,8 @@ from ..model.constraint_data import as_constraints
 from ..model.constraint_data import constraint_data
 from ..model.constraints import Constraint
 from ..model.constraints import check_indices
+from ..model.constraints import point_array
+from ..model.given import checked_number
 from ..model.given import no_region
 from ..model.given import vertex_names
 from ..model.given import vertex_paths
@@ -48,6 +52,7 @@ from .check import diagnostics_of_keys
 from .construction import checked_faces
 from .construction import evaluated
 from .construction import meshed_outline
+from .construction import said_of_the_mesh
 from .pluggables import mesh_from_3dm
 from .pluggables import mesh_from_brep
 from .pluggables import mesh_to_3dm
@@ -172,6 +177,9 @@ class CGCMesh(Mesh):
     @classmethod
     def from_mesh(cls, mesh: Mesh) -> CGCMesh:
         """Make a mesh from a COMPAS mesh, with its keys, attributes and name where they apply."""
+        if isinstance(mesh, type) or not hasattr(mesh, "vertex_coordinates"):
+            mend = "read a file with compas_cgc.read(path), make arrays one with CGCMesh.from_vertices_and_faces(vertices, faces)"
+            raise MeshError(f"from_mesh() takes a mesh of COMPAS, not {mesh!r:.60}; {mend}")
         keys = list(mesh.vertices())
         result = cls.from_vertices_and_faces(
             {key: mesh.vertex_coordinates(key) for key in keys}, {face: mesh.face_vertices(face) for face in mesh.faces()}
@@ -187,6 +195,7 @@ class CGCMesh(Mesh):
         return result
 
     @classmethod
+    @names_what_was_meant(said_of_the_mesh)
     def from_meshgrid(cls, dx: float, nx: int, dy: Optional[float] = None, ny: Optional[int] = None) -> CGCMesh:
         """Make a plane grid of nx by ny squares, each split along the same diagonal.
 
@@ -200,6 +209,9 @@ class CGCMesh(Mesh):
         for name, count in (("nx", nx), ("ny", ny)):
             if count is not None and (not isinstance(count, (int, np.integer)) or count < 1):
                 raise ValueError(f"{name} is the number of squares and must be a whole number from 1 up, not {count!r}")
+        for name, width in (("dx", dx), ("dy", dy)):
+            if width is not None and checked_number(width, f"{name}, the width of the grid,") == 0.0:
+                raise ValueError(f"{name} is the width of the grid and must not be 0")
         grid = Mesh.from_meshgrid(dx, nx, dy, ny)
         mesh = cls.from_mesh(grid)
         if sum(mesh.face_normal(next(iter(mesh.faces())))[2:]) < 0:
@@ -212,6 +224,7 @@ class CGCMesh(Mesh):
         return mesh_from_3dm(path, **options)
 
     @classmethod
+    @names_what_was_meant(said_of_the_mesh)
     def from_outline(
         cls,
         outline: ArrayLike,
@@ -418,7 +431,7 @@ class CGCMesh(Mesh):
     def vertex_role(self, key: int, role: Optional[str] = None) -> Optional[str]:
         """Get or set the role of a vertex."""
         if role is None:
-            return self.vertex_attribute(key, "role")
+            return self.vertex_attribute(self._known(key), "role")
         if role not in ROLES:
             raise ValueError(f"role must be one of {', '.join(ROLES)}, not {role!r}")
         self.vertex_attribute(key, "role", role)
@@ -485,7 +498,7 @@ class CGCMesh(Mesh):
         >>> len(mesh.supports())
         3
         """
-        places = np.asarray(points, dtype=np.float64)
+        places = point_array(points, "places")
         if places.ndim != 2 or places.shape[1] not in (2, 3):
             raise ValueError(f"places must be a list of points with two or three coordinates, not of shape {places.shape}")
         keys = np.array(self._real_keys(), dtype=np.int64)
@@ -603,8 +616,8 @@ class CGCMesh(Mesh):
     def vertex_target(self, key: int, K: Optional[float] = None) -> Optional[float]:
         """Get or set the target of a vertex [1/L^2]."""
         if K is None:
-            return self.vertex_attribute(key, "target")
-        self.vertex_attribute(key, "target", _number(K, "the target"))
+            return self.vertex_attribute(self._known(key), "target")
+        self.vertex_attribute(self._known(key), "target", _number(K, "the target"))
         return None
 
     def vertices_target(self, keys: Optional[Iterable[int]] = None) -> list[Optional[float]]:
@@ -639,7 +652,7 @@ class CGCMesh(Mesh):
         """
         if s is not None and not 0 <= _number(s, "s") <= 1:
             raise ValueError(f"s must be between 0 and 1, not {s!r}")
-        if e is not None and (int(e) != e or e < 0):
+        if e is not None and (int(_number(e, "e")) != e or e < 0):
             raise ValueError(f"e must be a whole number from 0 up, not {e!r}")
         paths = self.creases()
         if vertices is None and not paths:
@@ -648,10 +661,10 @@ class CGCMesh(Mesh):
             keys = [self._known(key) for key in vertex_names(vertices, "vertices")]
         elif crease is None:
             keys = [v for path in paths for v in path]
-        elif 0 <= crease < len(paths):
+        elif crease in range(len(paths)):
             keys = paths[crease]
         else:
-            raise ValueError(f"there is no crease {crease}; the mesh has {len(paths)}, from 0 on")
+            raise ValueError(f"there is no crease {crease!r}; the mesh has {len(paths)}, from 0 on")
         for key in keys:
             if s is not None:
                 self.vertex_attribute(key, "s", float(s))

@@ -22,7 +22,17 @@ from ..errors import MeshError
 if TYPE_CHECKING:
     from ..meshing.outline import Outlined
 
-__all__ = ["checked_faces", "evaluated", "meshed_outline"]
+__all__ = ["ON_THE_MESH", "checked_faces", "evaluated", "meshed_outline", "said_of_the_mesh"]
+
+# Natural as arguments, and said of a mesh.
+ON_THE_MESH = {
+    **dict.fromkeys(("target", "targets", "K", "k", "curvature"), "set_target(0.005)"),
+    **dict.fromkeys(("supports", "support", "fixed", "boundary"), 'set_supports("boundary")'),
+    **dict.fromkeys(("creases", "crease", "folds"), "set_creases(paths)"),
+}
+
+
+EVALUATED = 360  # stretches of a curve of COMPAS
 
 
 class Evaluated(NamedTuple):
@@ -33,6 +43,13 @@ class Evaluated(NamedTuple):
     spans: tuple[Sequence[float], Sequence[float]]  # knots along u and v
 
 
+def said_of_the_mesh(name: str) -> str:
+    """Return what to write in the place of an argument that making a mesh does not take."""
+    if name in ("columns", "column", "supports_at"):
+        return "columns are points: from_outline(outline, edge_length, points=[[x, y], ...])"
+    return f"it is said of the mesh when it is made: mesh.{ON_THE_MESH[name]}" if name in ON_THE_MESH else ""
+
+
 def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]:
     """Return vertices as plain numbers, and faces by their keys, where every vertex that they name exists.
 
@@ -41,8 +58,8 @@ def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]
     MeshError
         If a vertex lacks a coordinate or a face names a vertex that does not exist.
     """
-    points = _plain(vertices, float)
-    polygons = _plain(faces, int)
+    points = _plain(vertices, float, "vertices must be points of three numbers, such as [[0, 0, 0], [1, 0, 0]]")
+    polygons = _plain(faces, int, "faces must be lists of vertices, such as [[0, 1, 2], [2, 1, 3]]")
     flat = next((place for place in (points.values() if isinstance(points, Mapping) else points) if len(place) != 3), None)
     if flat is not None:
         raise MeshError(f"vertices must have three coordinates, not {len(flat)} as {flat}; add z, 0 for a plan")
@@ -70,8 +87,9 @@ def meshed_outline(
     from ..meshing.outline import refuse_passed_over
 
     groups = {"outline": [outline], "holes": holes, "creases": creases}
-    curves = [[_as_curve(curve, name) for curve in group] for name, group in groups.items()]
-    given = None if points is None or not len(np.asarray(points)) else _as_curve(points, "points")
+    curves = [[_as_curve(curve, name) for curve in _listed(group, name)] for name, group in groups.items()]
+    given = None if points is None or (isinstance(points, Sequence) and not points) else _as_curve(points, "points")
+    given = None if given is None or not len(given) else given
     made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
     if given is not None:
         refuse_passed_over(made, given, edge_length)
@@ -85,7 +103,7 @@ def evaluated(surface: Any) -> Optional[Evaluated]:
         u, v = ((float(span.T0), float(span.T1)) for span in spans)
         knots = (list(surface.GetSpanVector(0)), list(surface.GetSpanVector(1)))
         return Evaluated(_points_of(surface.PointAt, "XYZ"), (u, v), knots)
-    if hasattr(surface, "point_at"):
+    if hasattr(surface, "point_at") and hasattr(surface, "domain_v"):
         u, v = ((float(span[0]), float(span[1])) for span in (surface.domain_u, surface.domain_v))
         knots = (list(getattr(surface, "knots_u", ())), list(getattr(surface, "knots_v", ())))
         return Evaluated(_points_of(surface.point_at, "xyz"), (u, v), knots)
@@ -100,20 +118,42 @@ def _points_of(at: Callable[[float, float], Any], axes: str) -> Callable[[FloatA
     return points
 
 
+def _listed(curves: Any, name: str) -> list[Any]:
+    """Return some curves, none of None; one of COMPAS alone is no list."""
+    if curves is None:
+        return []
+    if isinstance(curves, (str, bytes)) or not isinstance(curves, Iterable):
+        raise ValueError(f"{name} must be a list of curves: {name}=[curve], not {curves!r:.60}")
+    return list(curves)
+
+
 def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
-    """Return a curve (k, 3); a plan is at the height 0."""
-    points = np.asarray(curve, dtype=np.float64)
-    if points.ndim == 1 and name not in ("outline", "points"):
+    """Return a curve (k, 3), one of COMPAS evaluated; a plan is at the height 0."""
+    given: Any = curve
+    if hasattr(given, "point_at") and hasattr(given, "domain") and not hasattr(given, "__len__"):
+        given = [list(given.point_at(t)) for t in np.linspace(given.domain[0], given.domain[1], EVALUATED + 1)]
+    try:
+        points = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be points of two or three numbers, such as [[0, 0], [6, 0], [6, 4]], not {given!r:.60}") from None
+    if points.ndim == 1 and len(points) and name not in ("outline", "points"):
         raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
+    if points.size == 0 and points.ndim < 2:
+        points = points.reshape(0, 3)
+    if points.ndim == 1 and len(points) in (2, 3):
+        raise ValueError(f"{name} must be a list of points; put the one point into a list: {name}=[{points.tolist()}]")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
     return points if points.shape[1] == 3 else flattened(points)
 
 
-def _plain(items: Any, kind: type) -> Any:
+def _plain(items: Any, kind: type, wanted: str) -> Any:
     """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
     if isinstance(items, np.ndarray):
         return items.tolist()
-    if isinstance(items, Mapping):
-        return {int(key): [kind(x) for x in item] for key, item in items.items()}
-    return [[kind(x) for x in item] for item in items]
+    try:
+        if isinstance(items, Mapping):
+            return {int(key): [kind(x) for x in item] for key, item in items.items()}
+        return [[kind(x) for x in item] for item in items]
+    except (TypeError, ValueError):
+        raise MeshError(f"{wanted}, not {items!r:.60}") from None

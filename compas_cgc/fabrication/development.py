@@ -22,13 +22,16 @@ from ..discrete.arrays import Indices
 from ..discrete.arrays import Vertices
 from ..discrete.space_form import circumradii
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing import boundary_loops
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from . import space_form
 from .layout import among
 from .layout import cut_open
 from .layout import lay
+from .option_values import whole
 from .seams import along_paths
 from .seams import opens_to_disks
 from .seams import seam_edges
@@ -96,6 +99,7 @@ class Development(NamedTuple):
         return self._replace(points=space_form.turned(self.points, motion))
 
 
+@names_what_was_meant()
 def develop(
     mesh: PosesProblem, region: Union[int, ArrayLike] = 0, seam: Seam = None, *, K: Optional[float] = None, arc: bool = False
 ) -> Development:
@@ -138,7 +142,7 @@ def develop(
     >>> laid.points.shape, laid.edge_error < 1e-9
     ((221, 3), True)
     """
-    problem = mesh.to_problem().without_dummies()
+    problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
     chosen, name, target = _faces_of(problem, region)
     K = target if K is None else K
     if K is None:
@@ -151,7 +155,7 @@ def _faces_of(problem: CGCProblem, region: Union[int, ArrayLike]) -> tuple[Indic
     targets = problem.region_targets()
     label = problem.regions()
     if np.ndim(region) == 0:
-        number = int(np.asarray(region))
+        number = whole(region, "a region")
         if not 0 <= number < len(targets):
             raise CGCError(f"there is no region {number}; the mesh has {len(targets)}, from 0 to {len(targets) - 1}")
         return np.flatnonzero(label == number), f"region {number}", targets[number]

@@ -9,6 +9,8 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import CGCError
+from ..errors import names_what_was_meant
 from .outlines import Loop
 from .outlines import Seam
 from .patchwork import EDGE
@@ -64,6 +66,7 @@ class Drawing(NamedTuple):
     hidden: tuple[str, ...] = ()  # layers that are not shown at first
 
 
+@names_what_was_meant()
 def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> Drawing:
     """Draw patterns: outlines, folds, rulings, marks, labels and node numbers of all sheets in a grid.
 
@@ -89,6 +92,8 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
     ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
     """
+    if not hasattr(patterns, "sheets"):
+        raise CGCError(f"sheets are drawn of patterns: draw_sheets(unroll(surface)), not of {patterns!r:.60}")
     length, width = patterns.sheet or _extent(patterns)
     step = (1.0 + GAP) * np.array([length, width])
     across = max(1, int(np.ceil(np.sqrt(patterns.sheets * width / length))))

@@ -17,7 +17,9 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing import boundary_loops
+from ..model.given import checked_number
 
 __all__ = ["LONG", "STRAIN", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
 
@@ -41,6 +43,7 @@ class Flattening(NamedTuple):
         return float(np.abs(self.strains).max(initial=0.0))
 
 
+@names_what_was_meant()
 def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> float:
     """Return the width of a panel that flattens with no more than a strain: ``w = sqrt(k strain / |K|)`` [L].
 
@@ -65,6 +68,7 @@ def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> flo
     >>> round(widest_panel(0.01, 0.001), 3)
     1.549
     """
+    K, strain = checked_number(K, "K"), checked_number(strain, "strain")
     k = SQUARE if aspect is None else flattening_constant(aspect)
     return math.sqrt(k * strain / abs(K)) if K else math.inf
 
@@ -98,6 +102,7 @@ def flattening_constant(aspect: float) -> float:
     return STRIP / (1.0 - 32.0 / math.pi**3 * terms)
 
 
+@names_what_was_meant()
 def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
     """Lay a curved panel in the plane by a least-squares conformal map, scaled to share out stretch and compression.
 

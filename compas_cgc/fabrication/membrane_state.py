@@ -24,6 +24,8 @@ from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
+from ..errors import names_what_was_meant
+from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import FIXED
@@ -142,6 +144,7 @@ class MembraneState:
     __str__ = summary
 
 
+@names_what_was_meant()
 def membrane(
     surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, *, edge_beams: bool = True, rough: bool = False
 ) -> MembraneState:
@@ -179,6 +182,7 @@ def membrane(
     (0.3, True)
     """
     problem = solved_problem(surface, rough)
+    pressure, weight = checked_number(pressure, "pressure"), checked_number(weight, "weight")
     if pressure == 0.0 and weight == 0.0:
         raise CGCError("there is no load; give a pressure, a weight or both")
     V, F = problem.vertices, problem.faces

@@ -16,7 +16,9 @@ from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
 from ..discrete.space_form import space_form_angle_sums
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing import boundary_loops
+from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from . import space_form
@@ -57,6 +59,12 @@ class _Laid(NamedTuple):
     radius: float
 
 
+def _instead(name: str) -> str:
+    """Return what to write in the place of an argument that moulds do not have."""
+    return f"it is said of the panels: moulds(surface, panels(surface, {name}=...))" if name in ("size", "count", "curves", "along") else ""
+
+
+@names_what_was_meant(_instead)
 def moulds(
     mesh: PosesProblem,
     panels: Sequence[Panel],
@@ -115,7 +123,7 @@ def moulds(
     """
     problem = solved_problem(mesh, rough)
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
-    if not (math.isfinite(thickness) and thickness > 0.0):
+    if not 0.0 < checked_number(thickness, "thickness") < math.inf:
         raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
     _check_panels(problem, panels)
     targets = problem.region_targets()
@@ -139,6 +147,9 @@ def moulds(
 
 def _check_panels(problem: CGCProblem, panels: Sequence[Panel]) -> None:
     """Refuse panels that are none, or that cannot be told apart."""
+    given: object = panels
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        raise CGCError(f"panels are those of panels(surface, size), not {panels!r:.60}")
     if not len(panels):
         raise CGCError("there are no panels; divide the surface into some first")
     called: set[str] = set()

@@ -21,8 +21,11 @@ from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing.level_cuts import CutMesh
+from ..model.given import checked_number
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from .joints import curve_joints
 from .joints import grid_joints
 from .layout import among
@@ -59,6 +62,14 @@ class Panel(NamedTuple):
     cut: Optional[CutMesh] = None  # the mesh cut along the joints; None where these follow its edges
 
 
+def _instead(name: str) -> str:
+    """Return what to write in the place of an argument that panels do not have."""
+    if name in ("length", "width", "edge_length"):
+        return "write size=..."
+    return "it is for moulds(surface, panels)" if name in ("material", "thickness", "tolerance") else ""
+
+
+@names_what_was_meant(_instead)
 def panels(
     mesh: PosesProblem,
     size: Optional[float] = None,
@@ -108,11 +119,11 @@ def panels(
         raise CGCError("say how to divide the regions by one of size, count and curves")
     if along not in ALONG:
         raise CGCError(f"along must be one of {', '.join(ALONG)}, not {along!r}")
-    if size is not None and not (math.isfinite(size) and size > 0.0):
+    if size is not None and not 0.0 < checked_number(size, "the size of panels") < math.inf:
         raise CGCError(f"the size of panels must be a positive length, not {size!r}")
-    if count is not None and not count >= 1:
+    if count is not None and not checked_number(count, "the count of panels") >= 1:
         raise CGCError(f"there must be at least one panel to a region, not {count!r}")
-    problem = mesh.to_problem().without_dummies()
+    problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
     label = problem.regions()
     if curves is not None:
         joints = curve_joints(problem, curves)

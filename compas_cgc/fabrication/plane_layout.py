@@ -12,6 +12,7 @@ from ..discrete import mesh_arrays
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import names_what_was_meant
 from .layout import among
 from .layout import lay
 
@@ -28,6 +29,7 @@ class PlaneLayout(NamedTuple):
     edge_error: float  # largest relative difference between an edge in the plane and in space
 
 
+@names_what_was_meant()
 def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = None) -> PlaneLayout:
     """Lay a mesh out in the plane, face after face.
 

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from ..model.verdict import verdict
 
 __all__ = ["solved_problem"]
@@ -20,7 +21,7 @@ def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
     CGCError
         If there are no faces, or the surface is rough and rough ones are not wanted.
     """
-    problem = surface.to_problem().without_dummies()
+    problem = problem_of(surface, "or the result of a solve is built from").without_dummies()
     if not len(problem.faces):
         raise CGCError("there are no faces to build from; give a mesh with some")
     if not rough and np.isfinite(problem.targets[problem.asked]).any():

@@ -12,13 +12,16 @@ import numpy as np
 from ..discrete import edge_faces
 from ..discrete.arrays import Edges
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing import path_edges
+from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
 from .nesting import nest
+from .option_values import region_numbers
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
@@ -35,6 +38,7 @@ __all__ = ["unroll"]
 ROOM = 1e-9  # of a sheet, that is left free at its edges
 
 
+@names_what_was_meant()
 def unroll(
     surface: PosesProblem,
     sheet: Optional[tuple[float, float]] = None,
@@ -88,10 +92,16 @@ def unroll(
     """
     problem = solved_problem(surface, rough)
     sheet = _checked_sheet(sheet)
-    if strain is not None and not strain > 0:
+    spacing = checked_number(spacing, "spacing")
+    paths: object = seams
+    if paths is not None and (isinstance(paths, str) or not isinstance(paths, Iterable)):
+        raise CGCError(f"seams must be paths of vertices, such as [[4, 12, 20]], not {seams!r:.60}")
+    if strain is not None and not checked_number(strain, "strain") > 0:
         raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
-    flat, cuts, unrollings = developed(problem, _chosen(problem, regions), given)
+    flat, cuts, unrollings = developed(
+        problem, _chosen(problem, None if regions is None else region_numbers(list(regions), "regions")), given
+    )
     curved = {own.region for own in unrollings if not own.unrolled}
 
     def flattened(own: Patchwork, piece: int) -> Patchwork:

@@ -12,6 +12,7 @@ from typing import cast
 
 from ..errors import FileError
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
@@ -217,7 +218,7 @@ def write(
     target = Path(path)
     if suffix == ".3dm":
         return _write_3dm(target, surface, source, version, analysis, nurbs)
-    text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](surface.to_problem().without_dummies())
+    text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](problem_of(surface, "or a result is written").without_dummies())
     with written(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
     return []

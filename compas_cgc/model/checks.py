@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
@@ -24,12 +25,15 @@ from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
 from .problem import CGCProblem
 from .problem import PosesProblem
+from .problem import problem_of
 from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
 
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced"]
+
+GENTLE = 0.5  # total curvature of a region that is proposed [rad]
 
 
 def check(posed: PosesProblem) -> list[Diagnostic]:
@@ -54,7 +58,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     ['the mesh has no support']
     """
     try:
-        problem = posed.to_problem()
+        problem = problem_of(posed, "is checked")
     except ProblemError as error:
         return [Diagnostic(text) for text in error.problems]
     names = problem.names
@@ -107,6 +111,12 @@ def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     return problems
 
 
+def _gentle_target(problem: CGCProblem) -> float:
+    """Return a K that bends regions of the mean size by half a radian in all [1/L^2]."""
+    area = float(face_areas(problem.vertices, problem.faces).sum())
+    return GENTLE * len(problem.region_targets()) / area if area > 0.0 else 0.0
+
+
 def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
     asked = problem.asked & ~_unknown(problem)
@@ -114,7 +124,8 @@ def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     wrong = asked & np.isinf(problem.targets)
     problems = []
     if missing.any() and (missing == asked).all():
-        problems.append(Diagnostic("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"))
+        text = "no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"
+        problems.append(Diagnostic(f"{text}; {_gentle_target(problem):.1g} would be gentle for its size, and 0 unrolls"))
     elif missing.any():
         text = "have no target; set one for their region (mesh.set_target(K, region=r))"
         problems.append(Diagnostic(f"vertices {listed(names[missing])} {text}"))

@@ -80,15 +80,17 @@ def vertex_paths(given: Any) -> list[list[int]]:
     return paths
 
 
-def wrong_problem(given: object) -> str:
-    """Return the sentence on something that is no problem and no mesh with roles."""
+def wrong_problem(given: object, use: str = "is solved") -> str:
+    """Return the sentence on something that is no problem and no mesh with roles, and what would be done with one."""
     if hasattr(given, "halfedge") and hasattr(given, "vertices"):
         return "a COMPAS mesh says nothing of supports and targets; make it a CGCMesh.from_mesh(mesh), set them, and solve that"
     if isinstance(given, (str, os.PathLike)):
         return f"a file is read first: compas_cgc.read({str(given)!r})"
     if isinstance(given, (np.ndarray, Sequence, Mapping)):
         return "make plain vertices and faces a CGCProblem(vertices, faces) first, or a CGCMesh.from_vertices_and_faces(vertices, faces)"
-    return f"a CGCMesh or a CGCProblem is solved, not {_shown(given)}"
+    if isinstance(given, type):
+        return f"{given.__name__} is a class; make one first, such as CGCMesh.from_outline(points, edge_length)"
+    return f"a CGCMesh or a CGCProblem {use}, not {_shown(given)}"
 
 
 def _vertex(item: Any, what: str) -> int:

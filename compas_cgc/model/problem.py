@@ -22,6 +22,7 @@ from ..discrete import face_areas
 from ..discrete import mesh_arrays
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import CGCError
 from ..meshing import crease_paths
 from ..meshing import face_means
 from ..meshing import face_regions
@@ -36,6 +37,7 @@ from .frame import local_frame
 from .given import no_region
 from .given import vertex_names
 from .given import vertex_paths
+from .given import wrong_problem
 from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
@@ -44,7 +46,7 @@ from .roles import INTERNAL
 from .roles import role_numbers
 from .roles import roles_by_place
 
-__all__ = ["CGCProblem", "Drawing", "Names", "Origin", "PosesProblem"]
+__all__ = ["CGCProblem", "Drawing", "Names", "Origin", "PosesProblem", "problem_of"]
 
 Targets = Union[float, ArrayLike, Mapping[int, float]]
 
@@ -78,6 +80,26 @@ class PosesProblem(Protocol):
     def to_problem(self) -> CGCProblem:
         """Return the problem that this poses."""
         ...
+
+
+def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
+    """Return the problem that a mesh, a result or the like poses.
+
+    Parameters
+    ----------
+    given
+        What a caller handed over.
+    use
+        What is done with it, as the sentence has it.
+
+    Raises
+    ------
+    CGCError
+        If it poses none, with what to make of it.
+    """
+    if isinstance(given, type) or not hasattr(given, "to_problem"):
+        raise CGCError(wrong_problem(given, use))
+    return given.to_problem()
 
 
 @dataclass(frozen=True, eq=False)

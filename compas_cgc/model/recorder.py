@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Callable
 from typing import Optional
@@ -12,9 +13,29 @@ from .frame import Frame
 from .result import History
 from .result import SolveState
 
-__all__ = ["Callback", "Recorder"]
+__all__ = ["Callback", "Recorder", "refuse_no_callback"]
 
 Callback = Optional[Callable[[SolveState], object]]
+
+
+def refuse_no_callback(callback: object) -> None:
+    """Refuse what cannot be told of steps.
+
+    Raises
+    ------
+    ValueError
+        If it is no function of one argument, and not None.
+    """
+    if callback is None:
+        return
+    if not callable(callback):
+        raise ValueError(f"callback must be a function that is told of every step, such as print, not {callback!r:.60}")
+    try:
+        inspect.signature(callback).bind(None)
+    except TypeError:
+        raise ValueError("callback must be a function of one argument, the state after a step: lambda state: ...") from None
+    except ValueError:  # Some of those in C have no signature.
+        return
 
 
 class Recorder:

@@ -15,9 +15,12 @@ from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..errors import ProblemError
+from ..errors import names_what_was_meant
 from ..linalg.work import Work
+from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.roles import FIXED
@@ -70,6 +73,7 @@ class _Carried:
     judged: Verdict
 
 
+@names_what_was_meant()
 def largest_target(
     posed: PosesProblem, *, tolerance: float = 0.02, solves: int = 40, vertices: int = FINE, work: Optional[Work] = None
 ) -> Limit:
@@ -111,7 +115,8 @@ def largest_target(
     >>> limit.status, bool(1.5 < limit.target < 3.2)
     ('found', True)
     """
-    problem = posed.to_problem().without_dummies()
+    tolerance = checked_number(tolerance, "tolerance")
+    problem = problem_of(posed, "has limits").without_dummies()
     targets = problem.targets[problem.asked]
     if not len(targets) or not np.isfinite(targets).all() or not targets.any():
         raise ProblemError(["there is no limit to look for without targets other than zero; say what is asked (mesh.set_target(K))"])

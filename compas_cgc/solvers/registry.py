@@ -135,6 +135,8 @@ def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None
     """
     if method not in method_names():
         raise ValueError(f"method must be one of {', '.join(method_names())}, not {method!r}")
+    if given is not None and not isinstance(given, Mapping):
+        raise ValueError(f"settings are options by their names, such as {{'tolerance': 1e-9}}, not {given!r:.60}")
     values = _by_own_names({**(given or {}), **more})
     if method == "auto":
         if set(values) <= set(AutoSettings.options()):

@@ -12,19 +12,20 @@ import numpy as np
 
 from ..datastructures import CGCMesh
 from ..datastructures import SolveResult
-from ..errors import CGCError
+from ..datastructures.construction import ON_THE_MESH
 from ..errors import names_what_was_meant
 from ..model.checks import check
 from ..model.checks import refuse
 from ..model.constraint_data import as_constraints
 from ..model.constraints import Constraint
-from ..model.given import wrong_problem
 from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import Targets
+from ..model.problem import problem_of
 from ..model.recorder import Callback
+from ..model.recorder import refuse_no_callback
 from ..model.result import Solution
 from ..model.roles import DUMMY
 from .continued import solved_on
@@ -37,13 +38,6 @@ from .selection import run_method
 from .settings import Settings
 
 __all__ = ["chosen_settings", "solve"]
-
-# Natural, and said of the mesh rather than of the solve.
-ON_THE_MESH = {
-    **dict.fromkeys(("target", "K", "k", "curvature"), "set_target(0.005)"),
-    **dict.fromkeys(("supports", "support", "fixed", "boundary"), 'set_supports("boundary")'),
-    **dict.fromkeys(("creases", "crease", "folds"), "set_creases(paths)"),
-}
 
 
 def _instead(name: str) -> str:
@@ -128,13 +122,12 @@ def solve(
     ('converged', 'newton')
     """
     chosen = chosen_settings(method, settings)
-    if not hasattr(problem, "to_problem"):
-        raise CGCError(wrong_problem(problem))
-    posed = problem if isinstance(problem, CGCProblem) else problem.to_problem()
+    posed = problem_of(problem, "is solved")
+    refuse_no_callback(callback)
     regions = _unknown_regions(unknown)
     found = [Unknown(regions)] if len(regions) else []
     posed = posed if targets is None else posed.with_targets(targets)
-    posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals), *found])
+    posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals, "goals"), *found])
     own = method if chosen is None else method_of(chosen)
     _check_constraints(own, posed)
     told = _real_only(callback, posed.roles != DUMMY)

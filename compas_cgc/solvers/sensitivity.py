@@ -13,7 +13,9 @@ from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.jacobian import CurvatureEquations
 from ..discrete.space_form import EXACT
+from ..errors import CGCError
 from ..errors import ProblemError
+from ..errors import names_what_was_meant
 from ..linalg import factorise
 from ..model.goals import measures
 from ..model.goals.binding import bind
@@ -87,6 +89,7 @@ class Sensitivity:
         return f"{what}{where} {'lifts' if lift > 0 else 'lowers'} the crown by {amount}"
 
 
+@names_what_was_meant()
 def sensitivity(result: SolveResult) -> Sensitivity:
     r"""Return the derivatives of a solved surface, of its height, volume and area by the K of every region.
 
@@ -125,6 +128,8 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     >>> print(compas_cgc.sensitivity(result)) # doctest: +ELLIPSIS
     0.000177 more K leaves the crown where it is
     """
+    if not isinstance(result, SolveResult):
+        raise CGCError(f"derivatives are those of a solved surface: sensitivity(solve(mesh)), not of {result!r:.60}")
     if not result.converged:
         raise ProblemError([f"the surface is {result.status}, not converged; only of one that meets its K there are derivatives by K"])
     if result.method not in ("projection", "newton"):

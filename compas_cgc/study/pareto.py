@@ -13,6 +13,7 @@ from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..plot.output import new_figure
 from .results import Results
+from .results import refuse_no_results
 from .sheet import COLOURS
 from .spec import Ranking
 
@@ -69,6 +70,7 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
     --------
     >>> pareto_front(results)  # doctest: +SKIP
     """
+    refuse_no_results(results)
     ranking = ranking or results.study.pareto
     if not ranking.columns:
         raise CGCError("a Pareto front needs what is wanted, such as [pareto] least = ['area'], most = ['volume'] in the study")

@@ -22,9 +22,20 @@ from .spec import Study
 from .table import read_rows
 from .variants import Plan
 
-__all__ = ["DRAWING", "PARQUET", "STUDY", "SURFACES", "TABLE", "Results"]
+__all__ = ["DRAWING", "PARQUET", "STUDY", "SURFACES", "TABLE", "Results", "refuse_no_results"]
 
 STUDY, DRAWING, TABLE, PARQUET, SURFACES = "study.json", "drawing.json", "table.csv", "table.parquet", "surfaces.npy"
+
+
+def refuse_no_results(given: object) -> None:
+    """Refuse what is no study that was run.
+
+    Raises
+    ------
+    CGCError
+    """
+    if not isinstance(given, Results):
+        raise CGCError(f"the results of a study are read first: Results('folder'), not {given!r:.60}")
 
 
 class Results:
@@ -53,6 +64,8 @@ class Results:
     """
 
     def __init__(self, folder: Union[str, os.PathLike[str]]):
+        if not isinstance(folder, (str, os.PathLike)):
+            raise FileError(f"results are those in the folder of a study: Results('folder'), not {folder!r:.60}")
         self.folder = Path(folder)
         self.columns, self.rows = read_rows(self.folder / TABLE)
         # A row may be there a moment before it is whole.

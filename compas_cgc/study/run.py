@@ -20,12 +20,14 @@ from .._atomic_write import write_text
 from .._version import __version__
 from .._warm_up import warm_up
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..execution.future import TaskStopped
 from ..execution.future import stop
 from ..execution.pool import WorkerPool
 from ..execution.protocol import TaskExecutor
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from ..model.problem import problem_of
 from .blocks import solve_block
 from .results import DRAWING
 from .results import PARQUET
@@ -54,6 +56,7 @@ class Progress(NamedTuple):
     before: int  # that were there already
 
 
+@names_what_was_meant()
 def run_study(
     drawing: PosesProblem,
     study: Study,
@@ -100,7 +103,9 @@ def run_study(
     --------
     >>> run_study(problem, study, "roofs")  # doctest: +SKIP
     """
-    problem = drawing.to_problem().without_dummies()
+    problem = problem_of(drawing, "is varied").without_dummies()
+    if not isinstance(study, Study):
+        raise CGCError(f"a study says what is varied: Study.from_dict({{...}}), or read_study('study.toml'), not {study!r:.60}")
     plan = Plan(study, problem)
     home = Path(folder)
     digest = _claimed(home, study, problem)

@@ -16,6 +16,7 @@ from ..plot.view import Frame
 from ..plot.view import frame_of
 from ..plot.view import project
 from .results import Results
+from .results import refuse_no_results
 from .thumbnails import VIEW
 from .thumbnails import thumbnail
 
@@ -60,6 +61,7 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     --------
     >>> contact_sheet(results)  # doctest: +SKIP
     """
+    refuse_no_results(results)
     chosen = _chosen(len(results)) if variants is None else list(variants)
     shown = list(show or results.plan.inputs[: LETTERS - 1])
     frame = _frame(results, chosen)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from compas.datastructures import Mesh
+from compas.geometry import Circle
+from compas.geometry import Frame
 from compas.geometry import Point
 from compas.geometry import Polyline
 
@@ -13,13 +15,30 @@ from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import Clearance
+from compas_cgc import Fixed
 from compas_cgc import FlowSettings
+from compas_cgc import Mirror
+from compas_cgc import OnCurve
+from compas_cgc import Proximity
 from compas_cgc import Rise
 from compas_cgc import check
 from compas_cgc import read
+from compas_cgc import settings_for
 from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.cli import main
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication import develop
+from compas_cgc.fabrication import draw_sheets
+from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.fabrication import unroll
+from compas_cgc.fabrication import widest_panel
+from compas_cgc.solvers.limits import largest_target
+from compas_cgc.study import Results
+from compas_cgc.study import pareto_front
+from compas_cgc.study import run_study
 
 N = 6
 SQUARE = [[0, 0, 0], [6, 0, 0], [6, 6, 0], [0, 6, 0], [0, 0, 0]]
@@ -157,6 +176,67 @@ MISTAKES = {
     "a kind of file that is not known": (lambda: write("roof.dwg", posed()), r"use .3dm, .json"),
     "write the wrong way round": (lambda: write(posed(), "roof.3dm"), r"write\('roof.3dm', mesh\)"),
     "a strategy without creases": (lambda: posed().set_strategy(s=0.5), "no crease to set a strategy along; set creases first"),
+    "no target, with one that is gentle": (
+        lambda: solve(read(compas_cgc.get("curved_crease.3dm"))),
+        r"no target is set; .*mesh.set_target\(K\).* 0.005 would be gentle for its size, and 0 unrolls",
+    ),
+    "a number for goals": (lambda: solve(posed(), goals=3), r"goals must be a list such as \[Rise\(4.0\)\], not 3"),
+    "a word for goals": (lambda: solve(posed(), goals="rise"), r"goals must be a list such as \[Rise\(4.0\)\], not 'rise'"),
+    "a goal without its value": (lambda: solve(posed(), goals=Rise), r"Rise alone says nothing of how much: write Rise\(...\)"),
+    "goals without their values": (lambda: solve(posed(), goals=[Rise]), r"write Rise\(...\) with its values"),
+    "a number for constraints": (lambda: posed().set_constraints(3), r"constraints must be a list such as \[Rise\(4.0\)\], not 3"),
+    "a number for the callback": (lambda: solve(posed(), callback=3), "callback must be a function that is told of every step, .* not 3"),
+    "a callback that takes nothing": (lambda: solve(posed(), callback=lambda: None), "callback must be a function of one argument"),
+    "a class": (lambda: solve(CGCMesh), "CGCMesh is a class; make one first"),
+    "options in a list": (lambda: settings_for("newton", [3]), "settings are options by their names"),
+    "a mesh of nothing": (lambda: CGCMesh.from_mesh(None), r"takes a mesh of COMPAS, not None; read a file with compas_cgc.read"),
+    "a mesh of arrays": (lambda: CGCMesh.from_mesh(arrays()), r"make arrays one with CGCMesh.from_vertices_and_faces"),
+    "a width as a word": (lambda: CGCMesh.from_meshgrid("10", 5), "dx, the width of the grid, must be a number, not '10'"),
+    "an outline by its file": (
+        lambda: CGCMesh.from_outline("plan.3dm", 1.0),
+        "outline must be points of two or .*'plan.3dm'",
+    ),
+    "an outline of mixed points": (
+        lambda: CGCMesh.from_outline([[0, 0], [6, 0, 0], [6, 6, 0]], 1.0),
+        "outline must be points of two or three",
+    ),
+    "one column without a list": (lambda: CGCMesh.from_outline(SQUARE, 1.0, points=[3, 3, 0]), r"points=\[\[3.0, 3.0, 0.0\]\]"),
+    "a number for holes": (lambda: CGCMesh.from_outline(SQUARE, 1.0, holes=3), r"holes must be a list of curves: holes=\[curve\], not 3"),
+    "a curve for a surface": (lambda: CGCMesh.from_surface(Circle(1.0), 1.0), "a Circle is no surface; give a surface of COMPAS"),
+    "flat faces": (lambda: CGCMesh.from_vertices_and_faces(SQUARE, [0, 1, 2]), r"faces must be lists of vertices, .*not \[0, 1, 2\]"),
+    "no vertices": (lambda: CGCMesh.from_vertices_and_faces(None, [[0, 1, 2]]), "vertices must be points of three numbers, .*not None"),
+    "the role of a vertex that is not there": (lambda: plan().vertex_role(999), "there is no vertex 999 in the mesh"),
+    "the target of a vertex that is not there": (lambda: plan().vertex_target(999), "there is no vertex 999 in the mesh"),
+    "a word for a delay": (lambda: posed().set_strategy(e="two"), "e must be a number, not 'two'"),
+    "a crease by its name": (lambda: creased(range(21, 28)).set_strategy(s=0.5, crease="left"), "there is no crease 'left'"),
+    "places as a word": (lambda: plan().vertices_near("corner"), "places must be numbers x, y, z, not 'corner'"),
+    "an axis by its name": (lambda: solve(posed(), goals=Mirror([0, 0, 0], "x")), "must be numbers x, y, z, not 'x'"),
+    "vertices of a constraint as a word": (lambda: solve(posed(), goals=Fixed("corners")), "must be a list of vertices, not 'corners'"),
+    "a circle for a polyline": (lambda: OnCurve([0], Circle(1.0)), "points of a curve must be numbers x, y, z, not Circle"),
+    "a word for a weight": (lambda: Proximity([0], "near"), "weight must be a number, not 'near'"),
+    "a check of a file": (lambda: check("roof.3dm"), r"a file is read first: compas_cgc.read\('roof.3dm'\)"),
+    "an analysis of nothing": (
+        lambda: compas_cgc.analyse(None),
+        "or the result of a solve is analysed, not None",
+    ),
+    "limits of a word": (lambda: largest_target("roof"), r"a file is read first: compas_cgc.read\('roof'\)"),
+    "limits with a word": (lambda: largest_target(posed(), tolerance="small"), "tolerance must be a number, not 'small'"),
+    "derivatives before a solve": (lambda: compas_cgc.sensitivity(posed()), r"a solved surface: sensitivity\(solve\(mesh\)\)"),
+    "nothing to write": (lambda: write("roof.obj", None), "a CGCMesh or a CGCProblem or a result is written, not None"),
+    "panels with a unit": (lambda: panels(posed(), "2m"), "the size of panels must be a number, not '2m'"),
+    "panels of nothing": (lambda: panels(None, 2.0), "or the result of a solve is built from, not None"),
+    "moulds of a length": (lambda: moulds(solve(posed()), 2.0), r"panels are those of panels\(surface, size\), not 2.0"),
+    "a pressure with its unit": (lambda: membrane(solve(posed()), "1 kPa"), "pressure must be a number, not '1 kPa'"),
+    "a strain with its unit": (lambda: unroll(solve(posed()), strain="1 %"), "strain must be a number, not '1 %'"),
+    "a number for seams": (lambda: unroll(solve(posed()), seams=3), r"seams must be paths of vertices, .*not 3"),
+    "a word for regions": (lambda: unroll(solve(posed()), regions="all"), "every region of regions must be a whole number"),
+    "a spacing with its unit": (lambda: curve_net(solve(posed()), "1m"), "spacing must be a number, not '1m'"),
+    "a region to develop by its name": (lambda: develop(posed(), "roof"), "a region must be a whole number, not 'roof'"),
+    "a width of a word": (lambda: widest_panel("K", 0.001), "K must be a number, not 'K'"),
+    "sheets of a result": (lambda: draw_sheets(posed()), r"sheets are drawn of patterns: draw_sheets\(unroll\(surface\)\)"),
+    "a study as a dictionary": (lambda: run_study(posed(), {"parameters": {}}, "out"), r"Study.from_dict\(\{...\}\), or read_study"),
+    "results of nothing": (lambda: Results(None), r"results are those in the folder of a study: Results\('folder'\), not None"),
+    "a front of a folder": (lambda: pareto_front("out"), r"the results of a study are read first: Results\('folder'\), not 'out'"),
     "a sample that is not there": (lambda: compas_cgc.get("roof"), "there is no sample 'roof'; there are"),
 }
 
@@ -168,6 +248,32 @@ def test_a_mistake_gets_its_sentence(mistake, tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=words):
         made()
     assert not list(tmp_path.iterdir())
+
+
+# Arguments that do not fit, and words of the sentence.
+ARGUMENTS = {
+    "columns of an outline": (
+        lambda: CGCMesh.from_outline(SQUARE, 1.0, columns=[[3, 3]]),
+        "no 'columns'; columns are points: .*points=",
+    ),
+    "supports of an outline": (lambda: CGCMesh.from_outline(SQUARE, 1.0, supports="boundary"), r"mesh.set_supports\(\"boundary\"\)"),
+    "an outline without a length": (
+        lambda: CGCMesh.from_outline(SQUARE),
+        r"lacks 'edge_length'; write from_outline\(outline, ",
+    ),
+    "moulds without panels": (lambda: moulds(posed()), r"moulds\(\) lacks 'panels'; write moulds\(mesh, panels\)"),
+    "moulds of a size": (lambda: moulds(posed(), size=2.0), r"said of the panels: moulds\(surface, panels\(surface, size=...\)\)"),
+    "a study without a folder": (lambda: run_study(posed(), None), "lacks 'folder'"),
+    "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write targets=... and the like"),
+    "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "is given 'size' twice"),
+}
+
+
+@pytest.mark.parametrize("mistake", ARGUMENTS)
+def test_arguments_that_do_not_fit_get_their_sentence(mistake):
+    made, words = ARGUMENTS[mistake]
+    with pytest.raises(TypeError, match=words):
+        made()
 
 
 # What is no mistake in the end, and what is said all the same.
@@ -191,6 +297,8 @@ def test_what_is_meant_is_taken():
     assert posed().check() == [] and creased([3 * 7 + k for k in range(7)]).check() == []
     flat = CGCMesh.from_outline([point[:2] for point in SQUARE], 1.5)
     assert flat.arrays()[0][:, 2].max() == 0.0
+    holed = CGCMesh.from_outline(SQUARE, 1.0, holes=[Circle(1.2, Frame([3, 3, 0]))])
+    assert len(holed.boundary_loops()) == 2
     mesh = plan()
     mesh.set_supports([0.0, 6.0])
     assert mesh.supports() == [0, 6] and mesh.vertices_near([[0, 0], [6, 6]]) == [0, 48]

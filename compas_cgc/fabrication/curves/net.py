@@ -15,7 +15,9 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vectors
 from ...errors import CGCError
+from ...errors import names_what_was_meant
 from ...meshing import vertex_labels
+from ...model.given import checked_number
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ..shape_operators import shape_operators
@@ -159,6 +161,7 @@ class CurveNet:
     __str__ = summary
 
 
+@names_what_was_meant()
 def curve_net(
     surface: PosesProblem,
     spacing: Optional[float] = None,
@@ -203,7 +206,7 @@ def curve_net(
     asymptotic curve
     """
     problem = solved_problem(surface, rough)
-    if spacing is not None and not (np.isfinite(spacing) and spacing > 0):
+    if spacing is not None and not (np.isfinite(checked_number(spacing, "spacing")) and spacing > 0):
         raise CGCError(f"the spacing must be more than 0, not {spacing:g}")
     targets, label = problem.region_targets(), problem.regions()
     chosen = range(len(targets)) if regions is None else sorted(set(regions))

@@ -18,6 +18,7 @@ from ..constraints import AtHeight
 from ..constraints import ClosestPoints
 from ..constraints import PositionConstraint
 from ..constraints import Triple
+from ..constraints import point_array
 from ..frame import Frame
 from .numbers import FREE_EDGES
 from .numbers import Vertices
@@ -136,7 +137,7 @@ class OnSurface(PositionConstraint):
     faces: Union[Sequence[Sequence[int]], IntArray]
 
     def __post_init__(self) -> None:
-        points, faces = np.asarray(self.points, dtype=np.float64), np.asarray(self.faces)
+        points, faces = point_array(self.points, "points of a surface"), np.asarray(self.faces)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
             raise ValueError(f"points of a surface must be finite and of shape (p, 3), not {points.shape}")
         if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
