@@ -86,8 +86,9 @@ def constraint_of(data: object) -> Constraint:
     kind = data.get("kind") if isinstance(data, Mapping) else None
     if not isinstance(data, Mapping) or not isinstance(kind, str) or kind not in KINDS:
         meant = f", not {kind!r:.40}{did_you_mean(kind, KINDS)}" if isinstance(kind, str) else ""
-        given = f"the class {data.__name__} without its numbers" if isinstance(data, type) else f"{data!r:.40}"
-        value = f"; write a value such as Rise(4.0), not {given}" if not isinstance(data, Mapping) else ""
+        if isinstance(data, type):
+            raise ValueError(f"a constraint is a value such as Rise(4.0){_written(data)}")
+        value = f"; write a value such as Rise(4.0), not {data!r:.40}" if not isinstance(data, Mapping) else ""
         raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])
     known = {field.name: field for field in own}
@@ -103,17 +104,35 @@ def constraint_of(data: object) -> Constraint:
     return KINDS[kind](**{name: readers[name](value, f"{name} of a constraint of kind {kind}") for name, value in values.items()})
 
 
-def as_constraints(given: object) -> tuple[Constraint, ...]:
+def as_constraints(given: object, name: str = "constraints") -> tuple[Constraint, ...]:
     """Return constraints of which some may be plain data; one alone counts as a list of one.
+
+    Parameters
+    ----------
+    given
+        One, a list of them, or None for none.
+    name
+        Of the argument, for the sentence.
 
     Raises
     ------
     ValueError
         If something is no constraint.
     """
-    alone = isinstance(given, (Constraint, Mapping, str, type)) or not (given is None or isinstance(given, Iterable))
-    items = [given] if alone else list(given or ())  # type: ignore[call-overload]
+    if isinstance(given, (Constraint, Mapping)):
+        items: list[object] = [given]
+    elif given is None or (isinstance(given, Iterable) and not isinstance(given, (str, type))):
+        items = list(given or ())
+    else:
+        raise ValueError(f"{name} must be a list such as [Rise(4.0)]{_written(given)}")
     return tuple(item if isinstance(item, Constraint) else constraint_of(item) for item in items)
+
+
+def _written(given: object) -> str:
+    """Return the end of the sentence on what is no constraint."""
+    if isinstance(given, type) and issubclass(given, Constraint):
+        return f"; {given.__name__} alone says nothing of how much: write {given.__name__}(...) with its values"
+    return f", not {given!r:.40}"
 
 
 def _number(value: object, name: str) -> float:

@@ -245,7 +245,7 @@ class OnCurve(PositionConstraint):
     closed: bool = False
 
     def __post_init__(self) -> None:
-        points = np.asarray(self.points, dtype=np.float64)
+        points = point_array(self.points, "points of a curve")
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not np.ptp(points, axis=0).any():
             raise ValueError(f"points of a curve must be two or more different points (p, 3), not an array of shape {points.shape}")
 
@@ -329,13 +329,27 @@ class Proximity(Constraint):
     weight: float = 10.0
 
     def __post_init__(self) -> None:
-        if not 0 < self.weight < math.inf:
+        if not 0 < checked_number(self.weight, "weight") < math.inf:
             raise ValueError(f"weight must be a positive number, not {self.weight!r}")
+
+
+def point_array(points: object, name: str) -> FloatArray:
+    """Return what is given as points, or as three numbers, as an array.
+
+    Raises
+    ------
+    ValueError
+        If there are no numbers in it.
+    """
+    try:
+        return np.asarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be numbers x, y, z, not {points!r:.60}") from None
 
 
 def unit(vector: Triple, name: str) -> FloatArray:
     """Return a unit vector (3,)."""
-    given = np.asarray(vector, dtype=np.float64)
+    given = point_array(vector, name)
     length = float(np.linalg.norm(given)) if given.shape == (3,) else 0.0
     if not (np.isfinite(length) and length > 0):
         raise ValueError(f"{name} must be three numbers, not all zero, not {given.tolist()}")

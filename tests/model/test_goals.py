@@ -241,8 +241,6 @@ MISNAMED = {
     "vertices of the goal Above must be a list of vertices, not the number 6": lambda: Above(1.0, 6),
     "name one of these in the goal Height": lambda: Height([999], 1.0),
     "out of the goal Height": lambda: Height([0], 1.0),
-    "not the class Rise without its numbers": lambda: Rise,
-    "write a value such as Rise\\(4.0\\), not 3": lambda: 3,
     "not 'rise 4'": lambda: "rise 4",
     "leaves out the support at vertex": lambda: Within([(0, 0), (5, 0), (5, 5), (0, 5)]),
 }
