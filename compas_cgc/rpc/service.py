@@ -36,13 +36,13 @@ from xmlrpc.server import SimpleXMLRPCRequestHandler
 from compas.rpc import Server
 
 from .._version import __version__
+from .._warm_up import warm_up
 from ..execution.pool import WorkerPool
 from ..server.api.decoding import read_json
 from ..server.api.formats import encoded
 from ..server.api.job_status import status
 from ..server.api.requests import accept
 from ..server.api.tasks import solve_job
-from ..server.api.tasks import warm_up
 from ..server.errors import RequestError
 from ..server.jobs.engine import Jobs
 from ..server.jobs.store import Store
