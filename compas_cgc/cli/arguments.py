@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from ..io.reading import ReadProblem
     from ..model.problem import CGCProblem
 
-__all__ = ["add_options", "add_reading", "read_input", "settings_of", "with_targets"]
+__all__ = ["add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_targets"]
 
+# Those of `meshing.boundary`, which would be imported for --help.
+SUPPORT_NAMES = ("boundary", "outline", "corners")
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
 
@@ -44,6 +46,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--edge-length", type=float, metavar="L", help="mesh outlines without a mesh with edges of this length")
     group.add_argument("--weld", type=float, metavar="D", help="distance within which points are one (default: the file's tolerance)")
+
+
+def add_supports(parser: argparse.ArgumentParser) -> None:
+    """Add the argument that names what is fixed."""
+    text = "fix the whole open edge, the outline of it without holes, or its corners, not the file's points"
+    parser.add_argument("--supports", choices=SUPPORT_NAMES, help=text)
 
 
 def read_input(arguments: argparse.Namespace, *, result: bool = False) -> ReadProblem:

@@ -6,6 +6,7 @@ import argparse
 import json
 
 from .arguments import add_reading
+from .arguments import add_supports
 from .arguments import read_input
 from .console import Parts
 from .exits import DONE
@@ -23,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--target", type=float, metavar="K", help="Gaussian curvature everywhere; its sign says which way (default: the file's)"
     )
-    parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
+    add_supports(parser)
     parser.add_argument("--tolerance", type=float, default=0.02, metavar="X", help="how closely to tell, as a part (default 0.02)")
     parser.add_argument("--json", action="store_true", help="print numbers instead of a sentence")
     add_reading(parser)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from .arguments import add_supports
 from .building import add_outputs
 from .building import add_task
 from .building import build_and_write
@@ -25,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_outputs(parser, ".3dm, .inp or .json")
     add_task(parser, "membrane")
-    parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
+    add_supports(parser)
     parser.epilog = _EPILOG
     parser.set_defaults(run=run)
 

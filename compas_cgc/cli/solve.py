@@ -15,6 +15,7 @@ from typing import cast
 from ..errors import FileError
 from .arguments import add_options
 from .arguments import add_reading
+from .arguments import add_supports
 from .arguments import read_input
 from .arguments import settings_of
 from .arguments import with_targets
@@ -72,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="[REGION=]K",
         help="Gaussian curvature in 1 / (model unit)², everywhere or in a region; may be given several times",
     )
-    parser.add_argument("--supports", choices=("boundary", "corners"), help="fix the whole open edge or its corners, not the file's points")
+    add_supports(parser)
     parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
     parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
     parser.add_argument("--picture", metavar="FILE", help="draw the surface as .png, .svg or .pdf; needs the extra 'plot'")

@@ -459,8 +459,8 @@ class CGCMesh(Mesh):
         Parameters
         ----------
         vertices
-            Keys, ``"boundary"`` for every vertex on an open edge, or ``"corners"`` for
-            those where an open edge turns by more than 30 degrees.
+            Keys, ``"boundary"`` for every vertex on an open edge, ``"outline"`` for those around the mesh and not around
+            its holes, or ``"corners"`` for those where an open edge turns by more than 30 degrees.
         add
             Keep the supports set before.
         """

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
@@ -11,7 +13,9 @@ from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 from ..discrete.topology import boundary_mask
 
-__all__ = ["boundary_loops", "named_supports"]
+__all__ = ["SUPPORT_NAMES", "boundary_loops", "named_supports"]
+
+SUPPORT_NAMES = ("boundary", "outline", "corners")
 
 SHARPER = 0.05  # cosine by which a neighbour turns more where it was lifted out of the edge
 
@@ -67,8 +71,9 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     name
-        ``"boundary"`` for all of them, ``"corners"`` for those where an open edge turns by more than 30 degrees. Beside a
-        corner that was lifted out of the edge it turns too; that is no corner.
+        ``"boundary"`` for all of them, ``"outline"`` for those around each piece and not around its holes, ``"corners"`` for those
+        where an open edge turns by more than 30 degrees. Beside a corner that was lifted out of the edge it turns too; that is
+        no corner.
 
     Returns
     -------
@@ -86,11 +91,26 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
     >>> sorted(named_supports(square, np.array([[0, 1, 2], [0, 2, 3]]), "corners").tolist())
     [0, 1, 2, 3]
     """
-    if name not in ("boundary", "corners"):
-        raise ValueError(f"supports must be vertices, 'boundary' or 'corners', not {name!r}")
+    if name not in SUPPORT_NAMES:
+        raise ValueError(f"supports must be vertices, 'boundary', 'outline' or 'corners', not {name!r}")
     loops = boundary_loops(faces)
-    chosen = loops if name == "boundary" else [loop[_corners(vertices[loop])] for loop in loops]
-    return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
+    if name == "outline":
+        loops = _outlines(vertices, faces, loops)
+    elif name == "corners":
+        loops = [loop[_corners(vertices[loop])] for loop in loops]
+    return np.concatenate(loops) if loops else np.empty(0, np.int64)
+
+
+def _outlines(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> list[IntArray]:
+    """Return of the boundary loops of each piece the one that reaches farthest."""
+    n = len(vertices)
+    joined = sparse.coo_matrix((np.ones(faces.size), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(n, n))
+    piece = connected_components(joined, directed=False)[1]
+    reach = [float(np.linalg.norm(np.ptp(vertices[loop], axis=0))) for loop in loops]
+    widest: dict[int, int] = {}
+    for k in sorted(range(len(loops)), key=lambda k: reach[k]):
+        widest[int(piece[loops[k][0]])] = k
+    return [loops[k] for k in sorted(widest.values())]
 
 
 def _corners(points: FloatArray, angle: float = 30.0) -> Mask:

@@ -12,6 +12,8 @@ from typing import Union
 
 import numpy as np
 
+from ..meshing.boundary import SUPPORT_NAMES
+
 __all__ = ["checked_number", "no_region", "vertex_names", "vertex_paths", "wrong_problem"]
 
 
@@ -101,7 +103,7 @@ def _vertex(item: Any, what: str) -> int:
             return int(float(item))
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item}")
     if isinstance(item, str):
-        if item in ("boundary", "corners"):
+        if item in SUPPORT_NAMES:
             raise ValueError(f"write {item!r} without the brackets of a list")
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item!r}")
     if isinstance(item, Iterable):

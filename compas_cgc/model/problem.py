@@ -201,8 +201,8 @@ class CGCProblem:
         Parameters
         ----------
         supports
-            Vertices, ``"boundary"`` for every vertex on an open edge, or ``"corners"`` for those where an open edge turns
-            by more than 30 degrees.
+            Vertices, ``"boundary"`` for every vertex on an open edge, ``"outline"`` for those around the mesh and not around
+            its holes, or ``"corners"`` for those where an open edge turns by more than 30 degrees.
         add
             Keep the supports that there are.
 

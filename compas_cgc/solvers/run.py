@@ -20,6 +20,7 @@ from ..model.constraint_data import as_constraints
 from ..model.constraints import Constraint
 from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
+from ..model.goals.wholes import is_of_whole
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import Targets
@@ -94,8 +95,8 @@ def solve(
     goals
         The same; a second place for what one calls goals, such as ``Rise(4)`` or ``{"kind": "rise", "rise": 4}``.
     unknown
-        Numbers of regions whose K is not given, but found together with the surface; ``"all"`` for all of them. The problem
-        of the result carries the K that was found.
+        Numbers of regions whose K is not given, but found together with the surface; ``"all"`` for all of them. So is that of
+        one region that has no target but a goal such as ``Rise(4)``. The problem of the result carries the K that was found.
     callback
         Called with a :class:`~compas_cgc.model.result.SolveState` after every step; return
         True or raise ``StopIteration`` to cancel.
@@ -128,6 +129,7 @@ def solve(
     found = [Unknown(regions)] if len(regions) else []
     posed = posed if targets is None else posed.with_targets(targets)
     posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals, "goals"), *found])
+    posed = _found_for_goals(posed)
     own = method if chosen is None else method_of(chosen)
     _check_constraints(own, posed)
     told = _real_only(callback, posed.roles != DUMMY)
@@ -140,6 +142,15 @@ def solve(
         solution = _run(method, posed, chosen, told)
     mesh = problem if isinstance(problem, CGCMesh) and targets is None else None
     return SolveResult.from_solution(posed, solution, chosen, mesh, diagnostics)
+
+
+def _found_for_goals(problem: CGCProblem) -> CGCProblem:
+    """Return a problem whose K is to be found where a goal of the whole surface is all that says how high its one region shall be."""
+    goals = problem.constraints
+    if any(isinstance(goal, Unknown) for goal in goals) or not any(is_of_whole(goal) for goal in goals):
+        return problem
+    told = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
+    return problem if told else problem.with_constraints([Unknown()])
 
 
 def _unknown_regions(unknown: object) -> Union[str, list[int]]:

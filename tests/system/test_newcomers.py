@@ -107,7 +107,10 @@ MISTAKES = {
     "one support": (lambda: plan().set_supports(0), r"must be a list of vertices, not the number 0; write \[0\]"),
     "half a vertex": (lambda: plan().set_supports([0.5]), "must be whole numbers, the keys of vertices, not 0.5"),
     "a mask for supports": (lambda: plan().set_supports(plan().arrays()[0][:, 0] == 0.0), r"not a mask; np.flatnonzero\(mask\)"),
-    "a word for supports": (lambda: plan().set_supports("edge"), "supports must be vertices, 'boundary' or 'corners', not 'edge'"),
+    "a word for supports": (
+        lambda: plan().set_supports("edge"),
+        "supports must be vertices, 'boundary', .*, not 'edge'",
+    ),
     "a word in a list": (lambda: plan().set_supports(["corners"]), "write 'corners' without the brackets"),
     "a support that is not there": (lambda: plan().set_supports([999]), "there is no vertex 999"),
     "the boundary of a closed solid": (lambda: ball().set_supports("boundary"), "is closed, it has no boundary; name vertices"),

@@ -11,6 +11,7 @@ from ...errors import CGCError
 from ...io.reading import ReadProblem
 from ...io.rhino.rhinocommon import problem_from_rhino
 from ...io.rhino.rhinocommon import problem_from_surfaces
+from ...meshing.boundary import SUPPORT_NAMES
 from ...model.checks import check
 from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
@@ -24,7 +25,7 @@ __all__ = ["CGCMeshOutputs", "cgc_mesh"]
 
 # The first says the same as nothing: the boundary where no points are given.
 AS_DRAWN, POINTS = "as drawn", "points"
-FIX = (AS_DRAWN, "boundary", "corners", POINTS)
+FIX = (AS_DRAWN, *SUPPORT_NAMES, POINTS)
 
 
 class CGCMeshOutputs(NamedTuple):

@@ -228,7 +228,9 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
         creases = [item for item in creases if item not in outlines]
         if closed[:-1]:
             taken = "1 closed curve within it as a crease" if len(closed) == 2 else f"{len(closed) - 1} closed curves within it as creases"
-            more.append(f"{closed[-1].label} is taken as the outline and {taken}; for holes draw them and the outline on the layer CGC::Mesh")
+            more.append(
+                f"{closed[-1].label} is taken as the outline and {taken}; for holes draw them and the outline on the layer CGC::Mesh"
+            )
     return Selection(mesh, supports, creases, targets, [], [], outlines, regions, notes + more)
 
 

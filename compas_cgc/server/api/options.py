@@ -9,6 +9,7 @@ from typing import Optional
 
 import numpy as np
 
+from ...meshing.boundary import SUPPORT_NAMES
 from ...model.constraint_data import as_constraints
 from ...model.constraints import check_indices
 from ...model.goals.wholes import Unknown
@@ -128,8 +129,8 @@ def _check_supports(options: Mapping[str, Any], count: Optional[int]) -> None:
     if roles is not None:
         _check_roles(roles, count, options)
     elif isinstance(supports, str):
-        if supports not in ("boundary", "corners"):
-            raise Unprocessable('\'supports\' must be a list of vertices, "boundary" or "corners"')
+        if supports not in SUPPORT_NAMES:
+            raise Unprocessable('\'supports\' must be a list of vertices, "boundary", "outline" or "corners"')
     elif supports is not None:
         _check_vertices(supports, count, "'supports'")
 

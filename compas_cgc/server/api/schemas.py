@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...meshing.boundary import SUPPORT_NAMES
 from ...model.constraint_data import KINDS as CONSTRAINTS
 from ...solvers.registry import method_names
 from .builds import SOLVE
@@ -177,7 +178,7 @@ def request_schema() -> dict:
             "faces": {"oneOf": [{"type": "array", "items": {**INDICES, "minItems": 3}}, PACKED]},
             "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
             "roles": {"type": "array", "items": {"enum": list(USER_ROLES)}},
-            "supports": {"oneOf": [{"enum": ["boundary", "corners"]}, INDICES]},
+            "supports": {"oneOf": [{"enum": list(SUPPORT_NAMES)}, INDICES]},
             "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
             "targets": {
                 "oneOf": [

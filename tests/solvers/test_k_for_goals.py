@@ -1,0 +1,46 @@
+"""A goal in the place of a target: K of one region is found for it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import Above
+from compas_cgc import CGCMesh
+from compas_cgc import Height
+from compas_cgc import ProblemError
+from compas_cgc import Rise
+from compas_cgc import Volume
+from compas_cgc import solve
+
+
+def plan(supports):
+    mesh = CGCMesh.from_meshgrid(dx=12.0, nx=12)
+    mesh.set_supports(supports)
+    return mesh
+
+
+@pytest.mark.parametrize("supports", ["boundary", "corners"])
+def test_a_rise_is_enough(supports):
+    result = solve(plan(supports), goals=[Rise(2.5)])
+    assert result.converged and result.verdict.fair and abs(np.ptp(result.vertices[:, 2]) - 2.5) <= 1e-9
+    named = solve(plan(supports), goals=[Rise(2.5)], unknown="all")
+    assert np.array_equal(result.vertices, named.vertices) and result.problem.region_targets() == named.problem.region_targets()
+
+
+@pytest.mark.parametrize("goal", [Height("crown", 1.5), Volume(100.0)])
+def test_so_are_other_goals_of_the_whole(goal):
+    assert solve(plan("boundary"), goals=[goal]).problem.region_targets()[0] > 0.0
+
+
+def test_a_target_that_is_there_stays_and_bounds_fix_no_curvature():
+    mesh = plan("boundary")
+    with pytest.raises(ProblemError, match="no target is set"):
+        solve(mesh, goals=[Above(0.0)])
+    mesh.set_creases([[13 * i + 6 for i in range(13)]])
+    with pytest.raises(ProblemError, match="no target is set"):
+        solve(mesh, goals=[Rise(2.5)])
+    corners = plan("corners")
+    corners.set_target(0.004)
+    result = solve(corners, goals=[Rise(2.5)])
+    assert result.problem.region_targets()[0] == 0.004
