@@ -241,10 +241,10 @@ def check_disk(faces: Faces, name: str) -> None:
     CGCError
         With what would help.
     """
-    _joined(faces, np.empty((0, 2), np.int64), name)
+    _joined(faces, np.empty((0, 2), np.int64), name, "divide it into smaller panels, or by a joint from one edge to the other")
 
 
-def _joined(faces: Faces, seam: Edges, name: str) -> Edges:
+def _joined(faces: Faces, seam: Edges, name: str, mend: str = "a path of vertices from one edge to the other, or seam='auto'") -> Edges:
     """Return the edges (e, 4) of faces (m, 3) that a seam leaves closed.
 
     Raises
@@ -258,11 +258,11 @@ def _joined(faces: Faces, seam: Edges, name: str) -> Edges:
     if connected_components(graph, directed=False)[0] > 1:
         raise CGCError(f"{name} is in several pieces; lay each of them out by itself, or give another seam")
     if not opens_to_disks(cut_open(faces, joined)[0]):
-        raise CGCError(_not_a_disk(name, faces, seam))
+        raise CGCError(_not_a_disk(name, faces, seam, mend))
     return joined
 
 
-def _not_a_disk(name: str, faces: Faces, seam: Edges) -> str:
+def _not_a_disk(name: str, faces: Faces, seam: Edges, mend: str) -> str:
     loops = len(boundary_loops(faces))
     if len(seam):
         return f"the seam does not open {name} to one piece without holes; lead it from edge to edge, or give seam='auto'"
@@ -270,4 +270,4 @@ def _not_a_disk(name: str, faces: Faces, seam: Edges) -> str:
         return f"{name} is closed; give a seam to open it along, a path of vertices"
     if loops == 1:
         return f"{name} has a handle; give a seam that opens it"
-    return f"{name} has a hole, so it needs a seam: a path of vertices from one edge to the other, or seam='auto'"
+    return f"{name} has a hole, so it needs a seam: {mend}"

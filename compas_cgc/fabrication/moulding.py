@@ -125,6 +125,8 @@ def moulds(
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not 0.0 < checked_number(thickness, "thickness") < math.inf:
         raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
+    if not (math.isfinite(tolerance) and tolerance >= 0.0):
+        raise CGCError(f"the tolerance must be 0 mm or more, not {tolerance!r}")
     _check_panels(problem, panels)
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
@@ -205,11 +207,9 @@ def _laid(problem: CGCProblem, panel: Panel, K: float, fits: LocalFits, arc: boo
 
 def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: bool) -> _Laid:
     name = f"panel {panel.name}"
-    seam = None
-    if parts.cut:
-        check_disk(parts.faces, name)
-        # Whole faces may close around a notch of the panel.
-        seam = "auto" if len(boundary_loops(parts.whole)) != 1 else None
+    check_disk(parts.faces, name)
+    # Whole faces may close around a notch of the panel.
+    seam = "auto" if parts.cut and len(boundary_loops(parts.whole)) != 1 else None
     laid = lay_out(problem.vertices, parts.whole, K, seam, arc=arc, name=name)
     laid = laid._replace(own_faces=parts.own_faces)
     there = on_mould(parts, laid, arc)

@@ -12,6 +12,8 @@ from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .curves import CurveNet
 from .curves import curve_net
+from .curves.net import SHARE
+from .curves.net import check_spacing
 from .curves.net import usual_spacing
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
@@ -46,8 +48,11 @@ def rulings_of(
     rulings: list[Ruling] = []
     straightness = {}
     for region in regions:
+        usual = usual_spacing(problem, region)
+        if spacing is not None and usual > 0.0:
+            check_spacing(usual / SHARE, spacing, region)
         try:
-            net = curve_net(problem, spacing or min(widest, usual_spacing(problem, region)), regions=[region], rough=True)
+            net = curve_net(problem, spacing or min(widest, usual), regions=[region], rough=True)
         except CGCError:
             continue  # Flat, or too coarse to tell.
         off = np.array([curve.straightness for curve in net.curves])

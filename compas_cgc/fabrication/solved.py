@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete import angle_defects
+from ..discrete import vertex_areas
 from ..errors import CGCError
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
@@ -12,6 +14,9 @@ from ..model.verdict import verdict
 
 __all__ = ["solved_problem"]
 
+ASTRAY = 0.1  # part of the total curvature asked for that a rough surface which has been solved may be off by
+FLAT = 1e-9  # total curvature below which a surface counts as flat
+
 
 def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
     """Return the problem of a surface without dummies, refused when the surface is rough and targets are known.
@@ -19,13 +24,31 @@ def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
     Raises
     ------
     CGCError
-        If there are no faces, or the surface is rough and rough ones are not wanted.
+        If there are no faces, or the surface is not solved, or rough, and rough ones are not wanted.
     """
     problem = problem_of(surface, "or the result of a solve is built from").without_dummies()
     if not len(problem.faces):
         raise CGCError("there are no faces to build from; give a mesh with some")
     if not rough and np.isfinite(problem.targets[problem.asked]).any():
         judged = verdict(problem)
+        reached = _reached(problem)
+        if not judged.fair and abs(reached - 1.0) > ASTRAY:
+            raise CGCError(
+                f"the surface is rough, as it is not solved: in all it has {round(100 * reached)} % of the curvature asked for; "
+                "solve it first, and build from the result"
+            )
         if not judged.fair:
             raise CGCError(f"the surface is {judged}; solve it (again) before it is built, or allow rough surfaces")
     return problem
+
+
+def _reached(problem: CGCProblem) -> float:
+    """Return the total curvature of the vertices with a target against what is asked for; 1 where that is none.
+
+    Every measure of K agrees on the total, however the faces lie.
+    """
+    K, areas = problem.targets[problem.asked], vertex_areas(problem.vertices, problem.faces)[problem.asked]
+    known = np.isfinite(K)
+    asked = float(np.abs(K[known]) @ areas[known])
+    found = float(np.sign(K[known]) @ angle_defects(problem.vertices, problem.faces)[problem.asked][known])
+    return found / asked if asked > FLAT else 1.0

@@ -35,6 +35,7 @@ from .solved import solved_problem
 
 __all__ = ["unroll"]
 
+VAST = 20.0  # widths of a sheet against a surface, from which on it is in other units
 ROOM = 1e-9  # of a sheet, that is left free at its edges
 
 
@@ -92,7 +93,12 @@ def unroll(
     """
     problem = solved_problem(surface, rough)
     sheet = _checked_sheet(sheet)
+    _check_scale(problem, sheet)
     spacing = checked_number(spacing, "spacing")
+    if spacing < 0:
+        raise CGCError(f"the spacing between pieces must be 0 or more, not {spacing:g}")
+    if rulings is not None and checked_number(rulings, "rulings") < 0:
+        raise CGCError(f"the distance between rulings must be more than 0, or 0 for none, not {rulings:g}")
     paths: object = seams
     if paths is not None and (isinstance(paths, str) or not isinstance(paths, Iterable)):
         raise CGCError(f"seams must be paths of vertices, such as [[4, 12, 20]], not {seams!r:.60}")
@@ -137,6 +143,17 @@ def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float
     if not (np.isfinite([length, width]).all() and min(length, width) > 0):
         raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
     return max(length, width), min(length, width)
+
+
+def _check_scale(problem: CGCProblem, sheet: Optional[tuple[float, float]]) -> None:
+    """Refuse a sheet that is so much larger than the surface that it must be in other units."""
+    size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    if sheet is not None and sheet[1] > VAST * size:
+        units = (problem.drawing.units or "units of the model").lower()
+        raise CGCError(
+            f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is out of scale with a surface {size:.3g} across; say in which unit it is, "
+            f"such as {sheet[0]:g}x{sheet[1]:g}mm"
+        )
 
 
 def _chosen(problem: CGCProblem, regions: Optional[Sequence[int]]) -> list[int]:

@@ -25,6 +25,7 @@ from ..solved import solved_problem
 from .crossings import arc_lengths_of
 from .crossings import bow_of
 from .crossings import crossings
+from .growth import MOST
 from .growth import curves_through
 from .growth import grown_net
 from .trace import ASYMPTOTIC
@@ -223,6 +224,7 @@ def curve_net(
         field = _field(problem, region, own, kind == RULING)
         size = _size(problem, own)
         step = spacing or size * SHARE
+        check_spacing(size, step, region)
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
@@ -247,6 +249,20 @@ def curve_net(
 def usual_spacing(problem: CGCProblem, region: int) -> float:
     """Return the distance between the curves of a region where none is asked for: a twelfth of its size [L]."""
     return _size(problem, np.flatnonzero(problem.regions() == region)) * SHARE
+
+
+def check_spacing(size: float, spacing: float, region: int) -> None:
+    """Refuse a spacing [L] at which thousands of curves would come of a region of a size [L].
+
+    Raises
+    ------
+    CGCError
+        With a spacing that will do.
+    """
+    if size > MOST * spacing:
+        raise CGCError(
+            f"more than {MOST} curves {spacing:g} apart would come of region {region}; give a spacing of {size / MOST:.2g} or more"
+        )
 
 
 def _size(problem: CGCProblem, faces: IntArray) -> float:
