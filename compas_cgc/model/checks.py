@@ -10,6 +10,7 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
+from ..discrete.corners import corner_angles
 from ..errors import ProblemError
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
@@ -34,6 +35,7 @@ from .roles import INTERNAL
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced"]
 
 GENTLE = 0.5  # total curvature of a region that is proposed [rad]
+NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
 
 
 def check(posed: PosesProblem) -> list[Diagnostic]:
@@ -160,9 +162,25 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
 
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Name the vertices of negative K̄ with three faces: the angles of three faces at a corner add up to less than 2π."""
-    lost = three_faced(problem.faces, np.flatnonzero(problem.asked & (problem.targets < 0.0)))
-    return [Diagnostic(no_saddle(problem.names.vertices[lost]), fatal=False)] if len(lost) else []
+    """Name what K̄ < 0 is at odds with: vertices of three faces, whose angles add up to less than 2π, or where there are none needles."""
+    saddle = problem.asked & (problem.targets < 0.0)
+    lost = three_faced(problem.faces, np.flatnonzero(saddle))
+    if len(lost):
+        return [Diagnostic(no_saddle(problem.names.vertices[lost]), fatal=False)]
+    around = problem.faces[saddle[problem.faces].any(axis=1)]
+    angles = np.degrees(corner_angles(problem.vertices, around)).min(axis=1, initial=180.0)
+    count = np.count_nonzero(angles < NEEDLE)
+    if not count:
+        return []
+    which = "1 triangle is a needle" if count == 1 else f"{count} triangles are needles"
+    worst = listed(problem.names.vertices[around[np.argmin(angles)]])
+    return [
+        Diagnostic(
+            f"{which} of down to {angles.min():.2g} degrees where K̄ < 0, the worst at vertices {worst}; the measure exact may draw them "
+            "out until the surface is rough, so mesh it more evenly",
+            fatal=False,
+        )
+    ]
 
 
 def three_faced(faces: Faces, vertices: Indices) -> Indices:

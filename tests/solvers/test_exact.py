@@ -124,6 +124,14 @@ def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     assert opened(problem, result.vertices) < 5e-14
 
 
+def test_needles_are_named_where_k_is_negative():
+    vertices, faces = grid(6, 6.0)
+    vertices[24, :2] += [0.0, 0.93]
+    (said,) = check(CGCProblem(vertices, faces).with_supports("corners").with_targets(-0.01))
+    assert "needle" in said and "24" in said and not said.fatal
+    assert not check(CGCProblem(vertices, faces).with_supports("corners").with_targets(0.01))
+
+
 def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
     problem = irregular_saddle(60, 0.45)
     inner = problem.asked & (np.bincount(problem.faces.ravel()) == 3)
