@@ -40,7 +40,7 @@ def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
     for name, colour in LAYERS.items():
         layer = document.layers.add(name, true_color=colors.rgb2int(colour))
         if name in drawing.hidden:
-            layer.off()
+            layer.freeze()
     space = document.modelspace()
     for line in drawing.lines:
         space.add_lwpolyline(line.points.tolist(), close=line.closed, dxfattribs={"layer": line.layer})

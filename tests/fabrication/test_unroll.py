@@ -267,8 +267,13 @@ def test_no_text_lies_over_marks_and_outlines(cut):
     assert hit < 0.02 * len(texts)
 
 
-def test_folds_of_the_mesh_are_hidden_where_a_surface_is_rolled():
-    assert set(draw_sheets(unroll(ring(10, 60), SHEET)).hidden) == {"FOLD_UP", "FOLD_DOWN"}
+def test_folds_of_the_mesh_are_hidden_where_a_surface_is_rolled(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    rolled = unroll(ring(10, 60), SHEET)
+    write_patterns(tmp_path / "rolled.dxf", rolled)
+    # Layers that are only off are shown by LibreCAD.
+    frozen = {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "rolled.dxf").layers if layer.is_frozen()}
+    assert frozen == set(draw_sheets(rolled).hidden) == {"FOLD_UP", "FOLD_DOWN"}
     assert draw_sheets(unroll(irregular_ring(), rulings=0, rough=True)).hidden == ()
 
 
