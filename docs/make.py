@@ -135,16 +135,15 @@ def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
 FAIRNESS = """# Fair surfaces
 
 A surface can have the Gaussian curvature asked for at every vertex, to fifteen digits, and be one that nobody would build. There is one
-equation
-a vertex and there are three unknowns, so many surfaces meet it, crumpled ones among them. `compas_cgc` looks for the one that bends
-least, and says
-of every surface whether it is **fair** or **rough**, with numbers and places.
+equation a vertex and there are three unknowns, so many surfaces meet it, crumpled ones among them. `compas_cgc` looks for the one that
+bends least, and says of every surface whether it is **fair** or **rough**, with numbers and places.
 
 Each row shows zebra stripes, the reflection of a striped sky: on a fair surface they are smooth. On the left the surface nearest to the
-drawing
-(or, in the last row, with K read off angle defects alone), on the right what a solve returns. Both have K as asked, to rounding.
+drawing (or, in the last row, with K read off angle defects alone), on the right what a solve returns. Both have K as asked, to rounding.
 
 {pictures}
+Of each two lines of the table the first is of the surface on the left, the second of the one on the right.
+
 | | fit of K, median / nine in ten | waves | sharpest fold | verdict |
 | --- | --- | --- | --- | --- |
 {rows}
@@ -206,8 +205,8 @@ The number of steps hardly grows with the mesh: a unit square on its corners tak
 
 ## A slider of K
 
-What `solve` returns depends on the drawing and K alone, not on what was solved before. With K > 0, where several surfaces have it, the
-one is taken that smaller K lead to, so that a slider goes without jumps. Over a square of 0.8 on its corners, 441 vertices, K from 0.05
+What `solve` returns of a drawing depends on that and K alone, not on what was solved before. With K > 0, where several surfaces have
+it, the one is taken that smaller K lead to, so that a slider goes without jumps. Over a square of 0.8 on its corners, 441 vertices, K from 0.05
 to 6 in 60 values (even in the root of K, as heights are): cold and warm starts are within 3e-4 of the width, no step of the surface is
 over 1.2 times the median step, and up and down again it comes back to 2e-7. Near K = 0 a dome rises like the root of K; there even
 values of K are uneven steps.

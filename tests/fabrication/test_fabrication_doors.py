@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import compas_cgc
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import write
@@ -23,7 +25,7 @@ from ..support.gh_stand_ins import Point3d
 from ..support.gh_stand_ins import place
 from ..support.gh_stand_ins import rhino  # noqa: F401
 
-TUTORIAL = Path(__file__).parents[2] / "docs" / "fabrication.md"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture(scope="module")
@@ -90,12 +92,14 @@ def test_check_says_how_wide_flat_sheets_may_be(files, capsys):
 
 
 def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch, capsys):
-    text = TUTORIAL.read_text(encoding="utf-8").split("## From a drawing to cut sheets")[1].split("\n## ")[0]
+    own = (DOCS / "fabrication.md").read_text(encoding="utf-8").split("## From a drawing to cut sheets")[1].split("\n## ")[0]
+    text = (DOCS / "tutorials" / "vault.md").read_text(encoding="utf-8") + own
     monkeypatch.chdir(tmp_path)
+    shutil.copy(compas_cgc.get("vault.3dm"), "vault.3dm")
     scope: dict = {}
-    for language, block in re.findall(r"```(py|sh)\n(.*?)```", text, re.S):
-        if language == "py":
-            exec(compile(block, str(TUTORIAL), "exec"), scope)
+    for language, block in re.findall(r"```(py|python|sh)\n(.*?)```", text, re.S):
+        if language != "sh":
+            exec(compile(block, language, "exec"), scope)
         for line in block.splitlines() if language == "sh" else ():
             assert main(line.split()[1:]) == 0, line
     said = capsys.readouterr().out
