@@ -206,8 +206,8 @@ The number of steps hardly grows with the mesh: a unit square on its corners tak
 ## A slider of K
 
 What `solve` returns of a drawing depends on that and K alone, not on what was solved before. With K > 0, where several surfaces have
-it, the one is taken that smaller K lead to, so that a slider goes without jumps. Over a square of 0.8 on its corners, 441 vertices, K from 0.05
-to 6 in 60 values (even in the root of K, as heights are): cold and warm starts are within 3e-4 of the width, no step of the surface is
+it, the one is taken that smaller K lead to, so that a slider goes without jumps. Over a square of 0.8 on its corners, 441 vertices,
+K from 0.05 to 6 in 60 values (even in the root of K, as heights are): cold and warm starts are within 3e-4 of the width, no step is
 over 1.2 times the median step, and up and down again it comes back to 2e-7. Near K = 0 a dome rises like the root of K; there even
 values of K are uneven steps.
 

@@ -20,6 +20,7 @@ AROUND = 12  # edges of a closed curve without kinks at least
 KINK = np.radians(30.0)
 BASE = 1.4  # times the distance of a point from a curve, that edges are long there: a triangle with that height has even angles
 SMALLEST = 0.12  # of the edge length
+MEETING = 0.25  # of the edge length from a crossing, within which curves are near because they meet
 
 
 class SizeField:
@@ -74,11 +75,31 @@ def size_field(lines: Sequence[FloatArray], nodes: FloatArray, points: FloatArra
         gap = cKDTree(every).query(every, k=2)[0][:, 1]
         sources.append(every)
         sizes.append(gap)
+    place, size = _narrows(lines, edge_length)
+    sources.append(place)
+    sizes.append(size)
     if len(points):
         curves = shapely.MultiLineString([shapely.LineString(line) for line in lines])
         sources.append(points)
         sizes.append(BASE * shapely.distance(curves, shapely.points(points)))
     return SizeField(edge_length, np.concatenate(sources), np.concatenate(sizes))
+
+
+def _narrows(lines: Sequence[FloatArray], edge_length: float) -> tuple[FloatArray, FloatArray]:
+    """Return places where one curve passes close by another without meeting it, and edge lengths that fill the gap evenly."""
+    curves = [shapely.LineString(line) for line in lines]
+    places, sizes = [np.empty((0, 2))], [np.empty(0)]
+    for k, curve in enumerate(curves):
+        number = max(3, int(np.ceil(8 * curve.length / edge_length)))
+        samples = shapely.line_interpolate_point(curve, np.linspace(0.0, curve.length, number))
+        for other in (*curves[:k], *curves[k + 1 :]):
+            gap = shapely.distance(samples, other)
+            # Towards a crossing it falls to nothing; the narrow corner there is a matter of its own.
+            met = shapely.distance(samples, curve.intersection(other)) <= MEETING * edge_length
+            least = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (gap[1:-1] < edge_length) & ~met[1:-1] & (gap[1:-1] > 0.0)
+            places.append(shapely.get_coordinates(samples[1:-1][least]))
+            sizes.append(BASE * gap[1:-1][least])
+    return np.concatenate(places), np.concatenate(sizes)
 
 
 def _bends(line: FloatArray, edge_length: float) -> tuple[FloatArray, FloatArray]:

@@ -86,7 +86,7 @@ def test_points_outside_are_refused_by_their_places():
         CGCMesh.from_outline(SQUARE, 1.5, points=[(3, 3), (12.5, 3), (-9, 3)])
     with pytest.raises(MeshError, match=r"points\[0\] at \(6, 6\) does not lie"):
         CGCMesh.from_outline(SQUARE, 1.5, [ring((5, 5), (7, 5), (7, 7), (5, 7))], points=[(6, 6, 0)])
-    with pytest.raises(ValueError, match="points must be points with two or three coordinates"):
+    with pytest.raises(ValueError, match="put the one point into a list: points="):
         CGCMesh.from_outline(SQUARE, 1.5, points=[3, 3, 0])
     assert CGCMesh.from_outline(SQUARE, 3.0, points=[]).number_of_vertices() > 16
 
@@ -168,3 +168,9 @@ def test_between_arches_heights_of_points_count_for_the_sheet():
     low, high = (CGCMesh.from_outline(outline, 0.8, points=[[3, 3, z]]).arrays()[0] for z in (2.0, 3.2))
     beside = [v[np.argsort(np.hypot(v[:, 0] - 3, v[:, 1] - 3))[1:6], 2].mean() for v in (low, high)]
     assert beside[1] - beside[0] > 0.6
+
+
+def test_edges_are_as_short_as_a_narrow_gap_asks():
+    """A crease passes 0.03 over a hole: with edges of the length asked for the triangles between them had 4 degrees."""
+    mesh = CGCMesh.from_outline(arc(0, 0, 6), 0.9, [arc(1, 0, 2)], [line((-7, 1.76), (7, 2.24))])
+    assert shape_of(mesh)[1] >= 20.0 and len(mesh.regions()) == 2
