@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from ._local_fits import TERMS
 from ._local_fits import _frames
 from ._local_fits import powers
 from ._local_fits import rings_around
+from ._memo import remembered
+from .arrays import CSRIndices
 from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Mask
@@ -25,6 +28,7 @@ DEGREE, RINGS = 3, 2
 LEAST = 2  # degree below which nothing bends
 OVER = 2  # points more than terms, without which nothing can lie off a fit
 CHUNK = 2000
+RECENT = 2  # meshes whose rings and sparsity are kept: those of 3,000 vertices take some 20 MB
 
 
 class FitOperators(NamedTuple):
@@ -42,6 +46,25 @@ class _Group(NamedTuple):
     ring: IntArray  # (g, c) vertices, the own one first; those that are none repeat it
     weight: FloatArray  # (g, c), zero for those
     degree: int
+
+
+class _Pattern(NamedTuple):
+    """Sparsity of a matrix that is summed up from the rings of the groups."""
+
+    indptr: CSRIndices
+    indices: CSRIndices
+    slots: IntArray  # where in it the entries of the rings go, group after group
+
+    def matrix(self, parts: Sequence[FloatArray], shape: tuple[int, int]) -> sparse.csr_matrix:
+        """Return the matrix with entries for every group."""
+        values = np.concatenate([part.ravel() for part in parts]) if parts else np.zeros(0)
+        return sparse.csr_matrix((np.bincount(self.slots, values, len(self.indices)), self.indices, self.indptr), shape=shape)
+
+
+class _Rings(NamedTuple):
+    groups: list[_Group]
+    square: _Pattern  # (n, n) between the vertices of a ring
+    across: _Pattern  # (k, n) from the vertex in the middle
 
 
 def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through: Mask, areas: FloatArray) -> FitOperators:
@@ -68,8 +91,9 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
     n = len(vertices)
     normals = vertex_normals(vertices, faces)
     gaussian = np.full(len(rows), np.nan)
-    entries: dict[str, list[tuple[FloatArray, IntArray, IntArray]]] = {"waves": [], "bending": [], "jacobian": []}
-    for group in _groups(faces, n, rows, through):
+    around = _rings(faces, n, rows, through)
+    waves, bending, jacobian = [], [], []
+    for group in around.groups:
         frames = _frames(normals[rows[group.at]])
         ring, weight = group.ring, group.weight
         local = np.einsum("gxy,gcy->gcx", frames, vertices[ring] - vertices[rows[group.at]][:, None])
@@ -84,10 +108,9 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
         off *= ((weight > 0)[:, None, :]) / np.sqrt((weight > 0).sum(axis=1))[:, None, None]
         second = inverse[:, 2:5] * np.array([2.0, 1.0, 2.0])[:, None]
         measure = areas[group.at] / radius**4
-        one, other = np.broadcast_arrays(ring[:, :, None], ring[:, None, :])
-        entries["waves"].append((measure[:, None, None] * (off.transpose(0, 2, 1) @ off), one, other))
+        waves.append(measure[:, None, None] * (off.transpose(0, 2, 1) @ off))
         bend = second * np.sqrt([1.0, 2.0, 1.0])[:, None]
-        entries["bending"].append((measure[:, None, None] * (bend.transpose(0, 2, 1) @ bend), one, other))
+        bending.append(measure[:, None, None] * (bend.transpose(0, 2, 1) @ bend))
         heights = np.einsum("gtc,gc->gt", inverse, w)
         K, slope = _gaussian(heights, inverse)
         gaussian[group.at] = K / radius**2
@@ -95,15 +118,30 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
         leaning = np.einsum("gxy,gcy->gcx", frames, normals[ring])
         du, dv = _slopes(u, v, heights, group.degree)
         lifted = leaning[..., 2] - du * leaning[..., 0] - dv * leaning[..., 1]
-        own = np.broadcast_to(group.at[:, None], ring.shape)
-        entries["jacobian"].append((slope * lifted / radius[:, None] ** 3, own, ring))
-    return FitOperators(
-        rows,
-        _assembled(entries["waves"], (n, n)),
-        _assembled(entries["bending"], (n, n)),
-        gaussian,
-        _assembled(entries["jacobian"], (len(rows), n)),
-    )
+        jacobian.append(slope * lifted / radius[:, None] ** 3)
+    square, J = around.square, around.across.matrix(jacobian, (len(rows), n))
+    return FitOperators(rows, square.matrix(waves, (n, n)), square.matrix(bending, (n, n)), gaussian, J)
+
+
+def _made(faces: IntArray, n: int, rows: IntArray, through: Mask) -> _Rings:
+    """Return what depends on the mesh alone."""
+    groups = list(_groups(faces, n, rows, through))
+    square = [np.broadcast_arrays(own.ring[:, :, None], own.ring[:, None, :]) for own in groups]
+    across = [np.broadcast_arrays(own.at[:, None], own.ring) for own in groups]
+    return _Rings(groups, _pattern(square, (n, n)), _pattern(across, (len(rows), n)))
+
+
+_rings = remembered(_made, recent=RECENT)
+
+
+def _pattern(places: Sequence[Sequence[IntArray]], shape: tuple[int, int]) -> _Pattern:
+    """Return the sparsity of entries at rows and columns that come several times."""
+    if not places:
+        return _Pattern(np.zeros(shape[0] + 1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int64))
+    row, column = (np.concatenate([own[k].ravel() for own in places]).astype(np.int64) for k in range(2))
+    keys, slots = np.unique(row * shape[1] + column, return_inverse=True)
+    indptr = np.searchsorted(keys, np.arange(shape[0] + 1) * shape[1])
+    return _Pattern(indptr.astype(np.int32), (keys % shape[1]).astype(np.int32), slots.ravel())
 
 
 def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[_Group]:
@@ -147,10 +185,3 @@ def _slopes(u: FloatArray, v: FloatArray, heights: FloatArray, degree: int) -> t
                 dv += height * q * u**p * v ** (q - 1)
             term += 1
     return du, dv
-
-
-def _assembled(parts: list[tuple[FloatArray, IntArray, IntArray]], shape: tuple[int, int]) -> sparse.csr_matrix:
-    if not parts:
-        return sparse.csr_matrix(shape)
-    value, row, column = (np.concatenate([part[k].ravel() for part in parts]) for k in range(3))
-    return sparse.csr_matrix((value, (row, column)), shape=shape)
