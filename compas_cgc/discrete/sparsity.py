@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
@@ -53,8 +55,14 @@ class RingPattern:
 
     def block_matrix(self, data: FloatArray) -> sparse.csr_matrix:
         """Return the matrix (k, 3c) with the entries `data` (size, 3), three columns per vertex."""
+        indptr, indices = self._blocks
+        return _csr(data.ravel(), indices, indptr, (len(self.rows), 3 * len(self.columns)))
+
+    @cached_property
+    def _blocks(self) -> tuple[CSRIndices, CSRIndices]:
+        """The rows and columns with three of these per vertex."""
         indices = (3 * self.indices[:, None] + np.arange(3, dtype=self.indices.dtype)).ravel()
-        return _csr(data.ravel(), indices, 3 * self.indptr, (len(self.rows), 3 * len(self.columns)))
+        return 3 * self.indptr, indices
 
 
 @remembered
