@@ -30,6 +30,7 @@ from .roles import FIXED
 __all__ = ["Verdict", "verdict"]
 
 MEDIAN, MOST = 0.05, 0.3  # errors of the fits, against the targets, of a fair surface: the median, and that of nine in ten
+DEGREE, RINGS = 4, 3  # of the polynomials that decide where cubic ones, over two rings, are off
 COARSE = 0.6  # what cubic fits on a sphere are off, against (radius of the fit / radius of the sphere)^2
 COARSEST = 0.25  # that square above which a fit tells nothing, and no more is allowed for it
 FAINT = 0.1  # target, against the largest, below which errors are held against that
@@ -118,11 +119,11 @@ class Verdict:
 def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict:
     """Judge the vertices of a problem, whatever its angle defects say.
 
-    Polynomials fitted to two rings must have the curvature asked for, as far as the mesh is fine enough to tell, and
-    the vertices must lie on them; a region with K > 0 must bulge to one side; edges must fold no more than the
-    curvature and their length call for; within a region bending must not change suddenly; and triangles must not be drawn
-    out or lost. Beside supports the surface asked for may itself be singular (K > 0 at a straight edge): fits are compared
-    where they look all ways.
+    Polynomials fitted to two rings, or those of a higher degree fitted to three, must have the curvature asked for, as far
+    as the mesh is fine enough to tell, and the vertices must lie on them; a region with K > 0 must bulge to one side; edges
+    must fold no more than the curvature and their length call for; within a region bending must not change suddenly; and
+    triangles must not be drawn out or lost. Beside supports the surface asked for may itself be singular (K > 0 at a straight
+    edge): fits are compared where they look all ways.
 
     Parameters
     ----------
@@ -159,15 +160,19 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     angle = _smallest_angle(V, F)
     kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
 
+    if _is_off(error - own):
+        # What cubic polynomials miss on stretched or coarse triangles those of higher degree tell, over more of them.
+        finer = local_fits(V, F, problem.asked, problem.asked, DEGREE, RINGS, pinned=False).gaussian
+        closer = _against(problem, fits, np.where(np.isfinite(error) & np.isfinite(finer), finer, fits.gaussian), np.isfinite(error))
+        error = error if _is_off(closer - own) else closer
     median, most = _percentiles(error, 50, 90)
-    excess, excess_most = _percentiles(error - own, 50, 90)
     wavy, waviest = _percentiles(wave, 75, 95)
     positive = np.isfinite(fits.mean) & (problem.targets > 0)
     both = float(other.sum() / positive.sum()) if positive.any() else 0.0
     too_sharp = float(sharp.mean()) if len(sharp) else 0.0
     sharpest = float(np.degrees(fold.max(initial=0.0)))
     reasons = []
-    if excess is not None and excess_most is not None and (excess > MEDIAN or excess_most > MOST):
+    if _is_off(error - own):
         off = f"{_percent(median or 0.0)} % off the curvature asked for, and up to {_percent(most or 0.0)} %"
         reasons.append(f"polynomials fitted to it are {off}")
     if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
@@ -216,17 +221,33 @@ def _errors(problem: CGCProblem, fits: LocalFits) -> tuple[FloatArray, FloatArra
 
     On a surface with the curvatures κ a fit of radius r is off by about ``κ^2 (κ r)^2``.
     """
-    scale = np.maximum(np.abs(problem.targets), _least(problem, fits))
     fitted = np.isfinite(fits.gaussian)
     depth = _depth(problem)
     least = next((least for least in range(DEEP, 1, -1) if (fitted & (depth >= least)).sum() >= ENOUGH), 1)
     deep = fitted & (depth >= least)
-    error = np.where(deep, np.abs(fits.gaussian - problem.targets) / scale, np.nan)
+    error = _against(problem, fits, fits.gaussian, deep)
     if not fitted.any():
         return error, error
+    scale = _scale(problem, fits)
     square = np.where(problem.targets == 0.0, np.median(_principal(fits)[fitted] ** 2), np.abs(problem.targets))
     own = COARSE * square / scale * np.minimum(square * fits.radius**2, COARSEST)
     return error, np.where(deep, own + SHALLOW[least], np.nan)
+
+
+def _against(problem: CGCProblem, fits: LocalFits, K: FloatArray, where: Mask) -> FloatArray:
+    """Return how far K (n,) is off the targets, in parts of these, at some vertices (n,), else NaN."""
+    return np.where(where, np.abs(K - problem.targets) / _scale(problem, fits), np.nan)
+
+
+def _is_off(excess: FloatArray) -> bool:
+    """Return whether errors (n,), less what of them is the fits' own, are more than a fair surface has."""
+    middle, most = _percentiles(excess, 50, 90)
+    return middle is not None and most is not None and (middle > MEDIAN or most > MOST)
+
+
+def _scale(problem: CGCProblem, fits: LocalFits) -> FloatArray:
+    """Return what errors of K are held against (n,)."""
+    return np.maximum(np.abs(problem.targets), _least(problem, fits))
 
 
 def _principal(fits: LocalFits) -> FloatArray:
