@@ -59,7 +59,7 @@ FLOW_STEPS = 400
 # What it has not reached by then it does not reach, and meshes of some size would take their time.
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": FLOW_STEPS}))
 SECOND = [
-    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape"}), "anew"),
+    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), "anew"),
     Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),

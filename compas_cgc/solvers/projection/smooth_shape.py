@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from collections.abc import Sequence
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -16,34 +17,49 @@ from ...discrete.fit_operators import fit_operators
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import factorise
 from .gauss_newton import Taken
+from .settings import ProjectionSettings
 from .system import System
 from .vectors import dot
 
 __all__ = ["smooth_shape"]
 
 WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves and bending, one after the other
-ROUNDS = 2  # for each
-WAVES = 3.0
-BENDING = 1e-3
-HINGES = 0.03  # as they bend in the search for the fairest shape
-NEAR = 1e-2  # the way from the drawing
+ROUNDS = 4  # for each
 FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
 STILL = 3e-4  # move, against that, that is none
 
 
+class _Weights(NamedTuple):
+    """What counts besides K."""
+
+    waves: float
+    bending: float
+    hinges: float  # as they bend in the search for the fairest shape
+    near: float  # the way from the drawing
+
+
+DRAWN = _Weights(30.0, 1e-5, 1e-3, 1.0)  # bends a drawing that is meant as little as can be
+LOOSE = _Weights(3.0, 1e-3, 0.03, 1e-2)  # of a start that nobody drew, or that is to be kept less than by default
+
+
 def smooth_shape(
-    system: System, equations: CurvatureEquations, vertices: FloatArray, weights: Sequence[float] = WEIGHTS, rounds: int = ROUNDS
+    system: System,
+    equations: CurvatureEquations,
+    vertices: FloatArray,
+    settings: ProjectionSettings,
+    weights: Sequence[float] = WEIGHTS,
+    rounds: int = ROUNDS,
 ) -> Generator[Taken, None, FloatArray]:
     r"""Take steps from a shape (n, 3) to one nearby that is smooth and nearly has the curvature asked for, and return that.
 
-    .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{3}{2} \text{waves} + \tfrac{b}{2} \text{bending}
+    .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{a}{2} \text{waves} + \tfrac{b}{2} \text{bending}
 
     over moves u along the normals, with K, waves (distances of vertices from polynomials around them) and bending all told by
     fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
     K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
     """
-    here = _State(system, equations, vertices, vertices)
+    here = _State(system, equations, vertices, vertices, settings)
     for weight in weights:
         for _ in range(rounds):
             there = here.next(weight)
@@ -60,8 +76,10 @@ def smooth_shape(
 class _State:
     """A shape, and what polynomials say of it."""
 
-    def __init__(self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray):
-        self._system, self._equations, self.vertices, self._drawn = system, equations, vertices, drawn
+    def __init__(
+        self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray, settings: ProjectionSettings
+    ):
+        self._system, self._equations, self.vertices, self._drawn, self._settings = system, equations, vertices, drawn, settings
         self.length, self.trials = 1.0, 1
         asked = np.zeros(len(vertices), bool)
         asked[system.rows] = True
@@ -70,9 +88,11 @@ class _State:
         told = np.isfinite(self._fits.gaussian)
         self._lacking = np.where(told, self._fits.gaussian - targets, 0.0)
         self._exact = system.size**4 * mass[system.rows] * told
+        own = DRAWN if settings.nearness >= 1.0 else LOOSE
         # Hinges hold corners that no polynomial reaches.
-        self._smooth = system.size**2 * (WAVES * self._fits.waves + BENDING * self._fits.bending) + HINGES * system.fairness.bending
-        self._pull = NEAR * mass / system.size**2
+        told_by_fits = system.size**2 * (own.waves * self._fits.waves + own.bending * self._fits.bending)
+        self._smooth = told_by_fits + own.hinges * system.fairness.bending
+        self._pull = own.near * mass / system.size**2
 
     def merit(self, weight: float) -> float:
         """Return what is to become small."""
@@ -89,7 +109,7 @@ class _State:
             return None
         length, before = min(1.0, FARTHEST / max(farthest, STILL)), self.merit(weight)
         for trials in range(1, HALVINGS + 1):
-            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn)
+            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn, self._settings)
             if there.merit(weight) < before:
                 there.length, there.trials = length, trials
                 return there

@@ -50,6 +50,7 @@ SMOOTHER = (1.0, 0.5, 2.5)  # times the smoothness, for least-norm steps
 ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth shape, and for that to take seconds only
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
+MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
@@ -67,6 +68,8 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
     A warm start is gone on from; others are compared with starts of our own. The smooth measure is turned to once
     the surface is fair by angle defects: only then do fits tell the layout of the mesh from wrinkles.
     """
+    if not warm and settings.keep == AUTO and _says_which_developable(system, equations, start):
+        system = system.keeping("shape")
     warmed = Starts([system.at(system.settled(start.vertices), equations)], []) if warm else None
     tried = warmed or starts(system, equations, start, settings)
     if enclosed_negative(system, equations.targets):
@@ -84,7 +87,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
         yield Taken(tried.rivals[0].vertices, 0.0, 1, settled=False)
     if not warm and settings.retry and settings.measure in (AUTO, "smooth") and _loses_itself(system, equations, start):
-        vertices = yield from smooth_shape(system, equations, start.vertices)
+        vertices = yield from smooth_shape(system, equations, start.vertices, settings)
         yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
@@ -137,6 +140,15 @@ def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -
     if not plain or not ENOUGH <= len(targets) <= MANY or not (targets <= 0.0).any():
         return False
     return shows_layout(system, equations, drawn.vertices)
+
+
+def _says_which_developable(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
+    """Return whether a drawing is all that tells the developable surfaces through a rim apart that is held all round."""
+    held = np.isin(system.columns, system.rows).all() and not equations.targets[system.rows].any()
+    if not held or not system.places.trivial or system.goals.equations or system.goals.sides:
+        return False
+    away = drawn.vertices - system.fairness.relaxed()
+    return bool(np.abs(away[system.columns]).max(initial=0.0) > MEANT * system.size)
 
 
 def ways_on(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
