@@ -25,7 +25,6 @@ from .projection.system import System
 __all__ = ["solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
-SOFT = ProjectionSettings(keep="shape", nearness=0.5)  # what was found is no drawing that anybody meant
 STEP = 85.0  # right sides that a step takes as long as
 FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
 
@@ -53,7 +52,7 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     if problem.constraints or not FEWEST <= int(problem.asked.sum()) <= MOST or not np.isfinite(found).all():
         return None
     local, frame = problem.with_vertices(found).local()
-    system = System(local, SOFT, bind(local, ()))
+    system = System(local, ProjectionSettings(keep="shape"), bind(local, ()))
     if enclosed_negative(system, local.targets):
         return None
     shapes = list(until_spent(_shapes(system, local)))
@@ -87,6 +86,6 @@ def solved_turned(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCPr
 
 def _shapes(system: System, local: CGCProblem) -> Iterator[FloatArray]:
     """Pass on smoother and smoother shapes (n, 3), each paid for."""
-    for taken in smooth_shape(system, system.equations(local.targets), local.vertices, SOFT, WEIGHTS, ROUNDS):
+    for taken in smooth_shape(system, system.equations(local.targets), local.vertices, WEIGHTS, ROUNDS):
         yield taken.vertices
         spend(STEP * 3.0 * len(local.vertices))

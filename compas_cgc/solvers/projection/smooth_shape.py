@@ -17,14 +17,13 @@ from ...discrete.fit_operators import fit_operators
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import factorise
 from .gauss_newton import Taken
-from .settings import ProjectionSettings
 from .system import System
 from .vectors import dot
 
-__all__ = ["smooth_shape"]
+__all__ = ["DRAWN", "LOOSE", "smooth_shape"]
 
 WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves and bending, one after the other
-ROUNDS = 4  # for each
+ROUNDS = 2  # for each
 FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
 STILL = 3e-4  # move, against that, that is none
@@ -47,9 +46,9 @@ def smooth_shape(
     system: System,
     equations: CurvatureEquations,
     vertices: FloatArray,
-    settings: ProjectionSettings,
     weights: Sequence[float] = WEIGHTS,
     rounds: int = ROUNDS,
+    beside: _Weights = LOOSE,
 ) -> Generator[Taken, None, FloatArray]:
     r"""Take steps from a shape (n, 3) to one nearby that is smooth and nearly has the curvature asked for, and return that.
 
@@ -59,7 +58,7 @@ def smooth_shape(
     fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
     K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
     """
-    here = _State(system, equations, vertices, vertices, settings)
+    here = _State(system, equations, vertices, vertices, beside)
     for weight in weights:
         for _ in range(rounds):
             there = here.next(weight)
@@ -76,10 +75,8 @@ def smooth_shape(
 class _State:
     """A shape, and what polynomials say of it."""
 
-    def __init__(
-        self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray, settings: ProjectionSettings
-    ):
-        self._system, self._equations, self.vertices, self._drawn, self._settings = system, equations, vertices, drawn, settings
+    def __init__(self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray, own: _Weights):
+        self._system, self._equations, self.vertices, self._drawn, self._own = system, equations, vertices, drawn, own
         self.length, self.trials = 1.0, 1
         asked = np.zeros(len(vertices), bool)
         asked[system.rows] = True
@@ -88,7 +85,6 @@ class _State:
         told = np.isfinite(self._fits.gaussian)
         self._lacking = np.where(told, self._fits.gaussian - targets, 0.0)
         self._exact = system.size**4 * mass[system.rows] * told
-        own = DRAWN if settings.nearness >= 1.0 else LOOSE
         # Hinges hold corners that no polynomial reaches.
         told_by_fits = system.size**2 * (own.waves * self._fits.waves + own.bending * self._fits.bending)
         self._smooth = told_by_fits + own.hinges * system.fairness.bending
@@ -109,7 +105,7 @@ class _State:
             return None
         length, before = min(1.0, FARTHEST / max(farthest, STILL)), self.merit(weight)
         for trials in range(1, HALVINGS + 1):
-            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn, self._settings)
+            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn, self._own)
             if there.merit(weight) < before:
                 there.length, there.trials = length, trials
                 return there

@@ -30,6 +30,8 @@ from .sequential import Reached
 from .sequential import approach
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .smooth_shape import DRAWN
+from .smooth_shape import LOOSE
 from .smooth_shape import smooth_shape
 from .starts import Starts
 from .starts import is_flat
@@ -51,6 +53,7 @@ ENOUGH, MANY = 30, 3000  # vertices with K̄, for polynomials to tell a smooth s
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
+PATIENT = 4  # steps for each weight of K on the way to a smooth shape
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
@@ -87,7 +90,8 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
         yield Taken(tried.rivals[0].vertices, 0.0, 1, settled=False)
     if not warm and settings.retry and settings.measure in (AUTO, "smooth") and _loses_itself(system, equations, start):
-        vertices = yield from smooth_shape(system, equations, start.vertices, settings)
+        beside = DRAWN if settings.nearness >= 1.0 else LOOSE
+        vertices = yield from smooth_shape(system, equations, start.vertices, rounds=PATIENT, beside=beside)
         yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
