@@ -196,7 +196,7 @@ def courts() -> None:
         found = solve(court(high), goals=[EdgeInPlan(), Above(2.7)])
         ax = figure.add_subplot(1, 2, place + 1)
         draw_shape(found.vertices, found.faces, found.problem.roles, found.problem.creases, ax=ax)
-        ax.set_title(f"3.6 at {', '.join(map(str, high))}; {found.verdict}", fontsize=8)
+        ax.set_title(f"3.6 at {', '.join(map(str, high))}; {found.verdict.word}", fontsize=8)
     save(figure, DOCS / "images" / "court.png")
 
 

@@ -62,6 +62,7 @@ SECOND = [
     Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), "anew"),
     Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
+    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")

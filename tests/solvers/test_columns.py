@@ -37,7 +37,16 @@ def court(high, lift=0.6, target=0.004):
     return mesh
 
 
-@pytest.mark.parametrize("high", [[(14, 3), (3, 14), (10, 6), (6, 10)], [(7, 0), (0, 7), (14, 3), (3, 14)]])
+LAYOUTS = [
+    [(14, 3), (3, 14), (10, 6), (6, 10)],
+    [(7, 0), (0, 7), (14, 3), (3, 14)],
+    [(7, 0), (0, 7), (10, 6), (6, 10)],
+    [(7, 0), (0, 7), (6, 10), (14, 3)],
+    [(7, 0), (3, 14), (10, 6), (6, 10)],
+]
+
+
+@pytest.mark.parametrize("high", LAYOUTS)
 def test_a_court_of_nine_columns_at_two_heights(high):
     mesh = court(high)
     assert len(mesh.supports()) == 9 and len(mesh.regions()) == 2
