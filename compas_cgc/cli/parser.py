@@ -14,6 +14,9 @@ from .exits import REFUSED
 
 __all__ = ["Parser"]
 
+# What people write for an argument whose name is not like it.
+OTHER_WORDS = {"k": "--target", "curvature": "--target", "fix": "--supports", "fixed": "--supports", "mesh-size": "--edge-length"}
+
 
 class Parser(argparse.ArgumentParser):
     """Refuses arguments with what is wrong, what was likely meant, and where to read on."""
@@ -34,7 +37,9 @@ class Parser(argparse.ArgumentParser):
         if first is None:
             self.error(f"{' '.join(unknown)} is too much; put names with spaces into quotation marks")
         known = [option for action in self._actions for option in action.option_strings if option.startswith("--")]
-        near = nearest_name(first.split("=")[0].replace("_", "-"), known)
+        name = first.split("=")[0].replace("_", "-")
+        other = OTHER_WORDS.get(name.lstrip("-").lower())
+        near = other if other in known else nearest_name(name, known)
         self.error(f"there is no argument {first}" + ("" if near is None else f", did you mean {near}?"))
 
     def of(self, command: str) -> Parser:

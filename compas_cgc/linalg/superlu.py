@@ -26,7 +26,9 @@ GOOD = 1e-10  # relative residual that needs no refinement
 POOR = 1e-6  # relative residual from which the pivots on the diagonal are given up
 REFINEMENTS = 2
 PANEL = 4  # columns worked on together; a tenth faster than SuperLU's own choice
-SWEPT = 30_000  # unknowns up to which so many solves are to be expected that the factors are put in order for them
+# Unknowns from which the factors are put in order: for fewer a first solve would compile for longer than ever is saved; and up to
+# which so many solves are to be expected that it pays.
+SWEPT = 500, 30_000
 
 
 class SuperLU:
@@ -100,7 +102,7 @@ class SuperLU:
         transposed = sparse.csc_matrix((matrix.data[self._gather], self._indices, self._indptr), shape=matrix.shape)
         self._pivoted = False
         self._lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})
-        swept = self._symmetric and not self._refine and matrix.shape[0] <= SWEPT
+        swept = self._symmetric and not self._refine and SWEPT[0] <= matrix.shape[0] <= SWEPT[1]
         self._sweeps = _swept(self._lu) if swept else None
 
     def _apply(self, rhs: FloatArray) -> FloatArray:
