@@ -56,9 +56,9 @@ def _instead(name: str) -> str:
 def solve(
     problem: Union[CGCProblem, PosesProblem],
     *,
-    targets: Optional[Targets] = None,
     method: str = "auto",
     settings: Union[Settings, Mapping[str, Any], None] = None,
+    targets: Optional[Targets] = None,
     constraints: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
     goals: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
     unknown: Union[str, Iterable[int]] = (),

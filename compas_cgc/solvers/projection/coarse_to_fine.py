@@ -39,7 +39,7 @@ OFF = 1.0  # residual of a shape carried over, against the curvature asked for, 
 LARGE = 20_000  # vertices that may move, from which there is no other way
 SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
-MEMORY = 3  # steps in which the residuals may grow: where K < 0 the last of them sway before they converge
+MEMORY = 3  # steps in which the residuals of a large mesh may grow: where K < 0 the last of them sway before they converge
 MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
 
@@ -134,8 +134,9 @@ def _to_rounding(
 
 
 def _descended(system: System, equations: CurvatureEquations, here: Point) -> Iterator[Taken]:
+    memory = MEMORY if len(system.columns) >= LARGE else 1
     try:
-        yield from descend(system, equations, here, patience=FINISH, memory=MEMORY)
+        yield from descend(system, equations, here, patience=FINISH, memory=memory)
     except SingularMatrixError:
         return
 

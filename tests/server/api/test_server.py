@@ -336,7 +336,7 @@ def test_bad_requests_are_refused_with_a_sentence(server, name):
         ({"targets": {"x": 1.0}}, "numbers of the regions"),
         ({"targets": True}, "must be a number"),
         ({"supports": [99]}, "names vertex 99"),
-        ({"supports": "everything"}, '"boundary" or "corners"'),
+        ({"supports": "everything"}, '"boundary", "outline" or "corners"'),
         ({"creases": [[0, "1"]]}, "whole number"),
         ({"settings": {"stepps": 1}}, "no setting 'stepps'"),
         ({"settings": {"tau": 0.5, "nearness": 1.0}}, "do not belong to one method; name it"),
