@@ -71,8 +71,6 @@ def solve(
     problem
         A mesh or problem with supports, creases, targets and constraints; it is not changed. A result, its problem or its mesh with
         other targets goes on from the surface that was found.
-    targets
-        K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
     method
         ``"auto"`` (default)
             Picks one of the others by the problem and the settings, says which and why,
@@ -89,6 +87,8 @@ def solve(
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
         by name; with ``"auto"`` settings of one method choose it.
+    targets
+        K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
     constraints
         What is asked of vertices besides K, beyond what the problem holds itself, as values or as their plain data.
         Vertices are counted in the order of the mesh.

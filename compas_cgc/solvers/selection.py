@@ -50,9 +50,8 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    start: str = (
-        "drawn"  # or "anew", on a mesh of the same drawing laid out anew first; or "smoothed" or "turned", from what was found so far
-    )
+    # Or "anew", on a mesh of the same drawing laid out anew first; or "smoothed" or "turned", from what was found so far.
+    start: str = "drawn"
 
 
 FLOW_STEPS = 400
