@@ -35,10 +35,16 @@ class Allowance:
         given = settings is not None and settings.to_dict().get("steps") is not None
         self._unit = 3.0 * max(SMALLEST, len(problem.vertices))
         self._left = math.inf if problem.constraints or given else ALL * self._unit
+        self._dearest = 0.0
 
     def flow_steps(self, most: int) -> int:
         """Return how many steps of the flow are allowed, at most so many."""
         return min(most, max(1, int(self._left / (FLOW_STEP * self._unit)))) if self._left < math.inf else most
+
+    @property
+    def as_much_again(self) -> bool:
+        """Whether as much is left as the dearest run has taken so far: what starts from nothing may take that again."""
+        return self._left >= self._dearest
 
     @property
     def spent(self) -> bool:
@@ -52,7 +58,9 @@ class Allowance:
         with work.counted():
             solution = run()
         if self._left < math.inf:
-            self._left -= granted - max(0.0, work.left)
+            taken = granted - max(0.0, work.left)
+            self._left -= taken
+            self._dearest = max(self._dearest, taken)
         if solution is None or not work.spent or solution.status != "stalled":
             return solution
         return solution._replace(message=solution.message + GIVEN_UP)

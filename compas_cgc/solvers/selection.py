@@ -143,6 +143,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             break
         if not _is_due(choice, bool(rough)):
             continue
+        if choice.start == "anew" and rough and not allowed.as_much_again:  # The others go on from what there is.
+            continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
         if choice.start == "anew":

@@ -50,12 +50,12 @@ def test_waves_that_a_search_has_put_into_a_surface_are_smoothed_out(number):
 
 
 @pytest.mark.slow
-def test_where_a_search_stalls_a_smooth_surface_is_gone_on_from():
-    """A saddle of revolution on an irregular mesh, whose angle defects hold it too tightly for the search to arrive."""
+def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface():
+    """A saddle of revolution on an irregular mesh, whose angle defects hold it tightly: another mesh would be begun, not finished."""
     problem = case(1023).problem
     found = solve(problem)
     assert found.converged and found.verdict.fair, str(found.verdict)
-    assert "from where it stalled, smoothed, it arrives" in found.message
+    assert "smoothed, it" in found.message
 
 
 def test_a_dome_that_is_fair_at_once_is_solved_once():

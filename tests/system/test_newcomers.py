@@ -267,7 +267,7 @@ ARGUMENTS = {
     "moulds without panels": (lambda: moulds(posed()), r"moulds\(\) lacks 'panels'; write moulds\(mesh, panels\)"),
     "moulds of a size": (lambda: moulds(posed(), size=2.0), r"said of the panels: moulds\(surface, panels\(surface, size=...\)\)"),
     "a study without a folder": (lambda: run_study(posed(), None), "lacks 'folder'"),
-    "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write targets=... and the like"),
+    "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write method=... and the like"),
     "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "is given 'size' twice"),
 }
 
