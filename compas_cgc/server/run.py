@@ -153,6 +153,9 @@ def serve(
 
 
 def _say_ready(pool: TaskExecutor) -> None:
+    from .api.warm_up import load_for_answers
+
+    load_for_answers()
     if pool.wait_until_ready(600):
         count = pool.health()["workers"]
         print(f"ready, {count} worker{'' if count == 1 else 's'}", flush=True)
