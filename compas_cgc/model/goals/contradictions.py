@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
-from ...discrete.arrays import IntArray
 from ...errors import ProblemError
 from ..constraints import AtHeight
 from ..constraints import Constraint
-from ..constraints import indices
-from ..constraints import unit
 from ..problem import CGCProblem
 from ..roles import FIXED
 from .binding import bind
 from .binding import support_height
 from .binding import unknown_regions
+from .heights import about
+from .heights import height_clashes
 from .inequalities import Above
 from .inequalities import Below
 from .inequalities import Clearance
@@ -28,6 +26,7 @@ from .inequalities import Within
 from .names import goal_name
 from .places import EdgeInPlan
 from .places import Level
+from .plans import plan_clashes
 from .wholes import Area
 from .wholes import Length
 from .wholes import Rise
@@ -39,13 +38,6 @@ __all__ = ["goal_problems", "refuse_impossible"]
 LARGE = 50.0  # length, against the size of the mesh, that must be in other units
 SLIGHT = 5e-4  # rise, against the size of the mesh, that must be in other units
 SAME = 1e-9  # difference, against the size of the mesh, that is none
-
-
-class _Level(NamedTuple):
-    """How high vertices have to be at least or at most, and what says so."""
-
-    height: float
-    name: str
 
 
 def refuse_impossible(problem: CGCProblem) -> None:
@@ -71,7 +63,8 @@ def goal_problems(problem: CGCProblem) -> list[str]:
         if found:
             return found
         bind(problem)
-        found = [*_pairs(problem), *_levels(problem), *_slabs(problem), *_held(problem), *_too_small(problem)]
+        apart = list(plan_clashes(problem)) or height_clashes(problem)
+        found = [*_pairs(problem), *_held(problem), *apart, *_too_small(problem)]
     except ProblemError as error:
         return error.problems
     return list(dict.fromkeys(found))
@@ -156,63 +149,6 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
         seen[key] = (value, goal_name(goal))
 
 
-def _levels(problem: CGCProblem) -> Iterator[str]:
-    """Tell heights that leave no room between them, vertex by vertex and under the crown."""
-    n, rounding = len(problem.vertices), SAME * _size(problem)
-    low, high = [_Level(-np.inf, "")] * n, [_Level(np.inf, "")] * n
-    crown, ceiling = _Level(np.inf, ""), _Level(np.inf, "")
-    for goal in problem.constraints:
-        own = _Level(getattr(goal, "height", np.nan), goal_name(goal))
-        if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
-            crown = min(crown, own)
-        elif isinstance(goal, Rise) and goal.rise > 0:
-            crown = min(crown, own._replace(height=support_height(problem) + goal.rise))
-        elif isinstance(goal, (AtHeight, Above, Below, Clearance)):
-            if isinstance(goal, Below) and isinstance(goal.vertices, str):
-                ceiling = min(ceiling, own)
-            for vertex in _about(problem, goal):
-                if not isinstance(goal, Below):
-                    low[vertex] = max(low[vertex], own)
-                if not isinstance(goal, (Above, Clearance)):
-                    high[vertex] = min(high[vertex], own)
-    for vertex in range(n):
-        one, other = low[vertex], high[vertex]
-        if one.height > other.height + rounding:
-            yield f"{one.name} and {other.name} contradict each other at vertex {vertex}; take one of them away"
-            return
-    top = max(low, default=_Level(-np.inf, ""))
-    if top.height > crown.height + rounding:
-        yield f"{top.name} and {crown.name} contradict each other; take one of them away"
-    fixed = np.flatnonzero(problem.roles == FIXED)
-    supported = float(problem.vertices[fixed, 2].max(initial=-np.inf))
-    if np.isfinite(crown.height) and crown.height > max(ceiling.height, supported) + rounding:
-        yield f"{ceiling.name} and {crown.name} contradict each other; take one of them away"
-    if len(fixed) and np.isfinite(crown.height):
-        highest = int(fixed[np.argmax(problem.vertices[fixed, 2])])
-        if problem.vertices[highest, 2] > crown.height + rounding:
-            yield f"{crown.name} lies below the support at vertex {highest}, which is {problem.vertices[highest, 2]:.4g} high; ask for more"
-
-
-def _slabs(problem: CGCProblem) -> Iterator[str]:
-    """Tell parallel planes too far apart for vertices to be near both."""
-    planes = [goal for goal in problem.constraints if isinstance(goal, NearPlane)]
-    for number, one in enumerate(planes):
-        for other in planes[number + 1 :]:
-            first, second = (unit(goal.normal, "the normal of a plane") for goal in (one, other))
-            apart = abs(float((np.asarray(other.point, float) - np.asarray(one.point, float)) @ first))
-            near = one.distance + other.distance
-            parallel = float(np.linalg.norm(np.cross(first, second))) <= SAME
-            if parallel and apart > near + SAME * _size(problem) and len(np.intersect1d(_about(problem, one), _about(problem, other))):
-                names = f"{goal_name(one)} and {goal_name(other)}"
-                yield f"{names} contradict each other, as these planes are {apart:.4g} apart; ask for more of one"
-
-
-def _about(problem: CGCProblem, goal: Constraint) -> IntArray:
-    if isinstance(goal, AtHeight):
-        return indices(goal.vertices, len(problem.vertices))
-    return bind(_only(problem, goal)).sides[0].candidates(problem.vertices)
-
-
 def _held(problem: CGCProblem) -> Iterator[str]:
     """Tell supports on the wrong side of something."""
     rounding = SAME * _size(problem)
@@ -223,6 +159,13 @@ def _held(problem: CGCProblem) -> Iterator[str]:
             if inside.min() < -rounding:
                 vertex = int(supports[np.argmin(inside)])
                 yield f"{goal_name(goal)} leaves out the support at vertex {vertex}, {-inside.min():.4g} outside; widen it or free that"
+        if isinstance(goal, AtHeight) and not isinstance(goal.vertices, str):
+            named = np.intersect1d(about(problem, goal), supports)
+            off = np.abs(problem.vertices[named, 2] - goal.height)
+            if off.max(initial=0.0) > rounding:
+                vertex = int(named[np.argmax(off)])
+                support = f"the support at vertex {vertex}, {problem.vertices[vertex, 2]:.4g}"
+                yield f"{goal_name(goal)} is not that of {support}; free it, or take it out of the goal Height"
     for side in bind(problem).sides:
         at = side.candidates(problem.vertices)
         fixed = at[problem.roles[at] == FIXED]

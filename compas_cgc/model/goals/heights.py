@@ -1,0 +1,277 @@
+"""Heights that goals leave to vertices and to the whole surface, and goals that leave none between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete import boundary_vertices
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ..constraints import AtHeight
+from ..constraints import Constraint
+from ..constraints import Fixed
+from ..constraints import OnPlane
+from ..constraints import indices
+from ..constraints import unit
+from ..problem import CGCProblem
+from ..roles import FIXED
+from .binding import bind
+from .binding import support_height
+from .inequalities import Above
+from .inequalities import Below
+from .inequalities import Clearance
+from .inequalities import NearPlane
+from .names import goal_name
+from .places import EdgeInPlan
+from .places import Level
+from .wholes import Length
+from .wholes import Rise
+from .wholes import Volume
+
+__all__ = ["about", "height_clashes"]
+
+SAME = 1e-9  # difference, against the size of the mesh, that is none
+UPRIGHT = 1e-12  # 1 - cosine of a normal that points up
+CUT = 0.02  # of a plan, that an edge over its line may cut off at its corners
+AWAY = "take one of them away"
+
+
+class _Range(NamedTuple):
+    """Heights that some vertices may have, and what says so."""
+
+    vertices: IntArray
+    low: float
+    high: float
+    name: str
+
+
+class _Heights(NamedTuple):
+    """The heights that all goals together leave to every vertex."""
+
+    low: FloatArray  # (n,)
+    high: FloatArray  # (n,)
+    says_low: IntArray  # (n,) number of the name, -1 without any
+    says_high: IntArray  # (n,)
+    names: list[str]
+
+    def name_of_low(self, vertex: int) -> str:
+        return self.names[self.says_low[vertex]]
+
+    def name_of_high(self, vertex: int) -> str:
+        return self.names[self.says_high[vertex]]
+
+
+class _Ends(NamedTuple):
+    """A height that the whole surface ends at, and what says so."""
+
+    height: float
+    name: str
+
+
+def height_clashes(problem: CGCProblem) -> Iterator[str]:
+    """Tell goals that leave no height between them: at a vertex, of the crown or the bottom, of a volume, along a path."""
+    size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    rounding = SAME * size
+    ranges = list(_ranges(problem))
+    heights = _together(problem, ranges)
+    crossed = np.flatnonzero(heights.low > heights.high + rounding)
+    if len(crossed):
+        at = int(crossed[0])
+        yield f"{heights.name_of_low(at)} and {heights.name_of_high(at)} contradict each other at vertex {at}; {AWAY}"
+        return
+    level = list(_level_edges(problem, heights, rounding))
+    crown, bottom = _end(problem, 1.0), _end(problem, -1.0)
+    ends = [*_of_crown(problem, heights, crown, rounding), *_of_bottom(problem, heights, bottom, rounding)]
+    yield from level + ends
+    if not level and not ends:
+        yield from _volumes(problem, heights, crown, bottom)
+        yield from _paths(problem, heights, rounding)
+
+
+def about(problem: CGCProblem, goal: Constraint) -> IntArray:
+    """Return the vertices that a goal of places or sides is about, of the drawing."""
+    if isinstance(goal, (AtHeight, OnPlane, Fixed)):
+        return indices(goal.vertices, len(problem.vertices))
+    return bind(problem.with_constraints([goal], add=False)).sides[0].candidates(problem.vertices)
+
+
+def _ranges(problem: CGCProblem) -> Iterator[_Range]:
+    """Return the heights that goals leave to vertices that may move; supports on the wrong side are told on their own."""
+    for goal in problem.constraints:
+        between = _between(goal)
+        if between is None:
+            continue
+        at = about(problem, goal)
+        yield _Range(at[problem.roles[at] != FIXED], *between, _name(goal))
+    for goal in problem.constraints:
+        if isinstance(goal, Fixed):
+            for vertex in np.setdiff1d(about(problem, goal), np.flatnonzero(problem.roles == FIXED)).tolist():
+                z = float(problem.vertices[vertex, 2])
+                yield _Range(np.array([vertex]), z, z, f"the place that vertex {vertex} is fixed at")
+
+
+def _between(goal: Constraint) -> Optional[tuple[float, float]]:
+    """Return the least and the greatest height that a goal leaves to vertices, None where it says nothing of their heights."""
+    if isinstance(goal, AtHeight):
+        return None if isinstance(goal.vertices, str) else (goal.height, goal.height)
+    if isinstance(goal, (Above, Clearance)):
+        return goal.height, np.inf
+    if isinstance(goal, Below):
+        return -np.inf, goal.height
+    if isinstance(goal, (NearPlane, OnPlane)) and abs(unit(goal.normal, "the normal of a plane")[2]) >= 1.0 - UPRIGHT:
+        z, near = float(goal.point[2]), goal.distance if isinstance(goal, NearPlane) else 0.0
+        return z - near, z + near
+    return None
+
+
+def _name(goal: Constraint) -> str:
+    return f"the level plane at {float(goal.point[2]):.6g}" if isinstance(goal, OnPlane) else goal_name(goal)
+
+
+def _together(problem: CGCProblem, ranges: list[_Range]) -> _Heights:
+    n = len(problem.vertices)
+    low, high = np.full(n, -np.inf), np.full(n, np.inf)
+    says_low, says_high = np.full(n, -1), np.full(n, -1)
+    names = [own.name for own in ranges]
+    for number, own in enumerate(ranges):
+        raised, lowered = own.vertices[own.low > low[own.vertices]], own.vertices[own.high < high[own.vertices]]
+        low[raised], says_low[raised] = own.low, number
+        high[lowered], says_high[lowered] = own.high, number
+    fixed = problem.roles == FIXED
+    low[fixed] = high[fixed] = problem.vertices[fixed, 2]
+    return _Heights(low, high, says_low, says_high, names)
+
+
+def _level_edges(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[str]:
+    """Tell heights that the vertices of a level edge, which are all as high, cannot have."""
+    for place in bind(problem).places:
+        if not isinstance(place, Level):
+            continue
+        ring = np.asarray(place.vertices, dtype=np.int64)
+        floor, ceiling = int(ring[np.argmax(heights.low[ring])]), int(ring[np.argmin(heights.high[ring])])
+        if heights.low[floor] > heights.high[ceiling] + rounding:
+            one, other = _said(problem, heights.says_low, heights, floor), _said(problem, heights.says_high, heights, ceiling)
+            yield f"{one} and {other} contradict each other on {goal_name(place)}, whose vertices are all as high; {AWAY}"
+
+
+def _said(problem: CGCProblem, says: IntArray, heights: _Heights, vertex: int) -> str:
+    """Return what says how high a vertex may be: a goal, or that it is a support."""
+    if says[vertex] >= 0:
+        return heights.names[says[vertex]]
+    return f"the support at vertex {vertex}, which is {problem.vertices[vertex, 2]:.4g} high,"
+
+
+def _end(problem: CGCProblem, side: float) -> Optional[_Ends]:
+    """Return the height of the crown, for side 1, or of the lowest vertex, for side -1, None where no goal says it."""
+    ends = []
+    for goal in problem.constraints:
+        if isinstance(goal, Rise) and goal.rise * side > 0.0:
+            ends.append(_Ends(support_height(problem) + goal.rise, goal_name(goal)))
+        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str) and side > 0.0:
+            ends.append(_Ends(goal.height, goal_name(goal)))
+    return min(ends, key=lambda end: side * end.height, default=None)
+
+
+def _of_crown(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], rounding: float) -> Iterator[str]:
+    if crown is None:
+        return
+    free = problem.roles != FIXED
+    low = np.where(free, heights.low, -np.inf)
+    top = int(np.argmax(low))
+    if low[top] > crown.height + rounding:
+        yield f"{heights.name_of_low(top)} and {crown.name} contradict each other; {AWAY}"
+    highest = int(np.argmax(heights.high))
+    if heights.high[highest] < crown.height - rounding:
+        ceiling = int(np.argmax(np.where(free, heights.high, -np.inf)))
+        yield f"{_said(problem, heights.says_high, heights, ceiling)} and {crown.name} contradict each other; {AWAY}"
+    at = _support(problem, 1.0)
+    if at is not None and problem.vertices[at, 2] > crown.height + rounding:
+        yield f"{crown.name} lies below the support at vertex {at}, which is {problem.vertices[at, 2]:.4g} high; ask for more"
+
+
+def _of_bottom(problem: CGCProblem, heights: _Heights, bottom: Optional[_Ends], rounding: float) -> Iterator[str]:
+    if bottom is None:
+        return
+    free = problem.roles != FIXED
+    high = np.where(free, heights.high, np.inf)
+    under = int(np.argmin(high))
+    if high[under] < bottom.height - rounding:
+        yield f"{heights.name_of_high(under)} and {bottom.name} contradict each other; {AWAY}"
+    lowest = int(np.argmin(heights.low))
+    if heights.low[lowest] > bottom.height + rounding:
+        floor = int(np.argmin(np.where(free, heights.low, np.inf)))
+        yield f"{_said(problem, heights.says_low, heights, floor)} and {bottom.name} contradict each other; {AWAY}"
+    at = _support(problem, -1.0)
+    if at is not None and problem.vertices[at, 2] < bottom.height - rounding:
+        yield f"{bottom.name} lies over the support at vertex {at}, which is {problem.vertices[at, 2]:.4g} high; ask for a lower one"
+
+
+def _support(problem: CGCProblem, side: float) -> Optional[int]:
+    """Return the highest support, for side 1, or the lowest, for side -1."""
+    fixed = np.flatnonzero(problem.roles == FIXED)
+    return int(fixed[np.argmax(side * problem.vertices[fixed, 2])]) if len(fixed) else None
+
+
+def _volumes(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], bottom: Optional[_Ends]) -> Iterator[str]:
+    """Tell volumes that do not go under a ceiling or over a floor, where the plan stays as it is drawn."""
+    plan = _held_plan(problem)
+    if plan is None:
+        return
+    highest, lowest = int(np.argmax(heights.high)), int(np.argmin(heights.low))
+    free = problem.roles != FIXED
+    for goal in problem.constraints:
+        if not isinstance(goal, Volume):
+            continue
+        level = support_height(problem) if goal.level is None else goal.level
+        top = _Ends(float(heights.high[highest]), "")
+        if crown is not None and crown.height <= top.height:
+            top = crown
+        most = plan * (top.height - level)
+        if goal.volume > most + CUT * abs(most):
+            name = top.name or _said(problem, heights.says_high, heights, int(np.argmax(np.where(free, heights.high, -np.inf))))
+            yield f"{goal_name(goal)} and {name} contradict each other: under that there is {max(most, 0.0):.6g} over the plan; {AWAY}"
+        floor = _Ends(float(heights.low[lowest]), "")
+        if bottom is not None and bottom.height >= floor.height:
+            floor = bottom
+        least = plan * (floor.height - level)
+        if goal.volume < least - CUT * abs(least):
+            name = floor.name or _said(problem, heights.says_low, heights, int(np.argmin(np.where(free, heights.low, np.inf))))
+            yield f"{goal_name(goal)} and {name} contradict each other: under that there is {least:.6g} over the plan; {AWAY}"
+
+
+def _held_plan(problem: CGCProblem) -> Optional[float]:
+    """Return the area in plan where supports, or goals, keep the whole edge over the line that it is drawn along."""
+    faces = problem.faces[problem.real_faces]
+    held = problem.roles == FIXED
+    for goal in problem.constraints:
+        if isinstance(goal, (EdgeInPlan, Level)) and goal.points is None:
+            held = held | np.isin(np.arange(len(held)), _named(problem, goal))
+    if not held[boundary_vertices(problem.vertices, faces)].all():
+        return None
+    a, b, c = (problem.vertices[faces[:, k], :2] for k in range(3))
+    u, v = b - a, c - a
+    return 0.5 * abs(float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum()))
+
+
+def _named(problem: CGCProblem, goal: Constraint) -> IntArray:
+    places = bind(problem.with_constraints([goal], add=False)).places
+    return np.concatenate([np.asarray(place.vertices, dtype=np.int64) for place in places]) if places else np.zeros(0, np.int64)
+
+
+def _paths(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[str]:
+    """Tell paths that are shorter than the heights that they have to go up and down."""
+    for goal in problem.constraints:
+        if not isinstance(goal, Length):
+            continue
+        path = np.asarray(goal.vertices, dtype=np.int64)
+        known = path[heights.low[path] >= heights.high[path] - rounding]
+        climbs = np.abs(np.diff(heights.low[known]))
+        if len(climbs) and goal.length < climbs.sum() - rounding:
+            worst = int(np.argmax(climbs))
+            ends = (known[worst], known[worst + 1])
+            said = next((heights.names[heights.says_low[end]] for end in ends if heights.says_low[end] >= 0), "its supports")
+            yield f"{goal_name(goal)} and {said} contradict each other: it goes up and down by {climbs.sum():.6g}; {AWAY}"
