@@ -35,6 +35,7 @@ from .option_values import whole
 from .seams import along_paths
 from .seams import opens_to_disks
 from .seams import seam_edges
+from .solved import chosen_regions
 
 __all__ = ["Development", "Seam", "check_disk", "develop", "lay_out"]
 
@@ -155,9 +156,7 @@ def _faces_of(problem: CGCProblem, region: Union[int, ArrayLike]) -> tuple[Indic
     targets = problem.region_targets()
     label = problem.regions()
     if np.ndim(region) == 0:
-        number = whole(region, "a region")
-        if not 0 <= number < len(targets):
-            raise CGCError(f"there is no region {number}; the mesh has {len(targets)}, from 0 to {len(targets) - 1}")
+        (number,) = chosen_regions(problem, [whole(region, "a region")])
         return np.flatnonzero(label == number), f"region {number}", targets[number]
     chosen = np.asarray(region, dtype=np.int64)
     if not len(chosen) or chosen.min() < 0 or chosen.max() >= len(label):

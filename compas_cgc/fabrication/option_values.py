@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 import re
 from typing import NamedTuple
 from typing import Optional
@@ -135,7 +136,7 @@ def _numbers(row: object) -> Optional[list[float]]:
 
 def _as_float(value: object) -> Optional[float]:
     """Return a finite number, of a text too, None for anything else."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+    if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         return None
     try:
         found = float(value)

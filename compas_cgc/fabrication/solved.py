@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Optional
+
 import numpy as np
 
 from ..discrete import angle_defects
 from ..discrete import vertex_areas
 from ..errors import CGCError
+from ..model.given import no_region
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ..model.verdict import verdict
+from .option_values import region_numbers
 
-__all__ = ["solved_problem"]
+__all__ = ["chosen_regions", "solved_problem"]
 
 ASTRAY = 0.1  # part of the total curvature asked for that a rough surface which has been solved may be off by
 FLAT = 1e-9  # total curvature below which a surface counts as flat
@@ -40,6 +45,24 @@ def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
         if not judged.fair:
             raise CGCError(f"the surface is {judged}; solve it (again) before it is built, or allow rough surfaces")
     return problem
+
+
+def chosen_regions(problem: CGCProblem, regions: Optional[Iterable[int]]) -> list[int]:
+    """Return the regions that are to be taken, each once and in order; all where none are named.
+
+    Raises
+    ------
+    CGCError
+        If there is no such region.
+    """
+    count = len(problem.region_targets())
+    if regions is None:
+        return list(range(count))
+    named = region_numbers(list(regions) if isinstance(regions, Iterable) and not isinstance(regions, str) else regions, "regions")
+    wrong = [region for region in named if not 0 <= region < count]
+    if wrong:
+        raise CGCError(no_region(wrong[0], count, bool(len(problem.creases))))
+    return sorted(set(named))
 
 
 def _reached(problem: CGCProblem) -> float:

@@ -21,7 +21,6 @@ from .flattening import flatten
 from .layout import among
 from .layout import cut_open
 from .nesting import nest
-from .option_values import region_numbers
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
@@ -31,6 +30,7 @@ from .pieces import best_box
 from .pieces import cut_to_fit
 from .regions_in_plane import developed
 from .rulings import rulings_of
+from .solved import chosen_regions
 from .solved import solved_problem
 
 __all__ = ["unroll"]
@@ -105,9 +105,7 @@ def unroll(
     if strain is not None and not checked_number(strain, "strain") > 0:
         raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
-    flat, cuts, unrollings = developed(
-        problem, _chosen(problem, None if regions is None else region_numbers(list(regions), "regions")), given
-    )
+    flat, cuts, unrollings = developed(problem, chosen_regions(problem, regions), given)
     curved = {own.region for own in unrollings if not own.unrolled}
 
     def flattened(own: Patchwork, piece: int) -> Patchwork:
@@ -154,16 +152,6 @@ def _check_scale(problem: CGCProblem, sheet: Optional[tuple[float, float]]) -> N
             f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is out of scale with a surface {size:.3g} across; say in which unit it is, "
             f"such as {sheet[0]:g}x{sheet[1]:g}mm"
         )
-
-
-def _chosen(problem: CGCProblem, regions: Optional[Sequence[int]]) -> list[int]:
-    count = int(problem.regions().max(initial=-1)) + 1
-    if regions is None:
-        return list(range(count))
-    wrong = [region for region in regions if not 0 <= region < count]
-    if wrong:
-        raise CGCError(f"there is no region {wrong[0]}; the mesh has {count}, from 0 to {count - 1}")
-    return sorted(set(regions))
 
 
 def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
