@@ -217,6 +217,13 @@ TASKS: dict[str, Task] = {
                     "X,Y,Z",
                     many=True,
                 ),
+                BuildOption(
+                    "stop",
+                    "lines of curvature end where they come nearer to each other than this part of the spacing (default 0.5), 0 for nowhere",
+                    values.number,
+                    {"type": "number", "minimum": 0, "exclusiveMaximum": 1, "default": 0.5},
+                    "PART",
+                ),
                 _REGIONS,
                 _ROUGH,
             ),

@@ -11,6 +11,7 @@ from compas_cgc import CGCError
 from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication.shape_operators import shape_operators
 from compas_cgc.io.nets import write_net
 
 from ..support.constant_curvature import cone
@@ -45,13 +46,59 @@ def test_asymptotic_curves_do_not_bend_in_the_normal_direction():
         assert np.abs(fall).max() < 0.1 * np.sqrt(-K)
 
 
-def test_the_net_of_a_saddle_solved_from_a_flat_start():
+@pytest.mark.parametrize("stretch", [1.0, 1.5], ids=["15 x 15", "12 x 18"])
+def test_the_net_of_a_saddle_solved_from_a_flat_start(stretch):
     vertices, faces = grid(24, 15.0)
+    vertices = vertices * ([0.8, 1.2, 1.0] if stretch > 1.0 else 1.0)
     result = solve(CGCProblem(vertices, faces).with_supports("corners").with_targets(-0.01), method="projection")
     net = curve_net(result, 1.0)
     assert result.converged
     assert len(net.lengths) > 300
-    assert np.abs(net.lengths - 1.0).max() < 0.02
+    assert np.abs(net.lengths - 1.0).max() < 0.015
+    # What is asymptotic does not bend across the surface.
+    S, most = shape_operators(net.problem.vertices, net.problem.faces).operators, 0.0
+    for curve in net.curves:
+        step = np.diff(curve.points, axis=0)
+        long = np.linalg.norm(step, axis=1) > 0.05
+        step, own = step[long] / np.linalg.norm(step[long], axis=1)[:, None], S[net.problem.faces[curve.faces[long]]].mean(axis=1)
+        most = max(most, np.abs(np.einsum("ki,kij,kj->k", step, own, step)).max(initial=0.0))
+    assert most < 0.05 * 0.01**0.5
+
+
+def test_around_a_hole_asymptotic_curves_are_traced_one_by_one():
+    """A ring of the catenoid-like surface of K = -0.02 has no coordinates all around: what is traced has nearly equal sides."""
+    K, r0, around, rows = -0.02, 4.0, 60, 15
+    x = np.linspace(-2.5, 2.5, rows)
+    radius = r0 * np.cosh((-K) ** 0.5 * x)
+    height = np.concatenate([[0.0], np.cumsum(np.sqrt(np.diff(x) ** 2 - np.diff(radius) ** 2))])
+    vertices, faces = revolution(radius, height, around)
+    net = curve_net(CGCProblem(vertices, faces).with_supports("boundary").with_targets(K), 1.0, rough=True)
+    assert {curve.family for curve in net.curves} == {0, 1} and len(net.nodes) > 50
+    # Where both ways around meet curves are as near as they happen to be.
+    assert (np.abs(net.lengths - 1.0) < 0.02).mean() > 0.9
+
+
+def test_lines_of_curvature_keep_their_distance():
+    """Towards the corners of a roof they run together: beside each other none is nearer than the stop distance."""
+    vertices, faces = grid(16, 12.0)
+    result = solve(CGCProblem(vertices, faces).with_supports("corners").with_targets(0.01), method="projection")
+    freely, apart = (curve_net(result, 1.5, stop=stop).curves for stop in (0.0, 0.5))
+    assert 0 < len(apart) < len(freely)
+    assert _nearest_beside(freely) < 0.2 and _nearest_beside(apart) > 0.6
+    with pytest.raises(CGCError, match="stop distance is a part of the spacing"):
+        curve_net(result, 1.0, stop=1.0)
+
+
+def _nearest_beside(curves) -> float:
+    """Return how near a point of a curve is to one of another that runs the same way, up to 5 degrees."""
+    nearest = np.inf
+    for k, curve in enumerate(curves):
+        for other in curves[:k]:
+            directions = [np.gradient(own.points, axis=0) for own in (curve, other)]
+            a, b = (each / np.linalg.norm(each, axis=1, keepdims=True) for each in directions)
+            away = np.linalg.norm(curve.points[:, None] - other.points, axis=2)
+            nearest = min(nearest, away[np.abs(a @ b.T) > np.cos(np.radians(5.0))].min(initial=np.inf))
+    return nearest
 
 
 def test_lines_of_curvature_are_meridians_and_circles():

@@ -70,7 +70,7 @@ def test_commands_write_what_python_gives(files, tmp_path, capsys):
         (("membrane", "dome.3dm", "-o", "out.3dm"), "there is no load"),
         (("membrane", "cone.3dm", "-o", "out.3dm", "--pressure", "1"), "has K = 0"),
         (("net", "saddle.3dm", "-o", "out.3dm", "--through", "1,2"), "--through must be X,Y,Z"),
-        (("net", "saddle.3dm", "-o", "out.3dm", "--region", "4"), "there is no such region"),
+        (("net", "saddle.3dm", "-o", "out.3dm", "--region", "4"), "there is no region 4; the mesh has 1"),
     ],
 )
 def test_wrong_orders_end_in_a_sentence_and_write_nothing(files, tmp_path, capsys, words, sentence):

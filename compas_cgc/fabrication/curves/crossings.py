@@ -11,7 +11,9 @@ from ..patchwork import pairs_of_equal
 from .trace import DirectionField
 from .trace import Traced
 
-__all__ = ["arc_lengths_of", "bow_of", "crossings", "is_closed", "meetings", "place_at"]
+__all__ = ["arc_lengths_of", "bow_of", "crossings", "is_closed", "is_long", "meetings", "place_at"]
+
+SHORT = 0.05  # of the spacing: curves shorter than this are left out
 
 
 def meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
@@ -73,6 +75,11 @@ def arc_lengths_of(curve: Traced) -> FloatArray:
 def is_closed(curve: Traced) -> bool:
     """Tell whether a curve ends where it begins."""
     return len(curve.points) > 2 and np.array_equal(curve.points[0], curve.points[-1])
+
+
+def is_long(curve: Traced, spacing: float) -> bool:
+    """Tell whether a curve is long enough to be built, at a spacing [L]."""
+    return len(curve.points) > 1 and float(arc_lengths_of(curve)[-1]) > SHORT * spacing
 
 
 def bow_of(points: Vectors) -> float:

@@ -12,8 +12,10 @@ from ...discrete.arrays import Vectors
 from .crossings import arc_lengths_of
 from .crossings import bow_of
 from .crossings import is_closed
+from .crossings import is_long
 from .crossings import meetings
 from .crossings import place_at
+from .stop_distance import Neighbours
 from .trace import CURVATURE
 from .trace import RULING
 from .trace import DirectionField
@@ -22,8 +24,7 @@ from .trace import trace
 
 __all__ = ["curves_through", "grown_net"]
 
-SHORT = 0.05  # of the spacing: curves shorter than this are left out
-CROWDED = 0.5  # of the spacing: curves do not come nearer to each other than this
+CROWDED = 0.5  # of the spacing: other curves do not cross a third one nearer to each other than this
 STRAIGHT = 0.05  # distance from its chord, against this, up to which a curve that fills a gap is a ruling
 GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
 MOST = 2000  # curves of a region
@@ -70,8 +71,9 @@ def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
 class _Growth:
     """A net that grows: its curves by family, and where along each it is crossed."""
 
-    def __init__(self, field: DirectionField):
-        self.field = field
+    def __init__(self, field: DirectionField, spacing: float, stop: float):
+        self.field, self.spacing = field, spacing
+        self.neighbours = Neighbours(spacing, stop)
         self.curves: list[list[Traced]] = [[], []]
         self.crossed: list[list[list[float]]] = [[], []]  # arc lengths, by family and curve
 
@@ -88,10 +90,12 @@ class _Growth:
                 touched.append((1 - family, i))
         self.curves[family].append(curve)
         self.crossed[family].append(own)
+        self.neighbours.add(curve)
         return touched
 
-    def uncrowded(self, family: int, new: Traced, place: Vectors, spacing: float) -> Traced:
+    def uncrowded(self, family: int, new: Traced, place: Vectors) -> Traced:
         """Return the part of a new curve around its mark up to where it comes near to one that is there, or nothing of it."""
+        new = self.neighbours.clear_part(new, place)
         if len(new.points) < 2:
             return new
         at = arc_lengths_of(new)
@@ -99,19 +103,22 @@ class _Growth:
         low, high = -np.inf, np.inf
         for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
             for s, own in meetings(self.field, curve, new) if there else ():
-                if min(_apart(curve, s, t) for t in there) < CROWDED * spacing:
-                    if abs(own - mark) < 0.1 * spacing:
+                if min(_apart(curve, s, t) for t in there) < CROWDED * self.spacing:
+                    if abs(own - mark) < 0.1 * self.spacing:
                         return Traced(new.points[:1], new.faces[:0])
                     low, high = (max(low, own), high) if own < mark else (low, min(high, own))
         kept = np.flatnonzero((at > low) & (at < high))
         return Traced(new.points[kept], new.faces[kept[:-1]])
 
 
-def grown_net(field: DirectionField, kind: int, spacing: float, size: float) -> list[list[Traced]]:
-    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by."""
+def grown_net(field: DirectionField, kind: int, spacing: float, size: float, stop: float) -> list[list[Traced]]:
+    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by.
+
+    Lines of curvature end where they come nearer to each other than a part of the spacing.
+    """
     centres = field.vertices[field.faces].mean(axis=1)
     face = _first_face(field, kind, centres, size)
-    growth = _Growth(field)
+    growth = _Growth(field, spacing, stop if kind == CURVATURE else 0.0)
     # Rulings are marked off along the first curve across them.
     for family in (0, 1):
         curve = trace(field, kind, family, face, centres[face])
@@ -129,8 +136,8 @@ def grown_net(field: DirectionField, kind: int, spacing: float, size: float) -> 
                 continue
             tried.add(key)
             start, place = place_at(curve, arc_lengths_of(curve), mark)
-            new = growth.uncrowded(1 - family, trace(field, kind, 1 - family, start, place), place, spacing)
-            if _long(new, spacing):
+            new = growth.uncrowded(1 - family, trace(field, kind, 1 - family, start, place), place)
+            if is_long(new, spacing):
                 touched = growth.add(1 - family, new)
                 waiting += [] if kind == RULING else [each for each in touched if each not in waiting]
     return [_filled(field, growth.curves[0], centres, spacing), []] if kind == RULING else growth.curves
@@ -146,7 +153,7 @@ def _filled(field: DirectionField, curves: list[Traced], centres: Vectors, spaci
         face = int(np.argmax(away))
         curve = trace(field, RULING, 0, face, centres[face])
         away[face] = 0.0
-        if _long(curve, spacing) and bow_of(curve.points) < STRAIGHT:
+        if is_long(curve, spacing) and bow_of(curve.points) < STRAIGHT:
             found.append(curve)
             away = np.minimum(away, cKDTree(curve.points).query(centres)[0])
     return found
@@ -161,10 +168,6 @@ def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float)
     trace_, square = np.trace(S, axis1=1, axis2=2), np.einsum("fij,fij->f", S, S)
     spread = np.maximum(2.0 * square - trace_**2, 0.0)
     return int(np.argmax(np.where(away <= max(0.25 * size, away.min()), spread, -1.0)))
-
-
-def _long(curve: Traced, spacing: float) -> bool:
-    return len(curve.points) > 1 and float(np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum()) > SHORT * spacing
 
 
 def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bool) -> list[float]:

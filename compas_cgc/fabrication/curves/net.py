@@ -21,7 +21,9 @@ from ...model.given import checked_number
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
 from ..shape_operators import shape_operators
+from ..solved import chosen_regions
 from ..solved import solved_problem
+from .chebyshev import chebyshev_net
 from .crossings import arc_lengths_of
 from .crossings import bow_of
 from .crossings import crossings
@@ -39,6 +41,7 @@ __all__ = ["CurveNet", "NetCurve", "curve_net", "plural", "usual_spacing"]
 
 NAMES = {CURVATURE: "line of curvature", ASYMPTOTIC: "asymptotic curve", RULING: "ruling"}
 SHARE = 1.0 / 12.0  # of a region's size, between curves
+STOP = 0.5  # of the spacing, nearer than which lines of curvature do not run beside each other
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 PLAIN = 0.02  # of the largest curvature of a developable region, below which it is plain there and has no rulings
 PLANE = 1e-4  # curvature times size, below which a region is a plane
@@ -169,6 +172,7 @@ def curve_net(
     *,
     through: Union[str, ArrayLike, None] = None,
     regions: Optional[Sequence[int]] = None,
+    stop: float = STOP,
     rough: bool = False,
 ) -> CurveNet:
     """Trace the curves that a surface is built along: lines of curvature where K > 0, asymptotic curves where K < 0, rulings where K = 0.
@@ -188,6 +192,9 @@ def curve_net(
         each region.
     regions
         Which to take. Default: all.
+    stop
+        Stop distance, as a part of the spacing: where lines of curvature run together, as towards corners, they end so near to each other.
+        0 lets them go on.
     rough
         Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
@@ -210,9 +217,9 @@ def curve_net(
     if spacing is not None and not (np.isfinite(checked_number(spacing, "spacing")) and spacing > 0):
         raise CGCError(f"the spacing must be more than 0, not {spacing:g}")
     targets, label = problem.region_targets(), problem.regions()
-    chosen = range(len(targets)) if regions is None else sorted(set(regions))
-    if len(targets) == 0 or any(not 0 <= region < len(targets) for region in chosen):
-        raise CGCError(f"there is no such region; the mesh has {len(targets)}")
+    if not 0.0 <= checked_number(stop, "stop") < 1.0:
+        raise CGCError(f"the stop distance is a part of the spacing, from 0 to less than 1, not {stop:g}")
+    chosen = chosen_regions(problem, regions)
     curves: list[NetCurve] = []
     nodes, sides, lengths = [np.zeros((0, 3))], [np.zeros((0, 2), np.int64)], [np.zeros(0)]
     points = _points(problem, through)
@@ -228,7 +235,8 @@ def curve_net(
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
-            traced = grown_net(field, kind, step, size)
+            equal = chebyshev_net(field, step) if kind == ASYMPTOTIC else None
+            traced = grown_net(field, kind, step, size, stop) if equal is None else equal
         else:
             traced = curves_through(field, kind, points, _supports_of(problem, region, through))
         if not any(traced):

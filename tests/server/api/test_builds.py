@@ -161,7 +161,7 @@ def test_wrong_orders_are_refused_before_they_are_queued(server, body, sentence)
         ("unroll", CONE, {"seams": [[0, 1]]}, "no seam opens"),
         ("unroll", CONE, {"sheet": "1e"}, "LENGTHxWIDTH"),
         ("unroll", CONE, {"sheet": [0.001, 0.001]}, "give a larger one"),
-        ("net", SADDLE, {"regions": [4]}, "there is no such region"),
+        ("net", SADDLE, {"regions": [4]}, "there is no region 4"),
         ("mould", DOME, {"material": "cheese"}, "there is no material 'cheese'"),
         ("mould", CONE, {"count": 1}, "hole"),
         ("limits", CONE, {}, "no limit to look for"),

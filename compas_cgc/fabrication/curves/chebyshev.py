@@ -1,0 +1,144 @@
+"""Chebyshev nets: coordinates of a surface of K < 0 whose lines are its asymptotic curves, at one distance from crossing to crossing."""
+
+from __future__ import annotations
+
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import breadth_first_order
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import PerVertex
+from ...linalg import factorise
+from ..seams import opens_to_disks
+from .crossings import is_long
+from .trace import INSIDE
+from .trace import DirectionField
+from .trace import Traced
+
+__all__ = ["chebyshev_net"]
+
+def chebyshev_net(field: DirectionField, spacing: float) -> Optional[list[list[Traced]]]:
+    r"""Return both families of asymptotic curves at a spacing, the first two through the middle; None where there are no such coordinates.
+
+    On a surface of constant K < 0 asymptotic curves are the lines of coordinates u, v in which both are lengths along them. These are
+    found all at once,
+
+    .. math:: \min_{u, v} \int (\partial_1 u - 1)^2 + (\partial_2 u)^2 + (\partial_2 v - 1)^2 + (\partial_1 v)^2,
+
+    with derivatives along the two asymptotic directions, so that what a mesh is off by is shared out over the surface and does not add up
+    from curve to curve, as it does where each is traced by itself.
+
+    Parameters
+    ----------
+    field
+        Of a region.
+    spacing
+        Between curves, along those that they cross [L].
+
+    Returns
+    -------
+    list of two lists of Traced, or None
+        Where the region has a hole, or directions only in a part of it.
+
+    References
+    ----------
+    Chebyshev 1878; Eisenhart, *A treatise on the differential geometry of curves and surfaces* (1909), section 120.
+    """
+    directions = _combed(field) if opens_to_disks(field.faces) else None
+    if directions is None:
+        return None
+    return [_lines(field, _coordinate(field, *pair), spacing) for pair in (directions[::-1], directions)]
+
+
+def _combed(field: DirectionField) -> Optional[tuple[FloatArray, FloatArray]]:
+    """Return the asymptotic directions of both families in the axes of every face (m, 2), each family pointing one way all over."""
+    S = field.operators[field.faces].mean(axis=1)
+    x, y = field.axes.transpose(1, 0, 2)
+    a, b, c = (np.einsum("fi,fij,fj->f", p, S, q) for p, q in ((x, x), (x, y), (y, y)))
+    half, difference = 0.5 * (a + c), 0.5 * (a - c)
+    spread = np.hypot(difference, b)
+    if not (np.abs(half) < spread).all():
+        return None
+    largest, aside = 0.5 * np.arctan2(b, difference), 0.5 * np.arccos(-half / spread)
+    mate = field.mate.ravel()
+    side = np.flatnonzero(mate >= 0)
+    face, beyond = side // 3, mate[side] // 3
+    graph = sparse.coo_matrix((np.ones(len(face), np.int8), (face, beyond)), shape=(len(S), len(S))).tocsr()
+    order, before = breadth_first_order(graph, 0)
+    found = []
+    for angle in (largest + aside, largest - aside):
+        flat = np.column_stack([np.cos(angle), np.sin(angle)])
+        space = np.einsum("fk,fki->fi", flat, field.axes)
+        same = np.where(np.einsum("fi,fi->f", space, space[np.maximum(before, 0)]) < 0.0, -1.0, 1.0)
+        sign = np.ones(len(S))
+        for each in order[1:].tolist():
+            sign[each] = same[each] * sign[before[each]]
+        space = sign[:, None] * space
+        if np.einsum("fi,fi->f", space[face], space[beyond]).min(initial=1.0) <= 0.0:
+            return None
+        found.append(sign[:, None] * flat)
+    return found[0], found[1]
+
+
+def _derivatives(field: DirectionField, directions: FloatArray) -> sparse.csr_matrix:
+    """Return the matrix from values at vertices to their derivatives along directions (m, 2) in every face (m, n)."""
+    corners = field.vertices[field.faces]
+    ahead = np.einsum("fki,fji->fkj", corners[:, 1:] - corners[:, :1], field.axes)
+    share = np.linalg.solve(ahead.transpose(0, 2, 1), directions[:, :, None])[:, :, 0]
+    weights = np.column_stack([-share.sum(axis=1), share])
+    m = len(field.faces)
+    return sparse.csr_matrix((weights.ravel(), field.faces.ravel(), np.arange(0, 3 * m + 1, 3)), shape=(m, len(field.vertices)))
+
+
+def _coordinate(field: DirectionField, along: FloatArray, across: FloatArray) -> PerVertex:
+    """Return the coordinate (n,) [L] that grows by lengths along one direction and not along the other, 0 in the middle."""
+    corners = field.vertices[field.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(normals, axis=1)
+    centres = corners.mean(axis=1)
+    middle = field.faces[np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1))]
+    grown, still = _derivatives(field, along), _derivatives(field, across)
+    matrix = (grown.T @ sparse.diags(area) @ grown + still.T @ sparse.diags(area) @ still).tocsr()
+    # Known but for a constant.
+    used = np.setdiff1d(np.unique(field.faces), middle[:1])
+    values = np.zeros(len(field.vertices))
+    values[used] = factorise(matrix[used][:, used], symmetric=True, points=field.vertices[used]).solve((grown.T @ area)[used])
+    return values - values[middle].mean()
+
+
+def _lines(field: DirectionField, values: PerVertex, spacing: float) -> list[Traced]:
+    """Return the lines along which a coordinate (n,) is a multiple of the spacing."""
+    corners = values[field.faces]
+    levels = range(int(np.ceil(corners.min() / spacing)), int(np.floor(corners.max() / spacing)) + 1)
+    return [line for level in levels for line in _level(field, values - level * spacing) if is_long(line, spacing)]
+
+
+def _level(field: DirectionField, values: PerVertex) -> list[Traced]:
+    """Return the lines along which values (n,) are 0, from edge to edge."""
+    above = values[field.faces] >= 0.0
+    ahead = np.roll(above, -1, axis=1)
+    into, out = np.argmax(~above & ahead, axis=1), np.argmax(above & ~ahead, axis=1)
+    crossed = np.flatnonzero((above != ahead).any(axis=1))
+    beyond = field.mate[crossed, out[crossed]]
+    following = np.full(len(field.faces), -1)
+    following[crossed] = np.where(beyond >= 0, beyond // 3, -1)
+    lines = []
+    for face in crossed[field.mate[crossed, into[crossed]] < 0].tolist():
+        faces = []
+        while face >= 0:
+            faces.append(face)
+            face = int(following[face])
+        own = np.array(faces)
+        points = (_zeros(field, values, own, into[own]), _zeros(field, values, own[-1:], out[own[-1:]]))
+        lines.append(Traced(np.vstack(points), own))
+    return lines
+
+
+def _zeros(field: DirectionField, values: PerVertex, faces: IntArray, sides: IntArray) -> FloatArray:
+    """Return the places (k, 3) on sides of faces at which values (n,) are 0."""
+    start, end = field.faces[faces, sides], field.faces[faces, (sides + 1) % 3]
+    share = np.clip(values[start] / (values[start] - values[end]), INSIDE, 1.0 - INSIDE)[:, None]
+    return (1.0 - share) * field.vertices[start] + share * field.vertices[end]
