@@ -11,6 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.corners import corner_angles
+from ..discrete.smooth_measure import is_regular
 from ..errors import ProblemError
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
@@ -24,6 +25,7 @@ from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
 from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
+from .measures import read_across
 from .problem import CGCProblem
 from .problem import PosesProblem
 from .problem import problem_of
@@ -36,6 +38,7 @@ __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "thr
 
 GENTLE = 0.5  # total curvature of a region that is proposed [rad]
 NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
+FINE = 300  # vertices with K; on a coarser mesh a roof is some percent off anyway
 
 
 def check(posed: PosesProblem) -> list[Diagnostic]:
@@ -73,7 +76,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
-        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real)
+        problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real) + _corner_problems(real)
         problems += [Diagnostic(said, fatal=False) for said in two_sided_supports(real)]
     return problems
 
@@ -181,6 +184,22 @@ def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
             fatal=False,
         )
     ]
+
+
+def _corner_problems(problem: CGCProblem) -> list[Diagnostic]:
+    """Name faces that lie flat in corners, where angle defects read K: auto does so on regular meshes."""
+    if int((problem.asked & (problem.targets > 0.0)).sum()) < FINE or not is_regular(problem.faces, problem.asked):
+        return []
+    flat = np.flatnonzero((read_across(problem) != problem.faces).any(axis=1) & (problem.roles == FIXED)[problem.faces].all(axis=1))
+    if not len(flat):
+        return []
+    faces = (
+        "1 face lies flat in a corner, held at all three vertices, and cuts it off"
+        if len(flat) == 1
+        else (f"{len(flat)} faces lie flat in corners, held at all three vertices, and cut them off")
+    )
+    text = "which makes a dome some percent lower; the setting measure='smooth' (--measure smooth) reads K into the corners"
+    return [Diagnostic(f"{faces} (faces {listed(problem.names.faces[flat])}), {text}", fatal=False)]
 
 
 def three_faced(faces: Faces, vertices: Indices) -> Indices:

@@ -6,13 +6,16 @@ import numpy as np
 
 from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
+from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
 from ..discrete.space_form import space_form_angle_sums
+from ..meshing.flat_corners import turned_corners
 from .problem import CGCProblem
+from .roles import FIXED
 
-__all__ = ["measured_curvature"]
+__all__ = ["measured_curvature", "read_across"]
 
 
 def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVertex:
@@ -23,7 +26,8 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
     problem
         Vertices, faces, roles and targets.
     measure
-        ``defect``: angle defect over area (Eq. 10). ``smooth``: less what the layout of the mesh puts into it.
+        ``defect``: angle defect over area (Eq. 10). ``smooth``: less what the layout of the mesh puts into it, across
+        :func:`read_across`.
         ``exact``, ``exact-arc``: the target and what the triangles of its space form leave open, over the area.
     """
     asked = problem.asked
@@ -31,7 +35,17 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
         targets = np.where(asked, problem.targets, 0.0)
         left = 2.0 * np.pi - space_form_angle_sums(problem.vertices, problem.faces, targets, measure == "exact-arc")
         return np.where(asked, targets + left / np.where(asked, vertex_areas(problem.vertices, problem.faces), 1.0), np.nan)
-    K = gaussian_curvature(problem.vertices, problem.faces)
+    faces = read_across(problem) if measure == "smooth" else problem.faces
+    K = gaussian_curvature(problem.vertices, faces)
     if measure == "smooth":
-        K = K - layout_errors(problem.vertices, problem.faces, asked)
+        K = K - layout_errors(problem.vertices, faces, asked)
     return np.where(asked, K, np.nan)
+
+
+def read_across(problem: CGCProblem) -> IntArray:
+    """Return the triangles (m, 3) across which the smooth measure reads K.
+
+    They are those of the problem, but where one lies flat in a corner between three fixed vertices: there the diagonal is
+    turned into the corner, as that of the mesh cuts the corner off, whatever the surface.
+    """
+    return turned_corners(problem.vertices, problem.faces, problem.roles == FIXED, problem.creases)

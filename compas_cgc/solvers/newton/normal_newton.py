@@ -10,6 +10,7 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
+from ...discrete.smooth_measure import is_regular
 from ...errors import ProblemError
 from ...model.frame import Frame
 from ...model.goals.binding import Equation
@@ -17,6 +18,7 @@ from ...model.goals.binding import bind
 from ...model.goals.binding import held_by_newton
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
+from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
@@ -78,12 +80,19 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     'converged'
     """
     settings = settings or NewtonSettings()
+    if settings.measure == "auto" and _is_cut_off(problem):
+        solution = newton(problem, settings=replace(settings, measure="smooth"), callback=callback)
+        if solution.status in ("converged", "cancelled"):
+            return solution
+        settings = replace(settings, measure="defect")
     posed, problem = problem, guessed(problem)
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} is internal but has no target; give its region a K̄ or another role"])
     local, frame = problem.local()
-    system = System(local, settings.backend)
+    # Across the edge of a mesh that a dummy ring carries there is nothing to be read.
+    smooth = settings.measure == "smooth" and local.real_faces.all()
+    system = System(replace(local, faces=read_across(local)) if smooth else local, settings.backend)
     sought = _goal(local, posed, settings.measure)
     start = here = best = system.measure(local.vertices)
     outcome: Outcome
@@ -135,7 +144,7 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     vertices = problem.vertices if shape is start else to_model(shape.vertices)
     measure = "defect" if sought is not None else stages.measure_of(system)
     if measure == "smooth":
-        problem = replace(problem, targets=system.equations.targets / frame.scale**2)
+        problem = replace(problem, faces=system.problem.faces, targets=system.equations.targets / frame.scale**2)
     if status == "converged" and len(recorder):
         vertices = polished(system, problem, frame, vertices, measure)
     max_error = float(np.abs(model_errors(problem, vertices, measure)[1]).max(initial=0.0))
@@ -147,6 +156,13 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     return Solution(
         vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets
     )
+
+
+def _is_cut_off(problem: CGCProblem) -> bool:
+    """Return whether faces of an irregular mesh lie flat in corners, so that only the smooth measure reads K there."""
+    if problem.constraints or is_regular(problem.faces, problem.asked) or not problem.real_faces.all():
+        return False
+    return read_across(problem) is not problem.faces
 
 
 def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equation]:

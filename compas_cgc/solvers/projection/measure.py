@@ -44,7 +44,9 @@ def smooth_equations(system: System, equations: CurvatureEquations, vertices: Fl
     ----------
     Stetter, doi:10.1007/BF01432879.
     """
-    return system.equations(equations.targets + layout_errors(vertices, equations.faces, _asked(system, vertices)))
+    asked = system.across_corners(equations.targets)
+    asked.targets = asked.targets + layout_errors(vertices, asked.faces, _asked(system, vertices))
+    return asked
 
 
 def shows_layout(system: System, equations: CurvatureEquations, vertices: FloatArray) -> bool:

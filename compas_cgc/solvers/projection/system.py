@@ -24,6 +24,7 @@ from ...model.constraints import Mirror
 from ...model.goals.binding import BoundGoals
 from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_regions
+from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from .bordered import Bordered
 from .contact import Contact
@@ -129,11 +130,17 @@ class System:
             # The drawn heights are not kept, so they must not count in what bending means either.
             for _ in range(RELAXING if self.fairness.bends() else 0):
                 self.fairness = fairness(self.keep, self.fairness.relaxed())
-        self._equations: CurvatureEquations = CurvatureEquations(F, problem.targets, self.rows, self.columns)
         group = _groups(problem, unknown_regions(problem) if found else [], symmetries)[self.rows]
         if (group >= 0).any():
             group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
-            self._equations = FoundCurvature(F, problem.targets, self.rows, self.columns, group, leading)
+
+        def curvature_equations(faces: IntArray) -> CurvatureEquations:
+            if (group >= 0).any():
+                return FoundCurvature(faces, problem.targets, self.rows, self.columns, group, leading)
+            return CurvatureEquations(faces, problem.targets, self.rows, self.columns)
+
+        self._equations, across = curvature_equations(F), read_across(problem)
+        self._across = self._equations if across is F else curvature_equations(across)
         self.modes: dict[bytes, list[FloatArray]] = {}  # that were looked for, see bending_modes
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
@@ -148,9 +155,11 @@ class System:
 
     def equations(self, targets: FloatArray) -> CurvatureEquations:
         """Return the equations for targets (n,)."""
-        equations = copy.copy(self._equations)
-        equations.targets = np.ascontiguousarray(targets)
-        return equations
+        return _for(self._equations, targets)
+
+    def across_corners(self, targets: FloatArray) -> CurvatureEquations:
+        """Return the equations for targets (n,), across the faces that the smooth measure reads."""
+        return _for(self._across, targets)
 
     def keeping(self, keep: str, smoother: float = 1.0) -> System:
         """Return the same system for another setting of what is kept of the drawing, with so many times the smoothness."""
@@ -306,6 +315,13 @@ class System:
         full = np.zeros((len(self.places.start), 3))
         full[self.columns] = move.reshape(-1, 3)
         return full
+
+
+def _for(equations: CurvatureEquations, targets: FloatArray) -> CurvatureEquations:
+    """Return equations for other targets (n,)."""
+    other = copy.copy(equations)
+    other.targets = np.ascontiguousarray(targets)
+    return other
 
 
 def _groups(problem: CGCProblem, unknown: list[int], symmetries: Sequence[Image]) -> IntArray:
