@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 
@@ -18,47 +21,63 @@ from ..model.goals.places import Level
 from ..model.goals.wholes import Whole
 from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
-from .limits import largest_target
+from ..model.result import Solution
+from .limits import raised
 from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
+from .rising import Cold
 
-__all__ = ["why_not_found", "why_rough"]
+__all__ = ["Why", "why_not_found", "why_rough"]
 
-ROUGHLY, FEW, SMALL = 0.05, 12, 500  # tolerance, solves and vertices of a search for what could be carried
-SEARCH = 5e6  # right sides times unknowns that it may take, under two seconds
-FEWER = 8  # solves where goals make each longer
+ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
+SEARCH = 5e6  # right sides times unknowns that it may take on a coarser mesh, under two seconds
+OWN, WITH_GOALS = 3000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
+SMALLEST = 400  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
 NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
 
 LAYOUT = (
-    "times what is asked with a fair surface, on a coarser mesh where this one is large or rough; "
+    "by steps from smaller targets these supports carry what is asked with a fair surface on a coarser mesh; "
     "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface"
 )
+STEPWISE = "smaller targets lead to a fair surface step by step; leave the settings out, and it is returned"
 
 
-def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] = str) -> str:
-    """Return why no surface was found, or how much of the targets the supports carry, after a semicolon; empty where that is not known.
+class Why(NamedTuple):
+    """Why there is no fair surface, after a semicolon; or one that smaller targets lead to step by step."""
+
+    text: str = ""
+    surface: Optional[Solution] = None
+
+
+def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
+    """Return why no surface was found, or how much of the targets the supports carry; empty where that is not known.
 
     The columns that are in the way are looked for where supports by themselves contradict nothing.
     """
     whole = bind(problem).whole if problem.constraints else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
-        return ""
+        return Why()
     if tears_faces(problem):
-        return ""  # The message blames the mesh: the supports may carry it.
+        return Why()  # The message blames the mesh: the supports may carry it.
     if problem.constraints and not whole:
-        return _after(columns() or _carried(problem))
-    return _after(_contradiction(problem) or columns() or _carried(problem))
+        return _first(columns) or _carried(problem, cold)
+    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold)
 
 
-def why_rough(problem: CGCProblem, columns: Callable[[], str] = str) -> str:
-    """Return why the surface is rough, or how much of the targets the supports carry, after a semicolon; empty where not known."""
+def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
+    """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
     asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    return _after(_contradiction(problem) or columns() or _carried(problem, NOTHING if asking else "", LAYOUT))
+    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold, NOTHING if asking else "", LAYOUT)
 
 
-def _after(said: str) -> str:
-    return f"; {said}" if said else ""
+def _first(*told: Callable[[], str]) -> Optional[Why]:
+    """Return the first sentence that there is."""
+    return next((_after(said) for said in (one() for one in told) if said), None)
+
+
+def _after(said: str) -> Why:
+    return Why(f"; {said}" if said else "")
 
 
 def _contradiction(problem: CGCProblem) -> str:
@@ -67,25 +86,31 @@ def _contradiction(problem: CGCProblem) -> str:
     return next(iter(two_sided_supports(real) or inward_edges(real)), "")
 
 
-def _carried(problem: CGCProblem, nothing: str = "", enough: str = "") -> str:
-    """Return the sentence on the largest targets that are carried, where that is found soon; others where none are, or what is asked."""
+def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: str = "", enough: str = "") -> Why:
+    """Return the sentence on the largest targets that are carried, where that is found soon; others where none are, or what is asked.
+
+    Where these are what is asked on the mesh itself, that surface is returned.
+    """
     targets = problem.targets[problem.asked]
     known = len(targets) and np.isfinite(targets).all() and not unknown_regions(problem)
     if not known or (problem.constraints and len(problem.vertices) > LARGE):
-        return ""
+        return Why()
     if not targets.any():
-        return "" if problem.constraints else _far_from_developable(problem)
+        return Why() if problem.constraints else _after(_far_from_developable(problem))
+    own = Work((WITH_GOALS if problem.constraints else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
+    real = problem.without_dummies()
     try:
-        solves = FEWER if problem.constraints else FEW
-        work = None if problem.constraints else Work(SEARCH)
-        limit = largest_target(problem, tolerance=ROUGHLY, solves=solves, vertices=SMALL, work=work)
+        found = raised(real, tolerance=ROUGHLY, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0, cold=cold)
     except ProblemError:  # What the goals name is not on a coarser mesh.
-        return ""
+        return Why()
+    limit = found.limit
     if limit.status == "none":
-        return nothing or limit.message
+        return _after(nothing or limit.message)
     if not limit.carries_what_is_asked:
-        return limit.message
-    return "" if problem.constraints or not enough else f"by steps from smaller targets these supports carry {limit.factor:.3g} {enough}"
+        return _after(limit.message)
+    if problem.real_faces.all() and found.surface is not None:
+        return Why(f"; {STEPWISE}", found.surface)
+    return _after(enough)
 
 
 def _far_from_developable(problem: CGCProblem) -> str:

@@ -26,13 +26,13 @@ from .allowance import Allowance
 from .anew import solved_anew
 from .columns import Attempt
 from .columns import column_advice
-from .limits import is_held_all_round
 from .method import Method
 from .reasons import why_not_found
 from .reasons import why_rough
 from .registry import METHODS
 from .registry import method_of
 from .registry import settings_of
+from .rising import is_held_all_round
 from .settings import Settings
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
@@ -40,6 +40,7 @@ from .smoothed import solved_turned
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
 LARGE, SEARCH = 2000, 1e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
+RISEN = "step by step from smaller targets it is fair"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
 
@@ -169,13 +170,17 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
                 rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
-                return _told(solution, choice, tried, why_not_found(problem, solution.status))
+                return _told(solution, choice, tried, why_not_found(problem, solution.status).text)
             break
     if rough:
         _, best, choice = min(rough, key=lambda one: one[0])
-        return _told(best, choice, tried, why_rough(problem, partial(_columns, problem, best)))
-    best, choice = min(tried, key=lambda pair: pair[0].max_error)
-    return _told(best, choice, tried, why_not_found(problem, best.status, partial(_columns, problem, best)))
+        why = why_rough(problem, partial(_columns, problem, best), _attempt)
+    else:
+        best, choice = min(tried, key=lambda pair: pair[0].max_error)
+        why = why_not_found(problem, best.status, partial(_columns, problem, best), _attempt)
+    if why.surface is not None and settings is None:
+        return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
+    return _told(best, choice, tried, why.text)
 
 
 def _is_due(choice: Choice, rough: bool) -> bool:

@@ -1,0 +1,180 @@
+"""Targets that rise from a gentle surface on, each solved from the last, until one has no fair surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Callable
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
+from ..linalg.work import Work
+from ..model.problem import CGCProblem
+from ..model.result import Solution
+from ..model.roles import CREASE
+from ..model.roles import FIXED
+from ..model.verdict import Verdict
+from ..model.verdict import verdict
+from .newton.settings import NewtonSettings
+from .projection.settings import ProjectionSettings
+
+__all__ = ["GROWTH", "Bracket", "Carried", "Cold", "Rising", "is_held_all_round"]
+
+LOW = 0.5  # total curvature [rad] to begin with, where targets are of either sign of the largest region
+LEAST = 1 / 64  # of that, below which there is none
+GROWTH = 1.5  # of the targets from one to the next
+FALL = 0.95  # of targets that were carried elsewhere, from one to the next
+HIGH = 8 * np.pi  # total curvature [rad] that is as good as any
+STEPS = 60  # for one solve
+
+
+class Carried(NamedTuple):
+    """A fair surface for targets times a factor."""
+
+    factor: float
+    vertices: FloatArray  # (n, 3) [L]
+    judged: Verdict
+    solution: Optional[Solution] = None  # where the targets lead to it step by step
+
+
+Cold = Callable[[CGCProblem], Optional[tuple[FloatArray, Verdict]]]
+
+
+class Bracket(NamedTuple):
+    """The largest factor on the targets that was found to be carried, and the smallest above that was not."""
+
+    carried: Optional[Carried]
+    beyond: Optional[float]
+
+
+class Rising:
+    """Solves on one mesh for factors on its targets.
+
+    Parameters
+    ----------
+    problem
+        Of finite targets that are not all zero.
+    tolerance
+        Width of the interval around the limit to stop at, against the limit.
+    solves
+        Most surfaces to solve for.
+    work
+        That they may take.
+    most
+        Factor that is enough, and is not found from the drawing.
+    cold
+        Returns the surface (n, 3) that is found from the drawing, and how fair it is, where none leads on.
+    """
+
+    def __init__(self, problem: CGCProblem, tolerance: float, solves: int, work: Work, most: float = math.inf, cold: Optional[Cold] = None):
+        self.problem, self._tolerance, self._work, self._most, self._cold = problem, tolerance, work, most, cold
+        self._solves, self.count = solves, 0
+        self.trail: list[Carried] = []
+        self._solve = _solver(problem)
+        targets, areas = problem.targets[problem.asked], face_areas(problem.vertices, problem.faces)
+        mixed = bool(targets.min() < 0.0 < targets.max())
+        # Regions of either sign bend within themselves.
+        area = float(np.bincount(problem.regions(), areas).max() if mixed else areas.sum())
+        self._total = float(np.abs(targets).max()) * area
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more is to be tried."""
+        return self.count >= self._solves or self._work.left < 0.0
+
+    def tried(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
+        """Return the fair surface for a factor, from a shape (n, 3) if there is one; None without any."""
+        self.count += 1
+        carried = self._led(factor, vertices) or self._found(factor)
+        if carried is not None:
+            self.trail.append(carried)
+        return carried
+
+    def _led(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
+        with self._work.counted():
+            solution = self._solve(factor, vertices)
+        if solution.status != "converged":
+            return None
+        shape = replace(self.problem, targets=factor * self.problem.targets, vertices=solution.vertices)
+        judged = verdict(shape, self.problem.vertices)
+        return Carried(factor, solution.vertices, judged, solution._replace(verdict=judged)) if judged.fair else None
+
+    def _found(self, factor: float) -> Optional[Carried]:
+        if self._cold is None or factor >= self._most or self._work.left < 0.0:
+            return None
+        with self._work.counted():
+            found = self._cold(replace(self.problem, targets=factor * self.problem.targets))
+        return Carried(factor, *found) if found is not None and found[1].fair else None
+
+    def begun(self) -> Bracket:
+        """Return a gentle surface, or the smallest factor that was not carried."""
+        factor = first = min(1.0, LOW / self._total)
+        carried = self.tried(factor, None)
+        while carried is None and factor > LEAST * first and not self.over:
+            factor /= 4.0
+            carried = self.tried(factor, None)
+        return Bracket(carried, factor if carried is None else None)
+
+    def near(self, shapes: Iterable[tuple[float, FloatArray]]) -> Bracket:
+        """Return the surface for the first factor that is carried, from shapes (n, 3) for factors that fall."""
+        beyond: Optional[float] = None
+        for factor, vertices in shapes:
+            if beyond is not None and (self.over or factor > FALL * beyond):
+                continue
+            carried = self.tried(factor, vertices)
+            if carried is not None:
+                return Bracket(carried, beyond)
+            beyond = factor
+        return Bracket(None, beyond)
+
+    def narrowed(self, bracket: Bracket, growth: float = GROWTH) -> Bracket:
+        """Return the bracket that rising targets, and then halving, come to."""
+        carried, beyond = bracket
+        while carried is not None and not self.over and carried.factor < self._most:
+            if beyond is not None and beyond - carried.factor <= self._tolerance * carried.factor:
+                break
+            if beyond is None and carried.factor * self._total > HIGH:
+                break
+            factor = min(self._most, growth * carried.factor) if beyond is None else 0.5 * (carried.factor + beyond)
+            found = self.tried(factor, carried.vertices)
+            if found is None and self._work.left < 0.0:
+                break  # It was cut short, which tells nothing of the supports.
+            carried, beyond = (found, beyond) if found is not None else (carried, factor)
+            growth = min(GROWTH, growth**2)
+        return Bracket(carried, beyond)
+
+
+def is_held_all_round(problem: CGCProblem) -> bool:
+    """Return whether the whole rim is fixed, there are no creases, and all targets are positive."""
+    rim = boundary_vertices(problem.vertices, problem.faces)
+    held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
+    targets = problem.targets[problem.asked]
+    return held and not bool((problem.roles == CREASE).any()) and bool(len(targets) and (targets > 0).all())
+
+
+def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:
+    """Return what solves for a factor on the targets, from a shape (n, 3) if there is one."""
+    if is_held_all_round(problem) and not problem.constraints:
+        from .newton.normal_newton import newton
+
+        def by_newton(factor: float, vertices: Optional[FloatArray]) -> Solution:
+            own = replace(problem, targets=factor * problem.targets, vertices=problem.vertices if vertices is None else vertices)
+            return newton(own, settings=NewtonSettings(steps=STEPS))._replace(method="newton")
+
+        return by_newton
+    from .projection.projector import Projector
+
+    cold = Projector(problem, settings=ProjectionSettings(steps=2 * STEPS))
+    # Where the last surface does not lead on, no other start is asked: the limit is that of this branch.
+    warm = Projector(problem, settings=ProjectionSettings(steps=STEPS, retry=False))
+
+    def by_projection(factor: float, vertices: Optional[FloatArray]) -> Solution:
+        return (cold if vertices is None else warm).solve(factor * problem.targets, vertices)._replace(method="projection")
+
+    return by_projection
