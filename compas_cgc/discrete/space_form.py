@@ -11,17 +11,22 @@ from scipy import sparse
 
 from . import _kernels
 from . import _space_form
+from .areas import vertex_areas
+from .arrays import Faces
 from .arrays import FloatArray
+from .arrays import Indices
 from .arrays import PerFace
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
 from .arrays import mesh_arrays
 from .jacobian import CurvatureEquations
+from .normals import vertex_normals
 
-__all__ = ["EXACT", "SpaceFormEquations", "circumradii", "exact_equations", "space_form_angle_sums"]
+__all__ = ["EXACT", "SpaceFormEquations", "circumradii", "exact_equations", "sliding_ease", "space_form_angle_sums"]
 
 EXACT = ("exact", "exact-arc")
+ACROSS = 0.5  # what a move across the surface costs, against one along it that changes the angles of a saddle as much
 
 
 def space_form_angle_sums(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, arc: bool = False) -> PerVertex:
@@ -129,3 +134,35 @@ def exact_equations(equations: CurvatureEquations, measure: str) -> CurvatureEqu
     exact.__dict__.update(equations.__dict__)
     exact.arc = measure == "exact-arc"
     return exact
+
+
+def sliding_ease(vertices: Vertices, faces: Faces, K: PerVertex, columns: Indices) -> sparse.csr_matrix:
+    """Return the inverse of a metric of moves for which those along a surface are cheap, as far as they change its angles.
+
+    On a saddle of curvature K with edges of length h a move across it changes angles by ``sqrt(-K) / h`` for each length, one along it by
+    ``-K``: so that has the weight one, and the first ``1 / (-K h^2)``.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    K
+        ``(n,)`` size of the curvature asked for, 0 where none is [1/L^2].
+    columns
+        ``(c,)`` vertices that may move; along the surface those where K is asked for only.
+
+    Returns
+    -------
+    csr_matrix
+        ``(3c, 3c)``.
+    """
+    asked = K > 0.0
+    K = np.where(asked, K, K[asked].mean() if asked.any() else 0.0)
+    across = np.minimum(1.0, K * vertex_areas(vertices, faces) / ACROSS)[columns]
+    along = np.where(asked[columns], 1.0, across)
+    normals = vertex_normals(vertices, faces)[columns]
+    blocks = along[:, None, None] * np.eye(3) + (across - along)[:, None, None] * normals[:, :, None] * normals[:, None, :]
+    places = np.arange(len(columns) + 1)
+    return sparse.bsr_matrix((blocks, places[:-1], places), shape=(3 * len(columns),) * 2).tocsr()

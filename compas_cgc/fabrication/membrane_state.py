@@ -8,6 +8,7 @@ directions. Its discrete counterpart is a force ``p fold / (2 K)`` in every edge
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import replace
 from typing import NamedTuple
 from typing import Optional
 
@@ -16,6 +17,7 @@ import numpy as np
 from ..discrete import edge_faces
 from ..discrete import face_areas
 from ..discrete import face_normals
+from ..discrete import vertex_normals
 from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
@@ -29,11 +31,14 @@ from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.roles import FIXED
+from ..model.verdict import verdict
 from .balance import in_balance
 from .balance import mean_size
 from .balance import pull_of
+from .closing import closed
 from .layout import among
 from .loads import nodal_load
+from .materials import metres_per_unit
 from .membrane_fields import principal_forces
 from .membrane_fields import stress_by_formula
 from .membrane_fields import stress_of_bars
@@ -44,6 +49,7 @@ __all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "stre
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 BALANCED = 1e-9  # out of balance, against the load, of a state that is none
 NEAR = 0.05  # correction of edge forces, against them, up to which these are those of the formula
+BETTER = 0.5  # part of the correction that a move has to leave at most
 
 
 class EdgeLoads(NamedTuple):
@@ -86,6 +92,8 @@ class MembraneState:
         Of the balanced state, against the load.
     remarks
         What is to be said of it, in sentences.
+    moved
+        Farthest that a vertex was slid from where it was given, so that triangles close [L].
 
     Examples
     --------
@@ -109,6 +117,7 @@ class MembraneState:
     correction: float  # change of the edge forces that brings balance, against them; NaN with weight
     imbalance: float  # of the balanced state, against the load
     remarks: tuple[str, ...]
+    moved: float = 0.0  # farthest that a vertex was slid from where it was given, so that triangles close [L]
 
     @property
     def load(self) -> Vectors:
@@ -146,7 +155,13 @@ class MembraneState:
 
 @names_what_was_meant()
 def membrane(
-    surface: PosesProblem, pressure: float = 0.0, weight: float = 0.0, *, edge_beams: bool = True, rough: bool = False
+    surface: PosesProblem,
+    pressure: float = 0.0,
+    weight: float = 0.0,
+    *,
+    edge_beams: bool = True,
+    close: bool = True,
+    rough: bool = False,
 ) -> MembraneState:
     """Return the membrane forces of a solved surface, and edge forces that balance its load exactly.
 
@@ -161,6 +176,9 @@ def membrane(
     edge_beams
         Whether free edges have beams that take the forces of the surface. Without, the surface has to be in balance
         without them, which few are.
+    close
+        Whether vertices inside of regions are slid along the surface where edge forces by the formula are far from balance under
+        pressure, as on irregular meshes: until the triangles close as with the measure exact. How far is said.
     rough
         Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
@@ -185,10 +203,35 @@ def membrane(
     pressure, weight = checked_number(pressure, "pressure"), checked_number(weight, "weight")
     if pressure == 0.0 and weight == 0.0:
         raise CGCError("there is no load; give a pressure, a weight or both")
+    _check(problem, problem.region_targets())
+    state = _state(problem, pressure, weight, edge_beams)
+    if not (close and state.correction > NEAR):
+        return state
+    nearby = closed(problem)
+    if nearby is None or not (rough or verdict(nearby).fair):
+        return state
+    exact = _state(nearby, pressure, weight, edge_beams)
+    return state if exact.correction > BETTER * state.correction else _slid(exact, state)
+
+
+def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
+    """Return a state of vertices that were slid, with a sentence that says so."""
+    problem = state.problem
+    move = exact.problem.vertices - problem.vertices
+    off = np.abs(np.einsum("ij,ij->i", move, vertex_normals(problem.vertices, problem.faces)))
+    unit = 1e3 * metres_per_unit(problem.drawing.units)
+    far, away = float(np.linalg.norm(move, axis=1).max()), float(off.max())
+    said = (
+        f"vertices were slid along the surface, by up to {unit * far:.3g} mm and off it by up to {unit * away:.2g} mm, until triangles close "
+        f"as with the measure exact; where they were, edge forces had to be {100 * state.correction:.3g} % off the formula for balance"
+    )
+    return replace(exact, moved=far, remarks=(said, *exact.remarks))
+
+
+def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool) -> MembraneState:
+    """Return the forces in a surface as it is."""
     V, F = problem.vertices, problem.faces
-    targets = problem.region_targets()
-    _check(problem, targets)
-    label = problem.regions()
+    targets, label = problem.region_targets(), problem.regions()
     bars, on = _bars(problem)
     curvature = np.array([0.0 if K is None else K for K in targets])
     folds = _folds(V, F, bars)
@@ -311,7 +354,7 @@ def _remarks(loads: EdgeLoads, edge_beams: bool, correction: float) -> tuple[str
         remarks.append(f"creases have to carry line loads of up to {creases.max():.4g} to the supports")
     if correction > NEAR:
         remarks.append(
-            f"single edge forces are {100 * correction:.2g} % off the formula, as the layout of an irregular mesh asks for; N1, N2 and "
+            f"single edge forces are {100 * correction:.3g} % off the formula, as the layout of an irregular mesh asks for; N1, N2 and "
             "line loads are not; solve with the measure exact to have them near it"
         )
     return tuple(remarks)

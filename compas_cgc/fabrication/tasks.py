@@ -189,6 +189,12 @@ TASKS: dict[str, Task] = {
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),
+                BuildOption(
+                    "close",
+                    "whether vertices of irregular meshes are slid along the surface, until edge forces are near the formula (default: yes)",
+                    values.truth,
+                    {"type": "boolean", "default": True},
+                ),
                 _ROUGH,
             ),
             _membrane,

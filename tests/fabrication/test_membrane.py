@@ -14,11 +14,13 @@ from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication.membrane_state import stress_at_vertices
 from compas_cgc.io.forces import write_forces
+from compas_cgc.model.verdict import verdict
 
 from ..support.constant_curvature import cone
 from ..support.constant_curvature import revolved_patch
 from ..support.membrane_elements import membrane_stresses
 from ..support.roofs import irregular_disk
+from ..support.roofs import shaken_square
 from ..support.shapes import grid
 
 
@@ -87,6 +89,22 @@ def test_on_irregular_meshes_of_the_exact_measure_the_formula_is_balanced_too():
     assert max(state.imbalance for state in states) < 1e-12
     for load, reactions in (state.totals for state in states):
         assert reactions == pytest.approx(-load, abs=1e-10 * np.linalg.norm(load))
+
+
+@pytest.mark.parametrize("K", [0.01, -0.01], ids=["dome", "saddle"])
+def test_vertices_of_irregular_meshes_are_slid_until_the_formula_is_balanced(K):
+    """Without the measure exact: edge forces were 17 to 117 % off, and are within 1 % after a slide that is said."""
+    result = solve(shaken_square(25, K), method="projection")
+    still, slid = (membrane(result, pressure=1.0, close=close) for close in (False, True))
+    assert still.correction > 0.15 and slid.correction < 0.01 and slid.imbalance < 1e-12
+    assert still.moved == 0.0 and (still.problem.vertices == result.problem.vertices).all()
+    move = np.linalg.norm(slid.problem.vertices - result.problem.vertices, axis=1)
+    assert slid.moved == pytest.approx(move.max()) and 0.01 < slid.moved < 0.3
+    assert (move[~result.problem.asked] == 0.0).all()
+    assert slid.remarks[0].startswith("vertices were slid along the surface") and "mm" in slid.remarks[0]
+    assert verdict(slid.problem).fair
+    # What does not depend on the layout is as it was.
+    assert np.median(slid.forces, axis=0) == pytest.approx(np.median(still.forces, axis=0), rel=0.02)
 
 
 @pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])

@@ -34,11 +34,26 @@ def irregular_disk(count: int, K: float = 0.01, radius: float = 7.5, seed: int =
         if point @ point < (1 - 0.7 * spacing) ** 2 and np.linalg.norm(np.array(points) - point, axis=1).min() > 0.45 * spacing:
             points.append(point)
     plan = radius * np.array(points)
+    return _triangulated(plan).with_supports("boundary").with_targets(K)
+
+
+def shaken_square(n: int, K: float, shake: float = 0.4, seed: int = 5, width: float = 15.0) -> CGCProblem:
+    """Return a flat square on its corners, the points of a grid of n by n moved by up to a part of their distance and triangulated anew.
+
+    Shaken by .4 some 28 % of the triangles are obtuse, by .5 about 35 %.
+    """
+    plan = grid(n, width)[0][:, :2].copy()
+    inner = ((plan > 1e-9) & (plan < width - 1e-9)).all(axis=1)
+    plan[inner] += np.random.default_rng(seed).uniform(-shake, shake, (int(inner.sum()), 2)) * width / n
+    return _triangulated(plan).with_supports("corners").with_targets(K)
+
+
+def _triangulated(plan: np.ndarray) -> CGCProblem:
     faces = Delaunay(plan).simplices.astype(np.int64)
     a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
     double = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     faces = np.where((double < 0)[:, None], faces[:, ::-1], faces)[np.abs(double) > 1e-9]
-    return CGCProblem(np.column_stack([plan, np.zeros(len(plan))]), faces).with_supports("boundary").with_targets(K)
+    return CGCProblem(np.column_stack([plan, np.zeros(len(plan))]), faces)
 
 
 def obtuse_share(vertices: np.ndarray, faces: np.ndarray) -> float:

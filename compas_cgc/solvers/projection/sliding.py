@@ -9,12 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy import sparse
-
 from ...discrete import vertex_areas
-from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.space_form import sliding_ease
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
 from .gauss_newton import FULFILLED
@@ -25,7 +23,6 @@ from .system import System
 
 __all__ = ["can_slide", "slide"]
 
-ACROSS = 0.5  # what a move across the surface costs, against one along it that changes the angles of a saddle as much
 FARTHEST = 1.0  # of a mean edge, that a vertex is moved by in a step
 PATIENCE, GAIN = 8, 0.5  # steps that must bring the rest down to this part
 LAST = 3  # steps to rounding
@@ -56,7 +53,9 @@ def slide(system: System, equations: CurvatureEquations, start: Point) -> Iterat
 def _step(system: System, equations: CurvatureEquations, point: Point) -> FloatArray:
     """Return the cheapest step (n, 3) that fulfils the equations to first order."""
     J = system.jacobian(point, equations)
-    cheap = _ease(system, equations, point.vertices)
+    K = np.zeros(len(point.vertices))
+    K[system.rows] = np.abs(equations.targets[system.rows])
+    cheap = sliding_ease(point.vertices, system.faces, K, system.columns)
     try:
         multipliers = factorise((J @ cheap @ J.T).tocsr(), symmetric=True).solve(-point.residual)
     except SingularMatrixError:
@@ -64,22 +63,3 @@ def _step(system: System, equations: CurvatureEquations, point: Point) -> FloatA
     step = system.full(cheap @ (J.T @ multipliers))
     edge = float(np.sqrt(vertex_areas(point.vertices, system.faces).mean()))
     return step * min(1.0, FARTHEST * edge / max(float(np.linalg.norm(step, axis=1).max()), np.finfo(float).tiny))
-
-
-def _ease(system: System, equations: CurvatureEquations, vertices: FloatArray) -> sparse.csr_matrix:
-    """Return the inverse of the metric (3c, 3c).
-
-    On a saddle of curvature K with edges of length h a move across it changes angles by ``sqrt(-K) / h`` for each length, one along it by
-    ``-K``: so that has the weight one, and the first ``1 / (-K h²)``.
-    """
-    columns = system.columns
-    K = np.zeros(len(vertices))
-    K[system.rows] = np.abs(equations.targets[system.rows])
-    asked = K > 0.0
-    K[~asked] = K[asked].mean()
-    across = np.minimum(1.0, K * vertex_areas(vertices, system.faces) / ACROSS)[columns]
-    along = np.where(asked[columns], 1.0, across)
-    normals = vertex_normals(vertices, system.faces)[columns]
-    blocks = along[:, None, None] * np.eye(3) + (across - along)[:, None, None] * normals[:, :, None] * normals[:, None, :]
-    places = np.arange(len(columns) + 1)
-    return sparse.bsr_matrix((blocks, places[:-1], places), shape=(3 * len(columns),) * 2).tocsr()
