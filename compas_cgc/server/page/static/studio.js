@@ -1,38 +1,30 @@
 /** Where a roof is drawn, posed, solved and built: all but the first page, put together. */
 
 import { showNotes, showTitle } from './about.js';
-import { Charts } from './charts.js';
 import { showColumns } from './columns.js';
+import { listen } from './commands.js';
 import { Crown } from './crown.js';
-import { heldIn, withChoice, withColour, withCrease, withGoals, withHeight, withHeld, withName, withoutCrease } from './design/edits.js';
-import { asked } from './design/goals.js';
+import { heldIn, withChoice, withColour, withGoals, withHeight, withName } from './design/edits.js';
 import { History } from './design/history.js';
-import { download } from './download.js';
 import { Board } from './draw/board.js';
 import { Desk } from './draw/desk.js';
-import { requestOf } from './draw/plan.js';
-import { Hand } from './edit/hand.js';
+import { meshed } from './draw/meshing.js';
+import { toolsOf } from './edit/tools.js';
 import { Goals } from './goals.js';
 import { Legend } from './legend.js';
+import { Limit } from './limit.js';
 import { Maker } from './make/maker.js';
 import { Model } from './model.js';
 import { Painter } from './painter.js';
-import { showProgress } from './progress.js';
 import { Readout } from './readout.js';
 import { Regions } from './regions.js';
-import { Rhythm } from './rhythm.js';
 import { Scene } from './scene.js';
 import { SectionCard } from './see/sectioncard.js';
 import { Settings } from './settings.js';
 import { shareMenu } from './share.js';
-import { Solver } from './solver.js';
-import { Verdict } from './verdict.js';
-import { capital } from './words.js';
+import { Solving } from './solving.js';
 
 const SMALL = 3000; // vertices up to which a solve keeps up with a slider
-const WORTH = 200; // milliseconds; what is over sooner needs no word
-const QUICK = 0.3; // seconds; a surface that follows a slider so soon is near the one before, and need not glide there
-const CLOSE = 0.05; // of the limit that is looked for; a mark on a slider is no finer
 
 /** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);
@@ -46,9 +38,9 @@ export class Studio {
    */
   constructor(api, keep, welcome) {
     this.model = null;
-    this.result = null;
-    this.before = null;
     this.built = null;
+    /** @type {?(Float64Array | Float32Array)} */
+    this.shown = null;
     this.api = api;
     this.keep = keep;
     this.welcome = welcome;
@@ -66,23 +58,13 @@ export class Studio {
       hold: (choice) => this.edit(withChoice(this.data, choice)),
     });
     this.goals = new Goals($('panel'), (goals, key) => this.edit(withGoals(this.data, goals), key));
-    this.charts = new Charts($('chart-error'), $('chart-energy'));
-    this.verdict = new Verdict($('verdict'));
-    this.solver = new Solver(this.api, this);
-    this.rhythm = new Rhythm(this.solver, () => this.solve());
+    this.solving = new Solving(this);
+    this.limit = new Limit($('limit-said'), this.api, this.regions, () => this.solving.request());
     this.readout = new Readout($('readout'), this.scene, (vertex) => this.painter.look(vertex));
     this.section = new SectionCard($('section'), this.scene);
     this.crown = new Crown($('crown'), this.scene, (rise) => this.edit(withGoals(this.data, { rise, found: true }), 'rise'));
     this.scene.after = () => this.crown.place();
-    this.hand = new Hand(this.scene, {
-      hold: (vertices) => this.hold(vertices),
-      fold: (path) => this.edit(withCrease(this.data, path)),
-      erase: (vertex) => this.erase(vertex),
-      region: (region) => this.regions.focus(region),
-      section: (a, b) => this.cut(a, b),
-      box: (a, b) => this.room(a, b),
-      look: () => this.take('look'),
-    });
+    this.hand = toolsOf(this, $('hand'));
     this.board = new Board($('board'), { field: $('draw-field'), label: $('draw-label'), hint: $('draw-hint') }, { change: (plan, key) => this.draw({ plan }, key) });
     this.desk = new Desk($('desk'), this.board, {
       change: (plan, key) => this.draw({ plan }, key),
@@ -93,73 +75,28 @@ export class Studio {
       $('making'),
       this.api,
       {
-        job: () => this.solver.finished,
-        rough: () => this.result?.report.verdict?.fair === false,
+        job: () => this.solving.solver.finished,
+        rough: () => this.solving.result?.report.verdict?.fair === false,
         name: () => this.model.name,
         show: (drawn) => this.showBuilt(drawn),
       },
       $('sheets'),
     );
     shareMenu($('share'), { state: () => this.history.now, picture: async () => (this.model ? this.scene.picture() : null) });
-    this.listen();
-  }
-
-  listen() {
-    $('panel').addEventListener('submit', (event) => {
-      event.preventDefault();
-      this.solve();
-    });
-    const clicks = {
-      cancel: () => this.solver.cancel(),
-      reset: () => this.reset(),
-      fit: () => this.scene.fit(),
-      'board-fit': () => this.board.fit(),
-      another: () => this.toggleWelcome(),
-      undo: () => this.step('undo'),
-      redo: () => this.step('redo'),
-      limit: () => this.findLimit(),
-      redraw: () => this.draw({ stage: 'draw' }),
-    };
-    for (const [id, act] of Object.entries(clicks)) $(id).addEventListener('click', act);
-    $('colours').addEventListener('change', ({ target }) => this.colour(target.value));
-    $('more-colours').addEventListener('change', ({ target }) => this.colour(target.value || 'regions'));
-    $('hand').addEventListener('change', ({ target }) => this.hand.choose(target.value));
-    $('downloads').addEventListener('click', ({ target }) => this.download(target.dataset.format));
-    window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
-      this.scene.dress();
-      this.charts.dress();
-    });
-    // A page that may come back keeps its result.
-    window.addEventListener('pagehide', ({ persisted }) => {
-      this.keep.hide();
-      if (persisted) this.solver.stop();
-      else this.solver.reset();
-    });
-    window.addEventListener('keydown', (event) => this.key(event));
-  }
-
-  key(event) {
-    if (event.key === 'Escape' && this.history.now && !$('welcome').hidden) this.toggleWelcome();
-    const typing = event.target.matches?.('input[type="text"], input[type="number"]') && event.target.value !== event.target.defaultValue;
-    if (!(event.ctrlKey || event.metaKey) || typing) return;
-    const back = event.key.toLowerCase() === 'z' && !event.shiftKey;
-    if (back || event.key.toLowerCase() === 'y' || event.key.toLowerCase() === 'z') {
-      event.preventDefault();
-      this.step(back ? 'undo' : 'redo');
-    }
+    listen(this);
   }
 
   // ---------------------------------------------------------- the design
 
   /** Begin with a design. */
   begin({ stage, name, plan, data, solved = false }) {
-    this.solver.reset();
+    this.solving.solver.reset();
     this.toggleWelcome(false);
     this.data = null;
     this.history.begin({ stage, name, plan, data });
     this.show(this.history.now);
     if (stage === 'draw') this.board.fit();
-    if (solved && data) this.solve();
+    if (solved && data) this.solving.begin();
   }
 
   /** Show a new model of a file or an example. */
@@ -176,7 +113,7 @@ export class Studio {
     const state = this.history[way]();
     if (!state) return;
     this.show(state);
-    if (state.stage === 'shape') this.changed();
+    if (state.stage === 'shape') this.solving.changed();
   }
 
   /** The history has another state. */
@@ -184,7 +121,7 @@ export class Studio {
     $('undo').disabled = !this.history.canUndo;
     $('redo').disabled = !this.history.canRedo;
     const { now } = this.history;
-    if (now) this.keep.put({ ...now, solved: this.result !== null });
+    if (now) this.keep.put({ ...now, solved: this.solving.result !== null });
   }
 
   /** Change the drawing. */
@@ -197,7 +134,7 @@ export class Studio {
   /** Change what is asked. */
   edit(data, key) {
     this.dress(data, key);
-    this.changed();
+    this.solving.changed();
   }
 
   /** Change names and colours, which no surface depends on. */
@@ -215,7 +152,7 @@ export class Studio {
     for (const id of ['panel', 'view', 'outcome']) $(id).hidden = drawing;
     for (const id of ['steps', 'another']) $(id).hidden = false;
     if (drawing) {
-      this.solver.stop();
+      this.solving.solver.stop();
       this.desk.show(plan, name);
       $('about').textContent = name || 'A new roof';
       document.title = `${name || 'A new roof'} – compas_cgc`;
@@ -225,26 +162,18 @@ export class Studio {
 
   /** Have the drawing meshed. */
   async mesh() {
-    const { plan, name, data: old } = this.history.now;
+    const state = this.history.now;
     const trouble = $('desk-trouble');
     trouble.hidden = true;
     document.body.classList.add('reading');
     $('desk').elements.mesh.disabled = true;
     $('plan-count').textContent = 'Making the mesh …';
     try {
-      let data = await this.api.drawing(requestOf(plan, name || 'Roof'));
-      const outside = data.columns.filter((vertex) => vertex < 0).length;
-      if (outside) data.notes.push(`${outside} column${outside > 1 ? 's stand' : ' stands'} outside of the outline`);
-      for (const [k, vertex] of data.columns.entries()) if (vertex >= 0 && plan.columns[k].height) data = withHeight(data, [vertex], plan.columns[k].height);
-      if (old) {
-        const alike = old.targets.length === data.targets.length;
-        data = { ...data, goals: old.goals, method: old.method, settings: old.settings, ...(alike ? { targets: old.targets, names: old.names, colours: old.colours } : {}) };
-      }
-      this.draw({ stage: 'shape', data });
+      this.draw({ stage: 'shape', data: await meshed(this.api, state) });
     } catch (error) {
       trouble.textContent = error.message;
       trouble.hidden = false;
-      this.desk.show(plan, name);
+      this.desk.show(state.plan, state.name);
     } finally {
       document.body.classList.remove('reading');
       $('desk').elements.mesh.disabled = false;
@@ -257,26 +186,19 @@ export class Studio {
     const mesh = !old || old.faces !== data.faces;
     const shape = mesh || old.vertices !== data.vertices || old.creases !== data.creases;
     this.data = data;
-    const { result } = this;
-    const kept = !mesh && result ? this.shown : null;
+    const kept = !mesh && this.solving.result ? this.shown : null;
     const model = new Model(data);
     if (!mesh) model.edges = this.model.edges;
     this.model = model;
     this.painter.show(model);
     if (mesh) {
-      this.solver.reset();
-      this.result = this.painter.before = null;
-      this.crown.on = false;
+      this.solving.clear();
       for (const id of ['panel', 'tools', 'marks', 'hand', 'outcome', 'view']) $(id).hidden = false;
       $('canvas').ariaLabel = `3D view of ${model.name}. Arrow keys turn it, plus and minus zoom, F shows all.`;
       $('drag').checked = model.count <= SMALL;
       $('even').hidden = true;
       this.section.close();
-      this.charts.clear();
-      this.verdict.clear();
-      for (const id of ['downloads', 'making', 'course', 'cancel', 'progress']) $(id).hidden = true;
-      this.maker.clear();
-      this.take('look');
+      this.hand.take('look');
     }
     if (shape) {
       this.scene.show(model, !mesh);
@@ -297,7 +219,7 @@ export class Studio {
     this.settings.show(model);
     this.goals.show(data.goals, model);
     this.regions.follow(Boolean(data.goals?.found && data.goals.rise != null));
-    if (shape || old.supports !== data.supports || old.support_choice !== data.support_choice) this.unmark();
+    if (shape || old.supports !== data.supports || old.support_choice !== data.support_choice) this.limit.clear();
     const held = heldIn(data);
     showColumns($('columns'), model, held, (vertices, height) => this.edit(withHeight(this.data, vertices, height), `height ${vertices}`));
     this.scene.surface.setSupports(held);
@@ -324,8 +246,6 @@ export class Studio {
   /** Go back to the model as it came. */
   reset() {
     const first = this.history.states.find(({ data }) => data && data.faces === this.data.faces) ?? this.history.now;
-    this.solver.reset();
-    this.rhythm.settle();
     this.data = null;
     this.history.push({ ...this.history.now, data: first.data });
     this.present(first.data);
@@ -338,39 +258,6 @@ export class Studio {
     $('steps').hidden = show || !this.history.now;
     if (show) this.keep.now().then(() => this.welcome.offer());
     else this.welcome.say('');
-  }
-
-  // ---------------------------------------------------------- tools
-
-  /** Take a tool. */
-  take(tool) {
-    $('hand').querySelector(`[value="${tool}"]`).checked = true;
-    this.hand.choose(tool);
-  }
-
-  /** Hold vertices, or let them go where all are held. */
-  hold(vertices) {
-    const held = new Set(heldIn(this.data));
-    this.edit(withHeld(this.data, vertices, !vertices.every((vertex) => held.has(vertex))));
-  }
-
-  erase(vertex) {
-    if (this.model.onCrease[vertex]) this.edit(withoutCrease(this.data, vertex));
-  }
-
-  /** Keep a room clear between two places on the ground. */
-  room(a, b) {
-    const tidy = (value) => Number(value.toPrecision(3));
-    const height = tidy(this.model.bounds.low[2] + 0.12 * this.model.size);
-    this.goals.put({ x0: tidy(a[0]), y0: tidy(a[1]), x1: tidy(b[0]), y1: tidy(b[1]), height });
-    this.take('look');
-  }
-
-  /** Cut the surface between two vertices. */
-  cut(...vertices) {
-    const [a, b] = vertices.map((vertex) => [0, 1, 2].map((axis) => this.shown[3 * vertex + axis]));
-    this.section.open(a, b);
-    this.section.show(this.model, this.shown);
   }
 
   colour(by) {
@@ -407,35 +294,7 @@ export class Studio {
     surface.mesh.visible = surface.edges.visible = !faces;
     this.scene.draw();
   }
-
-  // ---------------------------------------------------------- what the supports carry
-
-  unmark() {
-    this.limiting?.abort();
-    this.regions.mark(null);
-    $('limit-said').hidden = true;
-  }
-
-  async findLimit() {
-    this.unmark();
-    const said = $('limit-said');
-    const search = new AbortController();
-    this.limiting = search;
-    said.textContent = 'Looking for the largest K …';
-    said.hidden = false;
-    try {
-      const { goals, unknown, method, settings, ...problem } = this.request();
-      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: CLOSE } }, search.signal);
-      this.api.forget(found.id).catch(() => {});
-      if (this.limiting !== search) return;
-      this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);
-      said.textContent = capital(found.message);
-    } catch (error) {
-      if (error.name !== 'AbortError') said.textContent = capital(error.message);
-    }
-  }
-
-  // ---------------------------------------------------------- a solve
+  // ---------------------------------------------------------- what is asked
 
   /** A slider or a setting is another. */
   given(key) {
@@ -444,112 +303,15 @@ export class Studio {
     this.data = data;
     this.model.targets = data.targets;
     this.history.push({ ...this.history.now, data }, key);
-    this.changed();
+    this.solving.changed();
   }
 
-  changed() {
-    this.painter.want(this.regions.targets);
-    // The other colours do not know of targets, and to draw takes time that the solve waits for.
-    if (this.painter.by === 'error') this.painter.paint();
-    this.verdict.outdate();
-    if ($('drag').checked) this.rhythm.changed();
-  }
-
-  request() {
-    const { model } = this;
-    return {
-      name: model.name.slice(0, 100),
-      unit: model.unit,
-      ...model.mesh,
-      creases: model.creases,
-      constraints: model.constraints,
-      targets: model.targetsOfVertices(this.regions.targets),
-      ...asked(this.data.goals),
-      ...this.settings.asked,
-    };
-  }
-
-  solve() {
-    this.maker.clear();
-    this.rhythm.settle();
-    if (!this.settings.valid) return;
-    $('cancel').hidden = false;
-    this.charts.clear();
-    this.solver.solve(this.request());
-    this.scene.expect();
-  }
-
-  /** Called by the solver while it runs. */
-  progress(status) {
-    showProgress($('progress'), status);
-    $('progress').hidden = this.solver.age < WORTH;
-    if (this.charts.add(status)) $('course').hidden = false;
-  }
-
-  /** Called by the solver with a surface on its way. */
-  surface(xyz) {
-    this.mark([]);
-    this.place(xyz);
-    this.painter.measure(xyz, this.settings.supports);
-    this.painter.paint();
-  }
-
-  /** Called by the solver in the end. */
-  done(result, status) {
-    if (!result) {
-      this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
-      return;
-    }
-    const first = this.result === null;
-    if (this.result) this.painter.before = this.result.xyz;
-    this.result = result;
-    this.find(result);
-    this.place(result.xyz, result.curvature, !first && result.seconds < QUICK);
-    this.painter.measure(result.xyz, this.settings.supports, result.curvature);
-    this.painter.paint();
-    this.crown.show(this.model, result.xyz, this.settings.supports);
-    this.crown.on = true;
-    this.mark(result.report.verdict?.places ?? []);
-    if (first) this.scene.fit();
-    this.scene.flush();
-    this.verdict.show(result, this.model);
-    const drawn = this.charts.end(result.history);
-    this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
-    this.stepped();
-  }
-
-  /** Take the K that was found for the goals. */
-  find(result) {
-    const { goals } = this.data;
-    if (!(goals?.found && goals.rise != null)) return;
-    const targets = this.data.targets.map((K, region) => {
-      const found = result.report.regions?.find((each) => each.region === region)?.target ?? K;
-      return found === null ? null : Number(found.toPrecision(6));
-    });
+  /** Take K that was found for the goals: no step of the history, as nobody has chosen it. */
+  takeTargets(targets) {
     this.data = { ...this.data, targets };
     this.history.now.data = this.data;
     this.model.targets = targets;
     this.regions.set(targets);
     this.painter.want(targets);
-  }
-
-  /** Called by the solver when there is no result. */
-  failed(message, stopped = false) {
-    this.verdict.fail(message, this.result !== null, stopped);
-    this.rest({ downloads: false, making: false, course: false });
-  }
-
-  rest(shown) {
-    for (const [id, on] of Object.entries({ ...shown, cancel: false, progress: false })) $(id).hidden = !on;
-    this.rhythm.over();
-  }
-
-  async download(format) {
-    if (!format) return;
-    try {
-      await download(this.api, this.solver.finished, format, this.model);
-    } catch (error) {
-      this.verdict.fail(error.message, true);
-    }
   }
 }

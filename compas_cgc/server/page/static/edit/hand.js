@@ -8,7 +8,7 @@ const STILL = 5; // pixels that a click may move
  * @property {(path: number[]) => void} fold
  * @property {(vertex: number) => void} erase
  * @property {(region: number) => void} region
- * @property {(a: number[], b: number[]) => void} section
+ * @property {(a: number, b: number) => void} section
  * @property {(a: number[], b: number[]) => void} box
  * @property {() => void} look called when the tool is put away
  */

@@ -1,0 +1,144 @@
+/** A solve: what is asked for, how far it is, and what is shown of its surface. */
+
+import { Charts } from './charts.js';
+import { asked } from './design/goals.js';
+import { download } from './download.js';
+import { showProgress } from './progress.js';
+import { Rhythm } from './rhythm.js';
+import { Solver } from './solver.js';
+import { Verdict } from './verdict.js';
+
+const WORTH = 200; // milliseconds; what is over sooner needs no word
+const QUICK = 0.3; // seconds; a surface that follows a slider so soon is near the one before, and need not glide there
+
+/** @type {(id: string) => any} the elements are those of index.html */
+const $ = (id) => document.getElementById(id);
+
+/** Asks for surfaces, and puts them into the views. */
+export class Solving {
+  /** @param {import('./studio.js').Studio} studio whose design is solved */
+  constructor(studio) {
+    this.studio = studio;
+    /** @type {?import('./types.js').Result} */
+    this.result = null;
+    this.charts = new Charts($('chart-error'), $('chart-energy'));
+    this.verdict = new Verdict($('verdict'));
+    this.solver = new Solver(studio.api, this);
+    this.rhythm = new Rhythm(this.solver, () => this.begin());
+  }
+
+  /** Forget all, as the mesh is another. */
+  clear() {
+    this.solver.reset();
+    this.rhythm.settle();
+    this.result = this.studio.painter.before = null;
+    this.studio.crown.on = false;
+    this.charts.clear();
+    this.verdict.clear();
+    for (const id of ['downloads', 'making', 'course', 'cancel', 'progress']) $(id).hidden = true;
+    this.studio.maker.clear();
+  }
+
+  /** Something else is asked for. */
+  changed() {
+    const { painter, regions } = this.studio;
+    painter.want(regions.targets);
+    // The other colours do not know of targets, and to draw takes time that the solve waits for.
+    if (painter.by === 'error') painter.paint();
+    this.verdict.outdate();
+    if ($('drag').checked) this.rhythm.changed();
+  }
+
+  request() {
+    const { model, regions, data, settings } = this.studio;
+    return {
+      name: model.name.slice(0, 100),
+      unit: model.unit,
+      ...model.mesh,
+      creases: model.creases,
+      constraints: model.constraints,
+      targets: model.targetsOfVertices(regions.targets),
+      ...asked(data.goals),
+      ...settings.asked,
+    };
+  }
+
+  begin() {
+    this.studio.maker.clear();
+    this.rhythm.settle();
+    if (!this.studio.settings.valid) return;
+    $('cancel').hidden = false;
+    this.charts.clear();
+    this.solver.solve(this.request());
+    this.studio.scene.expect();
+  }
+
+  /** Called by the solver while it runs. */
+  progress(status) {
+    showProgress($('progress'), status);
+    $('progress').hidden = this.solver.age < WORTH;
+    if (this.charts.add(status)) $('course').hidden = false;
+  }
+
+  /** Called by the solver with a surface on its way. */
+  surface(xyz) {
+    const { studio } = this;
+    studio.mark([]);
+    studio.place(xyz);
+    studio.painter.measure(xyz, studio.settings.supports);
+    studio.painter.paint();
+  }
+
+  /** Called by the solver in the end. */
+  done(result, status) {
+    if (!result) {
+      this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
+      return;
+    }
+    const { crown, data, model, painter, scene, settings } = this.studio;
+    const before = this.result;
+    if (before) painter.before = before.xyz;
+    this.result = result;
+    if (data.goals?.found && data.goals.rise != null) this.studio.takeTargets(found(data.targets, result));
+    this.studio.place(result.xyz, result.curvature, before !== null && result.seconds < QUICK);
+    painter.measure(result.xyz, settings.supports, result.curvature);
+    painter.paint();
+    crown.show(model, result.xyz, settings.supports);
+    crown.on = true;
+    this.studio.mark(result.report.verdict?.places ?? []);
+    if (!before) scene.fit();
+    scene.flush();
+    this.verdict.show(result, model);
+    const drawn = this.charts.end(result.history);
+    this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
+    this.studio.stepped();
+  }
+
+  /** Called by the solver when there is no result. */
+  failed(message, stopped = false) {
+    this.verdict.fail(message, this.result !== null, stopped);
+    this.rest({ downloads: false, making: false, course: false });
+  }
+
+  rest(shown) {
+    for (const [id, on] of Object.entries({ ...shown, cancel: false, progress: false })) $(id).hidden = !on;
+    this.rhythm.over();
+  }
+
+  async download(format) {
+    if (!format) return;
+    try {
+      await download(this.studio.api, this.solver.finished, format, this.studio.model);
+    } catch (error) {
+      this.verdict.fail(error.message, true);
+    }
+  }
+}
+
+/** Return targets with the K that was found for the goals. */
+function found(targets, result) {
+  return targets.map((own, region) => {
+    const K = result.report.regions?.find((each) => each.region === region)?.target ?? own;
+    return K === null ? null : Number(K.toPrecision(6));
+  });
+}
