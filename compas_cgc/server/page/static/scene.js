@@ -5,6 +5,7 @@ import * as THREE from './vendor/three/three.module.min.js';
 import { OrbitControls } from './vendor/three/controls/OrbitControls.js';
 import { framing, freeArea } from './see/framing.js';
 import { Pace } from './see/pace.js';
+import { Sharpness } from './see/sharpness.js';
 import { DETAIL, Surface } from './surface.js';
 
 const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
@@ -22,8 +23,9 @@ export class Scene {
    */
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.setPixelRatio(pixels());
+    this.sharpness = new Sharpness();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: this.sharpness.smoothed, alpha: true });
+    this.renderer.setPixelRatio(this.sharpness.fine);
     this.pace = new Pace(() => this.draw());
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
@@ -225,16 +227,14 @@ export class Scene {
     this.framed = false;
     this.camera.clearViewOffset();
     this.refine(true);
-    this.renderer.setPixelRatio(2);
+    this.renderer.setPixelRatio(this.sharpness.ofPictures);
     this.resize();
-    return new Promise((resolve) => {
-      this.canvas.toBlob((blob) => {
-        this.framed = framed;
-        this.renderer.setPixelRatio(pixels());
-        this.resize();
-        resolve(blob);
-      });
-    });
+    // What is drawn is gone after this, so it is taken now.
+    const taken = this.sharpness.picture(this.canvas);
+    this.framed = framed;
+    this.renderer.setPixelRatio(this.sharpness.fine);
+    this.resize();
+    return taken;
   }
 
   key(event) {
@@ -296,7 +296,7 @@ export class Scene {
 
   /** Draw all there is with all pixels, or what is needed to see a surface move. */
   refine(fine) {
-    const ratio = fine ? pixels() : 0.5 * pixels();
+    const ratio = fine ? this.sharpness.fine : this.sharpness.coarse;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.renderer.shadowMap.autoUpdate = fine;
     if (fine) this.camera.layers.enable(DETAIL);
@@ -340,9 +340,4 @@ export class Scene {
     if (arrived) this.goal = null;
     else this.draw();
   }
-}
-
-/** Return how many pixels are drawn for each of the page, at their finest. */
-function pixels() {
-  return Math.min(2, window.devicePixelRatio);
 }
