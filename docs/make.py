@@ -1,12 +1,14 @@
-"""Make the page and the pictures of these documents that are computed."""
+"""Make what is computed of these documents: ``python docs/make.py``, or with the names of some parts, such as samples."""
 
 from __future__ import annotations
 
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+import drawings
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial import Delaunay
@@ -16,6 +18,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import EdgeInPlan
 from compas_cgc import Rise
 from compas_cgc import fabrication
+from compas_cgc import write
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli import main
 from compas_cgc.model.problem import CGCProblem
@@ -58,13 +61,7 @@ def reproduction() -> None:
 
 def moulds() -> None:
     """Draw panels and moulds of nine regions."""
-    mesh = CGCMesh.from_meshgrid(dx=15.0, nx=36)
-    mesh.set_supports("corners")
-    for k in (12, 24):
-        mesh.set_creases([[k * 37 + j for j in range(37)], [i * 37 + k for i in range(37)]], add=True)
-    mesh.set_target(0.01)
-    mesh.set_target(-0.01, region=4)
-    problem = solve(mesh, method="projection", settings={"measure": "exact"}).problem
+    problem = solve(drawings.nine_regions(K=0.01, centre=-0.01), method="projection", settings={"measure": "exact"}).problem
     figure = moulds_figure(
         problem, fabrication.moulds(problem, fabrication.panels(problem, 1.25)), "Panels of nine regions and their moulds"
     )
@@ -215,10 +212,14 @@ def goals() -> None:
     put_table(DOCS / "goals.md", rows)
 
 
+def samples() -> None:
+    """Write the drawings of the tutorials into the package."""
+    for name, mesh in drawings.samples().items():
+        write(DOCS.parent / "compas_cgc" / "_sample_files" / f"{name}.3dm", mesh)
+
+
+PARTS = (fairness, convention, moulds, goals, courts, reproduction)
+
 if __name__ == "__main__":
-    fairness()
-    convention()
-    moulds()
-    goals()
-    courts()
-    reproduction()
+    for part in [*map(globals().get, sys.argv[1:])] or PARTS:
+        part()
