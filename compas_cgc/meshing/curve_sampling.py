@@ -22,7 +22,8 @@ from .stretches import stretches_of
 
 __all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
 
-LEVELS = 4  # of lattices, each half as wide as the one before
+LEVELS = 4  # of lattices at least, each half as wide as the one before
+FULL = 0.75  # of the edge length, above which the first of them serves
 APART = 0.82  # of the edge length, that their points keep from each other
 TURNS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # of lattices, which are their own after a sixth of a turn
 REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
@@ -79,10 +80,11 @@ def spread(
     loose = np.array([point for point in within if curves.distance(shapely.Point(point)) > reach]).reshape(-1, 2)
     nodes = _nodes(lines, spacing, on_curve)
     inside_nodes = np.array([node for node in nodes if domain.distance(shapely.Point(node)) <= reach]).reshape(-1, 2)
-    sizes = size_field([shapely.get_coordinates(line) for line in lines], inside_nodes, loose, spacing)
     stretches = [stretch for line in lines for stretch in stretches_of(line, nodes, 0.1 * spacing)]
     rims = set(map(id, lines[:count]))
     stretches = [one for one in stretches if id(one.line) in rims or _is_inside(domain, one, tolerance)]
+    sides = [side for one in stretches for side in one.sides()]
+    sizes = size_field([shapely.get_coordinates(line) for line in lines], sides, domain, inside_nodes, loose, spacing)
     rows = narrow_corners(domain, stretches, nodes, sizes)
     around: dict[int, list[FloatArray]] = {}
     pieces = []
@@ -134,22 +136,37 @@ def lattice(domain: shapely.Polygon, spacing: float, shift: float = 0.0) -> Floa
 
 def lattices(domain: shapely.Polygon, sizes: SizeField) -> Iterator[FloatArray]:
     """Yield points (k, 2) inside of a domain: lattices of several places and directions, thinned out where edges are longer."""
-    spacing = sizes.edge_length
     for turn in TURNS:
+        turned = shapely.affinity.rotate(domain, -turn, origin=(0, 0), use_radians=True)
+        back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
         for shift in (0.0, 0.25, 0.5, 0.75):
-            levels = []
-            for level in range(LEVELS):
-                step = spacing / 2**level
-                turned = shapely.affinity.rotate(domain, -turn, origin=(0, 0), use_radians=True)
-                points = lattice(turned, step, shift)
-                back = points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-                wanted = sizes(back)
-                fits = wanted > 0.75 * spacing if level == 0 else wanted <= 0.75 * spacing
-                levels.append(back[fits])
-                if level == 0 and fits.all():
-                    break
+            levels = _levels(turned, sizes, shift, back)
             points = np.concatenate(levels)
             yield points[_apart(points, APART * sizes(points))] if len(levels) > 1 else points
+
+
+def _levels(domain: shapely.Polygon, sizes: SizeField, shift: float, back: FloatArray) -> list[FloatArray]:
+    """Return the points (k, 2) of lattices, turned back, each finer than the one before, where edges are as long as in the first or not."""
+    step = spacing = sizes.edge_length
+    points = lattice(domain, step, shift)
+    wanted = sizes(points @ back)
+    levels = [(points @ back)[wanted > FULL * spacing]]
+    if len(levels[0]) == len(points):
+        return levels
+    while len(levels) < LEVELS or step > sizes.smallest:
+        step *= 0.5
+        # The finest ones only where they are wanted: over all of the domain they would be many.
+        points = lattice(domain, step, shift) if len(levels) < LEVELS else _halved(points[wanted <= 4.0 * step], step, domain)
+        wanted = sizes(points @ back)
+        levels.append((points @ back)[wanted <= FULL * spacing])
+    return levels
+
+
+def _halved(points: FloatArray, step: float, domain: shapely.Polygon) -> FloatArray:
+    """Return the points (k, 2) of a lattice with half the spacing of the one that points belong to, around these."""
+    corners = step * np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(0.75)], [1.5, np.sqrt(0.75)]])
+    finer = (points[:, None] + corners).reshape(-1, 2)
+    return finer[shapely.contains_xy(domain, finer)]
 
 
 def _apart(points: FloatArray, distance: FloatArray) -> Mask:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
 from ..discrete.arrays import FloatArray
 from .sizing import SizeField
@@ -17,6 +17,10 @@ __all__ = ["Stretch", "graded", "narrow_corners", "stretches_of"]
 NARROW = np.radians(40.0)  # angle between two curves below which the vertices on them are paired
 FIRST = 1.5  # edge lengths from a narrow corner within which the first pair is
 WITHIN = 0.6  # of the shorter curve, as far as pairs reach
+HALF = 0.45  # of it where both of its ends are narrow corners
+
+Rows = dict[tuple[int, int], FloatArray]
+"""Distances (k,) of vertices from the ends of stretches, 0 or 1 [L]."""
 
 
 class Stretch(NamedTuple):
@@ -38,6 +42,17 @@ class Stretch(NamedTuple):
         return shapely.get_coordinates(
             shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places)
         )
+
+    def sides(self) -> list[FloatArray]:
+        """Return its parts, each as points (k, 2), that turn by a quarter at most [L]."""
+        points = shapely.get_coordinates(substring(self.line, self.begin, min(self.end, self.line.length)))
+        if self.end > self.line.length:
+            points = np.concatenate([points, shapely.get_coordinates(substring(self.line, 0.0, self.end - self.line.length))[1:]])
+        ahead = np.diff(points, axis=0)
+        way = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+        quarter = np.floor(np.cumsum(np.abs(np.diff(way, prepend=way[:1]))) / (0.5 * np.pi))
+        stops = [0, *np.flatnonzero(np.diff(quarter)) + 1, len(points) - 1]
+        return [points[first : last + 1] for first, last in zip(stops[:-1], stops[1:])]
 
     def leaving(self, end: int, distance: float) -> FloatArray:
         """Return the point (2,) at a distance from one of its ends [L]."""
@@ -69,9 +84,7 @@ def graded(stretch: Stretch, sizes: SizeField, rows: Sequence[FloatArray]) -> Fl
     return np.concatenate([head[:-1], between, tail[1:]])
 
 
-def narrow_corners(
-    domain: shapely.Polygon, stretches: Sequence[Stretch], nodes: FloatArray, sizes: SizeField
-) -> Mapping[tuple[int, int], FloatArray]:
+def narrow_corners(domain: shapely.Polygon, stretches: Sequence[Stretch], nodes: FloatArray, sizes: SizeField) -> Rows:
     """Return distances from narrow corners at which the curves that meet there get vertices.
 
     Vertices at equal distances, which grow as the curves part, leave triangles with no smaller angle than that of the corner;
@@ -97,15 +110,18 @@ def narrow_corners(
     for k, stretch in enumerate(stretches):
         for end, node in enumerate(stretch.nodes):
             meeting.setdefault(node, []).append((k, end))
-    rows: dict[tuple[int, int], FloatArray] = {}
-    for node, ends in meeting.items():
-        rows.update(_rows(domain, stretches, nodes[node], ends, float(sizes(nodes[node][None])[0])))
-    return rows
+    found = [_rows(domain, stretches, nodes[node], ends, float(sizes(nodes[node][None])[0])) for node, ends in meeting.items()]
+    narrow = {one for rows in found for one in rows}
+    return {one: distances for rows in found for one, distances in _apart_from_others(rows, narrow, stretches).items()}
 
 
-def _rows(
-    domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArray, ends: list[tuple[int, int]], size: float
-) -> dict[tuple[int, int], FloatArray]:
+def _apart_from_others(rows: Rows, narrow: set[tuple[int, int]], stretches: Sequence[Stretch]) -> Rows:
+    """Return the rows of a corner so short that those of a narrow corner at the other end of a curve do not reach them."""
+    shared = [stretches[k].length for k, end in rows if (k, 1 - end) in narrow]
+    return {one: distances[distances < HALF * min(shared)] if shared else distances for one, distances in rows.items()}
+
+
+def _rows(domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArray, ends: list[tuple[int, int]], size: float) -> Rows:
     if len(ends) < 2:
         return {}
     length = {one: stretches[one[0]].length for one in ends}

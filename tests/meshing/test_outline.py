@@ -170,7 +170,25 @@ def test_between_arches_heights_of_points_count_for_the_sheet():
     assert beside[1] - beside[0] > 0.6
 
 
-def test_edges_are_as_short_as_a_narrow_gap_asks():
-    """A crease passes 0.03 over a hole: with edges of the length asked for the triangles between them had 4 degrees."""
-    mesh = CGCMesh.from_outline(arc(0, 0, 6), 0.9, [arc(1, 0, 2)], [line((-7, 1.76), (7, 2.24))])
-    assert shape_of(mesh)[1] >= 20.0 and len(mesh.regions()) == 2
+CORRIDOR = ring((0, 0), (6, 0), (6, 2.9), (12, 2.9), (12, 0), (18, 0), (18, 6), (12, 6), (12, 3.1), (6, 3.1), (6, 6), (0, 6))
+# Outline, holes, creases, edge length: between curves that pass close by each other without meeting.
+GAPS = {
+    "crease over a hole": (arc(0, 0, 6), [arc(1, 0, 2)], [line((-7, 2.03), (7, 2.03))], 0.9),
+    "corridor": (CORRIDOR, [], [], 0.9),
+    # Both arcs begin where they are nearest.
+    "two holes": (SQUARE, [arc(4.45, 6, 1.5), arc(7.55, 6, 1.5, 180, 540)], [], 0.9),
+}
+
+
+@pytest.mark.parametrize("name", GAPS)
+def test_edges_are_as_short_as_a_narrow_gap_asks(name):
+    """With edges of the length asked for the triangles in the gaps had 4 to 14 degrees."""
+    outline, holes, creases, h = GAPS[name]
+    mesh = CGCMesh.from_outline(outline, h, holes, creases)
+    assert shape_of(mesh)[1] >= 25.0 and len(mesh.regions()) == 1 + len(creases)
+
+
+def test_a_crease_with_narrow_corners_at_both_ends_follows_edges():
+    mesh = CGCMesh.from_outline(arc(0, 0, 8), 1.5, creases=[arc(0, -4, 11.94, 50, 130)])
+    (crease,) = mesh.creases()
+    assert len(set(crease)) == len(crease) and len(mesh.regions()) == 2
