@@ -20,6 +20,7 @@ from .trace import Traced
 
 __all__ = ["chebyshev_net"]
 
+
 def chebyshev_net(field: DirectionField, spacing: float) -> Optional[list[list[Traced]]]:
     r"""Return both families of asymptotic curves at a spacing, the first two through the middle; None where there are no such coordinates.
 

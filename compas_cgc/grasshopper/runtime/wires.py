@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 from collections.abc import Callable
 from collections.abc import Mapping
@@ -31,7 +32,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _is_whole(value: Any) -> bool:
-    return _is_number(value) and float(value) == int(value)
+    return _is_number(value) and float(value).is_integer()
 
 
 def _is_switch(value: Any) -> bool:
@@ -52,6 +53,10 @@ def _is_point(value: Any) -> bool:
     return _is_geometry(value) and hasattr(value, "X") and hasattr(value, "Z")
 
 
+def _is_place(value: Any) -> bool:
+    return _is_point(value) and all(math.isfinite(getattr(value, axis, 0.0)) for axis in "XYZ")
+
+
 def _is_curve(value: Any) -> bool:
     return _is_geometry(value) and hasattr(value, "TryGetPolyline")
 
@@ -62,7 +67,7 @@ def _is_surface(value: Any) -> bool:
 
 
 def _is_plane(value: Any) -> bool:
-    return _is_geometry(value) and hasattr(value, "Origin")
+    return _is_geometry(value) and hasattr(value, "Origin") and hasattr(value, "ZAxis")
 
 
 def _is_text(value: Any) -> bool:
@@ -101,7 +106,7 @@ WIRES = {
     "mesh": Wire(_is_mesh, "a mesh; surfaces and outlines go to the input surfaces"),
     "K": Wire(_is_number, "numbers, in 1 / (model unit)²"),
     "region": Wire(_is_whole, "numbers of regions, counted from 0"),
-    "point": Wire(_is_point, "points"),
+    "point": Wire(_is_place, "points whose coordinates are numbers"),
     "points": Wire(_is_point, "points"),
     "supports": Wire(_is_point, "points"),
     "creases": Wire(_is_curve, "curves"),

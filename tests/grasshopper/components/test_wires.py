@@ -13,6 +13,7 @@ from compas_cgc import FlowSettings
 from compas_cgc.grasshopper.runtime.wires import WIRES
 
 from ...support.gh_stand_ins import BUNDLES
+from ...support.gh_stand_ins import Point3d
 from ...support.gh_stand_ins import place
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import square
@@ -63,6 +64,10 @@ WRONG = [
     ("Mould", "material", NUMBER),
     ("Net", "through", [TEXT]),
     ("Settings", "measure", NUMBER),
+    ("Settings", "steps", float("nan")),
+    ("Target", "region", [float("inf")]),
+    ("Target", "point", [Point3d(float("nan"), 0.0, 0.0)]),
+    ("Constraints", "plane", types.SimpleNamespace(Origin=Point3d(0.0, 0.0, 0.0))),
 ]
 
 
