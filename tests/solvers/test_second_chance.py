@@ -58,6 +58,14 @@ def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface():
     assert "smoothed, it" in found.message
 
 
+@pytest.mark.slow
+def test_where_a_search_ends_too_early_a_smooth_surface_is_gone_on_from():
+    """The same, with fewer steps than the search takes: smoothed, its last shape is nearer than it was itself."""
+    found = solve(case(1023).problem, settings={"steps": 60})
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "from where it stalled, smoothed, it arrives" in found.message
+
+
 def test_a_dome_that_is_fair_at_once_is_solved_once():
     vertices, faces = shapes.grid(12)
     problem = CGCProblem(vertices, faces).with_supports("corners").with_targets(1.0)
