@@ -82,6 +82,8 @@ class SolveResult:
         ``(n, 3)`` where the vertices were before [L]; None where that is not known.
     measure
         How K is read off the mesh in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
+    turned
+        How many faces are not those of the mesh that was given: edges of triangles too stretched for K < 0 were turned.
 
     Examples
     --------
@@ -104,6 +106,7 @@ class SolveResult:
     remarks: tuple[Diagnostic, ...] = ()
     start: Optional[FloatArray] = None
     measure: str = "defect"
+    turned: int = 0
 
     @classmethod
     def from_solution(
@@ -117,6 +120,11 @@ class SolveResult:
         """Return the result of a solution of a problem."""
         if solution.targets is not None:
             problem = problem.with_targets(solution.targets)
+        turned = 0
+        if solution.faces is not None:
+            turned = int(np.count_nonzero((solution.faces != problem.faces).any(axis=1)))
+            # The mesh that was given has other faces, so that the one of the result is made anew.
+            problem, drawn = replace(problem, faces=solution.faces), None
         before = problem.without_dummies()
         surface = solution.vertices[problem.roles != DUMMY]
         real = replace(before, vertices=surface, origin=Origin(replace(before, origin=None), surface))
@@ -128,6 +136,7 @@ class SolveResult:
             remarks=tuple(remarks),
             start=before.vertices,
             measure=solution.measure,
+            turned=turned,
         )
         if solution.verdict is not None:
             # Judged already, when the method was chosen.

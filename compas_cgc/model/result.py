@@ -66,3 +66,4 @@ class Solution(NamedTuple):
     measure: str = "defect"  # of K, by which the errors are told
     targets: Optional[FloatArray] = None  # (n,) targets with those that were found, None where all were given [1/L^2]
     verdict: Optional[Verdict] = None  # of the surface, where it was judged on the way
+    faces: Optional[IntArray] = None  # (m, 3) where edges were turned, None where they are those of the problem

@@ -36,6 +36,7 @@ from .rising import is_held_all_round
 from .settings import Settings
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
+from .turned_edges import on_turned_edges
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
@@ -51,7 +52,8 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    # Or "anew", on a mesh of the same drawing laid out anew first; or "smoothed" or "turned", from what was found so far.
+    # Or "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned; or "smoothed" or "turned", from what
+    # was found so far.
     start: str = "drawn"
 
 
@@ -65,6 +67,7 @@ SECOND = [
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
+EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
@@ -96,7 +99,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄"), STALLED, *SECOND]
+        return [Choice("projection", "it alone reaches negative K̄"), EDGES, STALLED, *SECOND]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -150,6 +153,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
         if choice.start == "anew":
             found = allowed.solved(partial(solved_anew, problem, run, callback))
+        elif choice.start == "edges":
+            found = allowed.solved(partial(on_turned_edges, problem, run))
         elif choice.start == "smoothed":
             found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
         elif choice.start == "turned":
@@ -162,11 +167,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         tried.append((solution, choice))
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)
+            asked = asked if solution.faces is None else replace(asked, faces=solution.faces)
             judged = verdict(asked.with_vertices(solution.vertices), problem.vertices)
             solution = solution._replace(verdict=judged)
             if judged.fair:
                 return _told(solution, choice, tried)
-            if choice.start != "turned":  # Which is not what the normals say: worth it for a fair one alone.
+            # Turned it is not what the normals say, or has not the faces of the drawing: worth it for a fair one alone.
+            if choice.start not in ("turned", "edges"):
                 rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
@@ -185,7 +192,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
 
 def _is_due(choice: Choice, rough: bool) -> bool:
     """Return whether a choice is for what has come out so far: something rough, or nothing."""
-    return not rough if choice is STALLED else choice.start == "anew" or choice.second is rough
+    return not rough if choice is STALLED else choice.start in ("anew", "edges") or choice.second is rough
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:

@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
-        {"anew", "smoothed", "columns", "flow", "limits"},
+        {"anew", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
         {"continued"},

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from collections.abc import Mapping
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 from typing import Optional
 
@@ -146,8 +147,10 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
     real = problem.without_dummies()
     if any(isinstance(own, Unknown) for own in real.constraints):
         real = real.with_targets(np.array(answer["targets"], dtype=np.float64))
+    faces = np.array(answer["faces"], dtype=np.int64)
+    turned = int(np.count_nonzero((faces != real.faces).any(axis=1)))
     return SolveResult(
-        real.with_vertices(answer["vertices"]),
+        replace(real.with_vertices(answer["vertices"]), faces=faces),
         answer["status"],
         answer["ending"],
         answer["iterations"],
@@ -156,7 +159,8 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
         History.from_rows(list(zip(*columns))),
         answer["method"],
         settings=settings,
-        drawn=mesh,
+        drawn=None if turned else mesh,
         start=real.vertices,
         measure=answer["measure"],
+        turned=turned,
     )

@@ -42,7 +42,7 @@ def unpack_problem(content: bytes) -> CGCProblem:
 def pack_result(result: SolveResult, report: dict) -> bytes:
     """Return a result and a report of plain data as bytes."""
     words = {word: getattr(result, word) for word in WORDS}
-    words.update(_words_of(result.problem), settings=_settings_data(result.settings), report=report)
+    words.update(_words_of(result.problem), settings=_settings_data(result.settings), report=report, turned=result.turned)
     history = {f"history_{name}": values for name, values in result.history._asdict().items()}
     start = {} if result.start is None else {"start": result.start}
     return _pack({**_arrays_of(result.problem), **history, **start}, words)
@@ -63,7 +63,8 @@ def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
     settings = _settings_of(words.get("settings"))
     # Those of older versions had one measure, and one sentence.
     told = {"ending": words["message"], **{word: words[word] for word in WORDS if word in words and word != "message"}}
-    result = SolveResult(_problem_of(arrays, words), **told, history=history, settings=settings, start=arrays.get("start"))
+    more = {"settings": settings, "start": arrays.get("start"), "turned": words.get("turned", 0)}
+    result = SolveResult(_problem_of(arrays, words), **told, history=history, **more)
     result.__dict__["message"] = words["message"]
     return result, words["report"]
 

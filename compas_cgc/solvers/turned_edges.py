@@ -1,0 +1,49 @@
+"""A second chance on stretched triangles: the same vertices with their edges turned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Callable
+from typing import Optional
+
+import numpy as np
+
+from ..meshing.delaunay_flips import delaunay_turned
+from ..meshing.delaunay_flips import obtuse_share
+from ..model.problem import CGCProblem
+from ..model.result import Solution
+
+__all__ = ["on_turned_edges"]
+
+STRETCHED, LESS = 0.1, 0.5  # part of the triangles that are obtuse from which a mesh is stretched, and how many of these may be left
+
+
+def on_turned_edges(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+    """Return the solution with edges turned as the drawing asks, its faces with it.
+
+    Where K < 0 angle defects of stretched triangles are off by many times the K of the surface through their vertices, so that
+    a mesh of a smooth surface does not meet them, and what meets them is rough.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles and targets.
+    solve
+        Solves a problem.
+
+    Returns
+    -------
+    Solution or None
+        None where the mesh is not stretched, or turned edges leave it so, or there is more to hold than vertices and creases.
+    """
+    if problem.constraints or not problem.real_faces.all():
+        return None
+    share = obtuse_share(problem.vertices, problem.faces)
+    if share < STRETCHED:
+        return None
+    faces = delaunay_turned(problem.vertices, problem.faces, problem.creases)
+    if obtuse_share(problem.vertices, faces) > LESS * share:
+        return None
+    solution = solve(replace(problem, faces=faces))
+    count = int(np.count_nonzero((faces != problem.faces).any(axis=1)))
+    return solution._replace(faces=faces, message=f"{count} faces were turned, as theirs are too stretched for K < 0; {solution.message}")

@@ -1,0 +1,64 @@
+"""Saddles on stretched triangles are found with edges turned; the vertices, their numbers and the creases stay."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from compas_cgc import CGCProblem
+from compas_cgc import solve
+from compas_cgc.discrete import edge_faces
+from compas_cgc.meshing import lost_edges
+from compas_cgc.meshing.delaunay_flips import delaunay_turned
+from compas_cgc.meshing.delaunay_flips import obtuse_share
+from compas_cgc.server.api.serialization import pack_result
+from compas_cgc.server.api.serialization import unpack_result
+
+from ..system.fairness_study import case
+
+
+def stretched(by: float) -> tuple[np.ndarray, np.ndarray]:
+    """Random points in a square, and the Delaunay triangles of these when they are pulled apart in one direction."""
+    points = np.random.default_rng(2).random((300, 2))
+    faces = Delaunay(points * [1.0, by]).simplices.astype(np.int64)
+    a, b = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    faces[a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]] = faces[a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]][:, ::-1]
+    return np.column_stack([points, np.zeros(len(points))]), faces
+
+
+def test_turned_edges_are_those_of_delaunay_away_from_the_rim():
+    vertices, faces = stretched(6.0)
+    turned = delaunay_turned(vertices, faces, np.zeros((0, 2), dtype=np.int64))
+    wanted = {tuple(sorted(face)) for face in Delaunay(vertices[:, :2]).simplices.tolist()}
+    found = {tuple(sorted(face)) for face in turned.tolist()}
+    # The rims of the two differ by slivers that only one of them has.
+    assert len(found & wanted) >= 0.95 * len(found) and len(found & {tuple(sorted(face)) for face in faces.tolist()}) < 0.5 * len(found)
+    assert obtuse_share(vertices, turned) < 0.5 * obtuse_share(vertices, faces)
+    again = delaunay_turned(vertices, turned, np.zeros((0, 2), dtype=np.int64))
+    assert np.array_equal(again, turned), "what is Delaunay stays as it is"
+
+
+def test_creases_and_the_rim_stay():
+    vertices, faces = stretched(6.0)
+    inner = edge_faces(faces)
+    creases = inner[inner[:, 3] >= 0][::7, :2]
+    turned = delaunay_turned(vertices, faces, creases)
+    assert not lost_edges(turned, creases).any()
+    rims = [edges[edges[:, 3] < 0, :2] for edges in (edge_faces(faces), edge_faces(turned))]
+    assert {tuple(sorted(edge)) for edge in rims[0].tolist()} == {tuple(sorted(edge)) for edge in rims[1].tolist()}
+    assert not np.array_equal(turned, faces)
+
+
+def test_a_pseudosphere_on_stretched_triangles_comes_back():
+    known = case(4147)
+    problem: CGCProblem = known.problem
+    result = solve(problem)
+    assert result.converged and result.verdict.fair and "faces were turned" in result.message, result.message
+    assert result.turned == (result.faces != problem.faces).any(axis=1).sum() > 0
+    assert np.abs(result.vertices - known.answer).max() < 0.02
+    assert np.nanmedian(np.abs(result.curvature - problem.targets)) < 0.03
+    held = problem.supports
+    assert np.array_equal(result.problem.supports, held) and np.array_equal(result.vertices[held], problem.vertices[held])
+    assert np.array_equal(result.mesh.to_problem().faces, result.faces)
+    again, _ = unpack_result(pack_result(result, {}))
+    assert again.turned == result.turned and np.array_equal(again.faces, result.faces)
