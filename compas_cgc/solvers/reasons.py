@@ -32,7 +32,7 @@ __all__ = ["Why", "why_not_found", "why_rough"]
 ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
 SEARCH = 5e6  # right sides times unknowns that it may take on a coarser mesh, under two seconds
 OWN, WITH_GOALS = 3000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
-SMALLEST = 400  # vertices, of which smaller meshes are taken to have as many
+SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
 NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
 

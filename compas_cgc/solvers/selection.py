@@ -177,7 +177,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
                 rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
-                return _told(solution, choice, tried, why_not_found(problem, solution.status).text)
+                return _told(solution, choice, tried, why_not_found(problem, solution.status, cold=_attempt).text)
             break
     if rough:
         _, best, choice = min(rough, key=lambda one: one[0])

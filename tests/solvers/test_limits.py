@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from compas_cgc.cli.main import main
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.linalg.work import Work
+from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
@@ -58,6 +60,30 @@ def test_what_a_coarser_mesh_carries_is_looked_for_on_the_mesh_itself():
     assert limit.status == "found" and not limit.coarser and limit.beyond <= 1.15 * limit.target
     result = solve(problem.with_targets(0.95 * limit.target))
     assert result.converged and result.verdict.fair
+
+
+def panels(target: float, nx: int = 4, ny: int = 2, per: int = 3) -> CGCProblem:
+    """Panels of 1 m on four corners, with K of either sign in turn."""
+    i, j = np.divmod(np.arange((nx * per + 1) * (ny * per + 1)), ny * per + 1)
+    vertices = np.column_stack([i / per, j / per, 0.0 * i])
+    a, step = (np.arange(nx * per)[:, None] * (ny * per + 1) + np.arange(ny * per)).ravel(), ny * per + 1
+    faces = np.column_stack([a, a + step, a + step + 1, a, a + step + 1, a + 1]).reshape(-1, 3)
+    paths = [np.flatnonzero(k == at * per).tolist() for k, most in ((i, nx), (j, ny)) for at in range(1, most)]
+    problem = CGCProblem(vertices, faces, creases=paths).with_supports("corners")
+    middle = [vertices[faces[problem.regions() == region]].mean(axis=(0, 1)) for region in range(nx * ny)]
+    for region, (x, y, _) in enumerate(middle):
+        problem = problem.with_targets(target if (int(x) + int(y)) % 2 else -target, region=region)
+    return problem
+
+
+def test_the_number_that_is_said_of_panels_with_a_goal_is_true():
+    slab = [NearPlane((0, 0, 0), (0, 0, 1), 0.4)]
+    said = solve(panels(3.0), goals=slab).message
+    most = float(re.search(r"\|K̄\| up to ([\d.]+)", said).group(1))
+    assert most > 0.5 and "or more" not in said
+    fair, rough = (solve(panels(part * most), goals=slab) for part in (0.95, 1.15))
+    assert fair.converged and fair.verdict.fair
+    assert not (rough.converged and rough.verdict.fair)
 
 
 def test_smaller_targets_lead_to_a_saddle_that_is_not_found_at_once():
