@@ -106,7 +106,7 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         if patterns.sheet is not None:
             corners = np.array([[0, 0], [length, 0], [length, width], [0, width]], dtype=np.float64)
             lines.append(Line("SHEET", corners + origin, True))
-            texts.append(Text("SHEET", f"sheet {number + 1}", origin + [0.5 * length, width + 2.0 * height], 2.0 * height))
+            texts.append(Text("SHEET", _title(patterns, number), origin + [0.5 * length, width + 2.0 * height], 2.0 * height))
     names = patterns.patchwork.names
     ticked: list[set[int]] = [set() for _ in patterns.pieces]
     for seam in patterns.seams:
@@ -131,6 +131,14 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
             texts.append(text._replace(place=text.place + origin))
     size = step * [across, rows] - [GAP * length, GAP * width]
     return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units, _hidden(patterns, fold))
+
+
+def _title(patterns: Patterns, number: int) -> str:
+    """Return what stands over a sheet: which it is, its size, the pieces on it, and which side of them is up."""
+    length, width = patterns.sheet or _extent(patterns)
+    units = (patterns.problem.drawing.units or "").lower()
+    labels = ", ".join(piece.label for piece in patterns.pieces if piece.sheet == number)
+    return f"sheet {number + 1} of {patterns.sheets}, {length:g} x {width:g} {units}".rstrip() + f": {labels}; seen from outside"
 
 
 def _hidden(patterns: Patterns, fold: float) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from .drawing import Drawing
 __all__ = ["write_dxf"]
 
 _UNITS = {"Inches": 1, "Feet": 2, "Millimeters": 4, "Centimeters": 5, "Meters": 6, "Kilometers": 7, "Yards": 10}  # $INSUNITS
+DARK = 64  # of 255
 
 
 def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
@@ -38,7 +39,8 @@ def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
         raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
     document = filemanagement.new("R2010", units=_UNITS.get(drawing.units or "Meters", 0))
     for name, colour in LAYERS.items():
-        layer = document.layers.add(name, true_color=colors.rgb2int(colour))
+        # What is nearly black is drawn in the colour that stands out from the screen, whether that is light or dark.
+        layer = document.layers.add(name, color=7) if max(colour) < DARK else document.layers.add(name, true_color=colors.rgb2int(colour))
         if name in drawing.hidden:
             layer.freeze()
     space = document.modelspace()

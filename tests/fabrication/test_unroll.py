@@ -267,6 +267,18 @@ def test_no_text_lies_over_marks_and_outlines(cut):
     assert hit < 0.02 * len(texts)
 
 
+def test_sheets_say_what_lies_on_them_and_labels_stand_out(cut, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    write_patterns(tmp_path / "cut.dxf", cut)
+    document = ezdxf.readfile(tmp_path / "cut.dxf")
+    titles = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
+    assert len(titles) == cut.sheets and titles[0].startswith(f"sheet 1 of {cut.sheets}, 3 x 1.5")
+    assert sorted(label for title in titles for label in title.split(": ")[1].split(";")[0].split(", ")) == sorted(p.label for p in cut.pieces)
+    # Black on black: on dark screens nobody saw the labels.
+    label = document.layers.get("LABEL")
+    assert label.dxf.color == 7 and not label.dxf.hasattr("true_color")
+
+
 def test_folds_of_the_mesh_are_hidden_where_a_surface_is_rolled(tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
     rolled = unroll(ring(10, 60), SHEET)
