@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ...discrete.arrays import Vertices
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
+from .evened import evened
+from .evened import smallest_angle
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .measure import shows_layout
@@ -19,6 +22,7 @@ from .system import System
 
 __all__ = ["exactly"]
 
+SLENDER = math.radians(8.0)  # angle of a triangle, below which vertices are evened out before they slide
 NEAR = (10.0, 1000.0)  # weights of K against waves, for a shape that nearly has it
 
 
@@ -32,6 +36,8 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
         if can_slide(system, exact) and shows_layout(system, equations, vertices):
             # Angles hold the fair shape to waves, which only those who slide along it can do without.
             slid = yield from smooth_shape(system, equations, vertices, NEAR)
+            if smallest_angle(slid, system.faces) < SLENDER:
+                slid = yield from smooth_shape(system, equations, evened(slid, system.faces, system.rows), NEAR)
             for taken in slide(system, exact, system.at(slid, exact)):
                 yield taken._replace(equations=exact)
                 slid = taken.vertices
