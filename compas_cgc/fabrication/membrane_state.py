@@ -222,8 +222,8 @@ def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
     unit = 1e3 * metres_per_unit(problem.drawing.units)
     far, away = float(np.linalg.norm(move, axis=1).max()), float(off.max())
     said = (
-        f"vertices were slid along the surface, by up to {unit * far:.3g} mm and off it by up to {unit * away:.2g} mm, until triangles close "
-        f"as with the measure exact; where they were, edge forces had to be {100 * state.correction:.3g} % off the formula for balance"
+        f"vertices were slid along the surface, by up to {unit * far:.3g} mm and off it by up to {unit * away:.2g} mm, until triangles "
+        f"close as with the measure exact; before, edge forces had to be {100 * state.correction:.3g} % off the formula for balance"
     )
     return replace(exact, moved=far, remarks=(said, *exact.remarks))
 

@@ -191,7 +191,7 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption(
                     "close",
-                    "whether vertices of irregular meshes are slid along the surface, until edge forces are near the formula (default: yes)",
+                    "whether vertices of irregular meshes slide along the surface, until edge forces are near the formula (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),
@@ -225,7 +225,7 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption(
                     "stop",
-                    "lines of curvature end where they come nearer to each other than this part of the spacing (default 0.5), 0 for nowhere",
+                    "lines of curvature end where they come nearer to each other than this part of the spacing (default 0.5; 0: none)",
                     values.number,
                     {"type": "number", "minimum": 0, "exclusiveMaximum": 1, "default": 0.5},
                     "PART",

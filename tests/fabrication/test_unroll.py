@@ -273,7 +273,8 @@ def test_sheets_say_what_lies_on_them_and_labels_stand_out(cut, tmp_path):
     document = ezdxf.readfile(tmp_path / "cut.dxf")
     titles = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
     assert len(titles) == cut.sheets and titles[0].startswith(f"sheet 1 of {cut.sheets}, 3 x 1.5")
-    assert sorted(label for title in titles for label in title.split(": ")[1].split(";")[0].split(", ")) == sorted(p.label for p in cut.pieces)
+    told = [label for title in titles for label in title.split(": ")[1].split(";")[0].split(", ")]
+    assert sorted(told) == sorted(piece.label for piece in cut.pieces)
     # Black on black: on dark screens nobody saw the labels.
     label = document.layers.get("LABEL")
     assert label.dxf.color == 7 and not label.dxf.hasattr("true_color")

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+
 from ...discrete import vertex_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
