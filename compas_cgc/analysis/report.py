@@ -21,6 +21,7 @@ from ..discrete.arrays import Mask
 from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
 from ..discrete.corners import corner_angles
+from ..errors import names_what_was_meant
 from ..meshing import vertex_labels
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
@@ -209,6 +210,7 @@ class SurfaceReport:
         return "\n".join(lines)
 
 
+@names_what_was_meant()
 def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, others: bool = True) -> SurfaceReport:
     """Measure a surface against its targets.
 

@@ -17,6 +17,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..errors import find_attribute
+from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..model.goals.wholes import Unknown
 from ..model.measures import measured_curvature
@@ -50,6 +51,7 @@ class _Settings(Protocol):
     def to_dict(self) -> dict: ...
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class SolveResult:
     """What :func:`compas_cgc.solve` returns.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .arrays import PerFace
 from .arrays import PerVertex
@@ -22,6 +23,7 @@ def area_code(kind: str) -> int:
     return KINDS[kind]
 
 
+@names_what_was_meant()
 def face_areas(vertices: ArrayLike, faces: ArrayLike) -> PerFace:
     """Return the area of every face.
 
@@ -46,6 +48,7 @@ def face_areas(vertices: ArrayLike, faces: ArrayLike) -> PerFace:
     return 0.5 * np.linalg.norm(_kernels.cross_vectors(V, F), axis=1)
 
 
+@names_what_was_meant()
 def vertex_areas(vertices: ArrayLike, faces: ArrayLike, kind: str = "mixed") -> PerVertex:
     """Return the area of the cell around every vertex.
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from numpy.typing import NDArray
 
 from ..errors import MeshError
+from ..errors import names_what_was_meant
 
 __all__ = [
     "CSRIndices",
@@ -50,6 +51,7 @@ CSRIndices = NDArray[np.signedinteger]
 """``indptr`` or ``indices`` of a sparse matrix, or labels of its components, int32 or int64."""
 
 
+@names_what_was_meant()
 def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]:
     """Return contiguous float64 vertices and int64 faces, or say what is wrong with them.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .areas import area_code
 from .arrays import PerVertex
@@ -14,6 +15,7 @@ from .topology import boundary_mask
 __all__ = ["angle_defects", "gaussian_curvature"]
 
 
+@names_what_was_meant()
 def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> PerVertex:
     """Return the angle defect of every vertex.
 
@@ -56,6 +58,7 @@ def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> PerVertex:
     return defect
 
 
+@names_what_was_meant()
 def gaussian_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> PerVertex:
     """Return the Gaussian curvature of every vertex: angle defect over cell area.
 

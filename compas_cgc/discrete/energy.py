@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .arrays import PerFace
 from .arrays import Vectors
@@ -23,6 +24,7 @@ def face_targets(targets: ArrayLike, m: int) -> PerFace:
     return np.ascontiguousarray(np.broadcast_to(K, (m,)))
 
 
+@names_what_was_meant()
 def energy(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike, kind: str = "steiner") -> float:
     r"""Return :math:`\Phi = M - \sum_f \bar K_f V_f`, which the flow of Eq. 22 decreases.
 
@@ -64,6 +66,7 @@ def energy(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike, kind: str 
     return total_mean_curvature(V, F, kind) - float(_kernels.pyramids(V, F, weight))
 
 
+@names_what_was_meant()
 def energy_gradient(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike) -> Vectors:
     r"""Return the exact gradient of the Steiner :func:`energy`.
 

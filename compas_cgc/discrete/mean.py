@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .areas import area_code
 from .arrays import Faces
@@ -26,6 +27,7 @@ def _signed_lengths(V: Vertices, F: Faces) -> PerVertex:
     return 0.5 * np.copysign(np.linalg.norm(vectors, axis=1), inward)
 
 
+@names_what_was_meant()
 def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") -> PerVertex:
     """Return the mean curvature of every vertex by the cotangent Laplacian.
 
@@ -65,6 +67,7 @@ def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") 
     return H
 
 
+@names_what_was_meant()
 def total_mean_curvature(vertices: ArrayLike, faces: ArrayLike, kind: str = "steiner") -> float:
     """Return the integral of the mean curvature, positive on convex surfaces.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .arrays import Vectors
 from .arrays import mesh_arrays
@@ -19,6 +20,7 @@ def unit_vectors(vectors: Vectors) -> Vectors:
     return vectors / length[:, None]
 
 
+@names_what_was_meant()
 def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     """Return the outward unit normal of every face (Eq. 17).
 
@@ -43,6 +45,7 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     return unit_vectors(_kernels.cross_vectors(V, F))
 
 
+@names_what_was_meant()
 def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     """Return the outward unit normal of every vertex (Eq. 13): the area-weighted mean (Eq. 12) of its faces (Eq. 11).
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from numpy.typing import NDArray
 
+from ..errors import names_what_was_meant
 from ._memo import remembered
 from .arrays import Edges
 from .arrays import Faces
@@ -44,6 +45,7 @@ def boundary_mask(n: int, F: Faces) -> Mask:
     return mask
 
 
+@names_what_was_meant()
 def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
     """Mark the vertices on an open boundary.
 
@@ -67,6 +69,7 @@ def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
     return boundary_mask(len(V), F)
 
 
+@names_what_was_meant()
 def edge_faces(faces: ArrayLike) -> Edges:
     """List every edge once with the faces on its two sides.
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from . import _kernels
 from .arrays import mesh_arrays
 
 __all__ = ["enclosed_volume"]
 
 
+@names_what_was_meant()
 def enclosed_volume(vertices: ArrayLike, faces: ArrayLike) -> float:
     """Return the signed volume of the pyramids from the origin to every face.
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Union
 
 from .._atomic_write import replacing
+from .._samples import no_file
 from ..errors import FileError
 
 __all__ = ["read_bytes", "read_lines", "suffix_among", "written"]
@@ -27,7 +28,7 @@ def read_bytes(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except FileNotFoundError:
-        raise FileError(f"there is no file {path}; check the name") from None
+        raise FileError(no_file(path)) from None
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror})") from None
 

@@ -11,6 +11,7 @@ from typing import Union
 from typing import cast
 
 from ..errors import FileError
+from ..errors import names_what_was_meant
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
 from ._files import written
@@ -40,6 +41,7 @@ _WRITERS = {".obj": obj_text, ".off": off_text, ".ply": ply_text, ".stl": stl_te
 SUFFIXES = (".3dm", ".json", *sorted(_WRITERS))
 
 
+@names_what_was_meant()
 def read_problem(
     path: PathLike,
     *,
@@ -90,6 +92,7 @@ def read_problem(
     return _READERS[suffix](source)
 
 
+@names_what_was_meant()
 def read_mesh(
     path: PathLike,
     *,
@@ -134,6 +137,7 @@ def read_mesh(
     return CGCMesh.from_problem(found.checked()), list(found.notes)
 
 
+@names_what_was_meant()
 def read(
     path: PathLike,
     *,
@@ -166,6 +170,7 @@ def read(
     return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)[0]
 
 
+@names_what_was_meant()
 def write(
     path: PathLike,
     surface: Union[SolveResult, PosesProblem],
@@ -243,6 +248,7 @@ def _write_3dm(
     return []
 
 
+@names_what_was_meant()
 def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     """Return the suffix of a file that can be read and written, in small letters.
 

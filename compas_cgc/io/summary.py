@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..errors import names_what_was_meant
 from ..fabrication.flattening import LONG
 from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
@@ -14,6 +15,7 @@ from .rhino.units import unit_suffix
 __all__ = ["describe"]
 
 
+@names_what_was_meant()
 def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
     """Return what was found in a file and what would be done, and what keeps it from being solved.
 

@@ -13,6 +13,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.corners import corner_angles
 from ..discrete.smooth_measure import is_regular
 from ..errors import ProblemError
+from ..errors import names_what_was_meant
 from ..meshing import Diagnostic
 from ..meshing import boundary_loops
 from ..meshing import existence_problems
@@ -41,6 +42,7 @@ NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
 FINE = 300  # vertices with K; on a coarser mesh a roof is some percent off anyway
 
 
+@names_what_was_meant()
 def check(posed: PosesProblem) -> list[Diagnostic]:
     """List what keeps a problem from being solved: first of its geometry, then of what is asked of it.
 

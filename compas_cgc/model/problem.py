@@ -23,6 +23,7 @@ from ..discrete import mesh_arrays
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..meshing import crease_paths
 from ..meshing import face_means
 from ..meshing import face_regions
@@ -102,6 +103,7 @@ def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
     return given.to_problem()
 
 
+@names_what_was_meant()
 @dataclass(frozen=True, eq=False)
 class CGCProblem:
     """A triangle mesh with what is asked of it.

@@ -7,6 +7,7 @@ from typing import Any
 from typing import Optional
 
 from ..errors import did_you_mean
+from ..errors import names_what_was_meant
 from .flow.method import METHOD as FLOW
 from .method import Method
 from .newton.method import METHOD as NEWTON
@@ -20,6 +21,7 @@ __all__ = ["METHODS", "Method", "method_names", "method_of", "options", "owners"
 METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, PROJECTION)}
 
 
+@names_what_was_meant()
 def register(method: Method) -> Method:
     """Make a method known to every door.
 
@@ -47,6 +49,7 @@ def register(method: Method) -> Method:
     return method
 
 
+@names_what_was_meant()
 def method_names() -> tuple[str, ...]:
     """Return what a door may ask for: ``auto``, and the methods by name.
 
@@ -63,6 +66,7 @@ def method_names() -> tuple[str, ...]:
     return ("auto", *METHODS)
 
 
+@names_what_was_meant()
 def options() -> dict[str, Option]:
     """Return every option by the name that doors for designers use; of options of one name that with the most choices stands for all.
 
@@ -107,6 +111,7 @@ def method_of(settings: Settings) -> str:
     raise ValueError(f"settings must be {_kinds(METHODS)}, not {type(settings).__name__}")
 
 
+@names_what_was_meant()
 def settings_for(method: str = "auto", given: Optional[Mapping[str, Any]] = None, **more: Any) -> Optional[Settings]:
     """Return the settings that options by name make, the same for every door.
 

@@ -14,6 +14,8 @@ from typing import NamedTuple
 from typing import Optional
 from typing import TypeVar
 
+from ..errors import names_what_was_meant
+
 __all__ = ["AutoSettings", "Option", "Settings", "documented", "option"]
 
 LARGE = 1e12
@@ -129,6 +131,7 @@ def option(default: Any, text: str, kind: type, **rules: Any) -> Any:
     return field(default=default, metadata={"option": {"kind": kind, "text": text, **rules}})
 
 
+@names_what_was_meant()
 @dataclass(frozen=True)
 class Settings:
     """What all methods have in common.
@@ -159,12 +162,12 @@ S = TypeVar("S", bound=Settings)
 
 
 def documented(kind: type[S]) -> type[S]:
-    """Write the options of settings into their docstring; to be put above ``@dataclass``."""
+    """Write the options of settings into their docstring, and have wrong names answered; to be put above ``@dataclass``."""
     lines = [(kind.__doc__ or "").rstrip(), "", "    Parameters", "    ----------"]
     for name, own in kind.options().items():
         lines += [f"    {name}", textwrap.indent(textwrap.fill(f"{own.text} Default: {own.default}.", 100), 8 * " ")]
     kind.__doc__ = "\n".join(lines) + "\n"
-    return kind
+    return names_what_was_meant()(kind)
 
 
 TOLERANCE_TEXT = (

@@ -11,6 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Mask
 from ..errors import CGCError
+from ..errors import names_what_was_meant
 from ..plot.output import new_figure
 from .results import Results
 from .results import refuse_no_results
@@ -46,6 +47,7 @@ def non_dominated(costs: FloatArray) -> Mask:
     return keeps
 
 
+@names_what_was_meant()
 def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices:
     """Return the variants that no other good one beats, by the first column wanted (k,).
 
@@ -82,6 +84,7 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
     return good[front][np.lexsort(costs[front].T[::-1])]
 
 
+@names_what_was_meant()
 def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure:
     """Return a picture of all variants by two columns that are wanted, with the front among the good ones.
 

@@ -15,6 +15,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..errors import CGCError
 from ..errors import FileError
+from ..errors import names_what_was_meant
 from ..io import read_problem
 from ..model.problem import CGCProblem
 from .spec import Ranking
@@ -38,6 +39,7 @@ def refuse_no_results(given: object) -> None:
         raise CGCError(f"the results of a study are read first: Results('folder'), not {given!r:.60}")
 
 
+@names_what_was_meant()
 class Results:
     """A folder that a study was, or is being, written to.
 

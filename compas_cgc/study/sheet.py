@@ -10,6 +10,7 @@ from typing import Optional
 
 import numpy as np
 
+from ..errors import names_what_was_meant
 from ..plot.output import matplotlib_module
 from ..plot.output import new_figure
 from ..plot.view import Frame
@@ -35,6 +36,7 @@ LETTERS = 3  # lines under a picture
 COLOURS = {"fair": (0.62, 0.76, 0.80), "rough": (0.93, 0.66, 0.47), "unfinished": (0.78, 0.78, 0.78)}
 
 
+@names_what_was_meant()
 def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, show: Optional[Sequence[str]] = None) -> Figure:
     """Return the pictures of variants, all from one side and at one scale: fair ones blue, rough ones orange, unfinished ones grey.
 

@@ -17,6 +17,7 @@ from typing import Union
 from ..errors import CGCError
 from ..errors import FileError
 from ..errors import did_you_mean
+from ..errors import names_what_was_meant
 from ..model.constraint_data import as_constraints
 from ..model.problem import CGCProblem
 from ..solvers.registry import settings_for
@@ -63,6 +64,7 @@ class Ranking:
         return (*self.least, *self.most)
 
 
+@names_what_was_meant()
 @dataclass(frozen=True)
 class Study:
     """Variants of a drawing: made of plain data by :meth:`from_dict`, or of a file by :func:`read_study`.
@@ -122,6 +124,12 @@ class Study:
     pareto: Ranking = Ranking()
     best: Ranking = Ranking()
     data: Mapping[str, Any] = field(default_factory=dict)  # that it was made of
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.parameters, tuple) and all(isinstance(each, Parameter) for each in self.parameters)):
+            raise CGCError(
+                f"a study is made of plain data: Study.from_dict({{...}}), or read_study('study.toml'), not {self.parameters!r:.60}"
+            )
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Study:
@@ -221,6 +229,7 @@ class Study:
         return found.hexdigest()
 
 
+@names_what_was_meant()
 def read_study(path: Union[str, os.PathLike[str]]) -> Study:
     """Return the study that a TOML file describes.
 

@@ -37,6 +37,7 @@ from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication import widest_panel
 from compas_cgc.solvers.limits import largest_target
 from compas_cgc.study import Results
+from compas_cgc.study import Study
 from compas_cgc.study import pareto_front
 from compas_cgc.study import run_study
 
@@ -175,6 +176,10 @@ MISTAKES = {
     "an outline that crosses itself": (lambda: CGCMesh.from_outline([SQUARE[k] for k in (0, 2, 1, 3, 0)], 1.0), "a curve crosses itself"),
     "a length below zero": (lambda: CGCMesh.from_outline(SQUARE, -1.0), "the edge length must be above zero"),
     "a file that is not there": (lambda: read("nothing.3dm"), "there is no file nothing.3dm"),
+    "a drawing of the manual that was not copied": (
+        lambda: read("vault.3dm"),
+        r"the drawing vault.3dm of the manual is .*vault.3dm, copy it",
+    ),
     "a folder": (lambda: read("."), "is a folder; name a file in it"),
     "a kind of file that is not known": (lambda: write("roof.dwg", posed()), r"use .3dm, .json"),
     "write the wrong way round": (lambda: write(posed(), "roof.3dm"), r"write\('roof.3dm', mesh\)"),
@@ -237,6 +242,8 @@ MISTAKES = {
     "a region to develop by its name": (lambda: develop(posed(), "roof"), "a region must be a whole number, not 'roof'"),
     "a width of a word": (lambda: widest_panel("K", 0.001), "K must be a number, not 'K'"),
     "sheets of a result": (lambda: draw_sheets(posed()), r"sheets are drawn of patterns: draw_sheets\(unroll\(surface\)\)"),
+    "a study of nothing": (lambda: Study(None), r"a study is made of plain data: Study.from_dict\(\{...\}\), .* not None"),
+    "a file for a problem": (lambda: CGCProblem("a.3dm", [[0, 1, 2]]), "vertices and faces must be arrays of numbers"),
     "a study as a dictionary": (lambda: run_study(posed(), {"parameters": {}}, "out"), r"Study.from_dict\(\{...\}\), or read_study"),
     "results of nothing": (lambda: Results(None), r"results are those in the folder of a study: Results\('folder'\), not None"),
     "a front of a folder": (lambda: pareto_front("out"), r"the results of a study are read first: Results\('folder'\), not 'out'"),
@@ -268,6 +275,8 @@ ARGUMENTS = {
     "moulds of a size": (lambda: moulds(posed(), size=2.0), r"said of the panels: moulds\(surface, panels\(surface, size=...\)\)"),
     "a study without a folder": (lambda: run_study(posed(), None), "lacks 'folder'"),
     "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write method=... and the like"),
+    "a symbol of the paper": (lambda: FlowSettings(mu=3), r"FlowSettings\(\) takes no 'mu'; did you mean 'mu0'"),
+    "a problem of one thing": (lambda: CGCProblem("a.3dm"), "lacks 'faces'; write CGCProblem\\(vertices, faces"),
     "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "is given 'size' twice"),
 }
 

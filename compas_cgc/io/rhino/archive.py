@@ -11,6 +11,7 @@ from typing import Any
 from typing import NamedTuple
 from typing import Union
 
+from ..._samples import no_file
 from ...errors import FileError
 from .._files import written
 from ._types import Archive
@@ -192,7 +193,7 @@ def _check_frame(path: Path) -> None:
             file.seek(max(0, size - 20))
             tail = file.read(20)
     except FileNotFoundError:
-        raise FileError(f"there is no file {path}; check the name") from None
+        raise FileError(no_file(path)) from None
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror})") from None
     if not head.startswith(_MAGIC):

@@ -14,6 +14,7 @@ from typing import Optional
 from typing import Union
 
 from ...errors import FileError
+from ...errors import names_what_was_meant
 from .archive import Item
 from .user_text import dot_target
 from .user_text import user_target
@@ -25,6 +26,7 @@ _SURFACES = ("Brep", "Extrusion", "SubD", "Surface", "NurbsSurface", "RevSurface
 _POINTS = ("point", "point cloud")
 
 
+@names_what_was_meant()
 @dataclass(frozen=True)
 class LayerNames:
     """The layers that are read, each with its sublayers; capitals do not matter.
@@ -69,6 +71,7 @@ class LayerNames:
         return None
 
 
+@names_what_was_meant()
 def layer_names(path: Union[str, os.PathLike, None] = None, given: Optional[Mapping[str, object]] = None) -> LayerNames:
     """Return the layer names for a file: the convention, changed by a TOML file beside it and by what is given.
 

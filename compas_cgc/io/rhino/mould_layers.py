@@ -14,6 +14,7 @@ from ..._version import __version__
 from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Vertices
+from ...errors import names_what_was_meant
 from ...fabrication.mould_report import Mould
 from ...fabrication.mould_report import MouldReport
 from ...fabrication.mould_report import PanelFit
@@ -34,6 +35,7 @@ APART = 1.2  # distance of two panels on the sheet, against the width of the cap
 AWAY = 0.15  # of the moulds from the roof, against its size
 
 
+@names_what_was_meant()
 def write_moulds(
     path: Union[str, os.PathLike],
     mesh: PosesProblem,

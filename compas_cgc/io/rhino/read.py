@@ -10,6 +10,7 @@ from typing import Union
 
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
+from ...errors import names_what_was_meant
 from ..reading import ReadProblem
 from .archive import Item
 from .archive import list_items
@@ -35,6 +36,7 @@ from .user_text import user_target
 __all__ = ["read_3dm", "read_curves"]
 
 
+@names_what_was_meant()
 def read_3dm(
     path: Union[str, os.PathLike],
     *,

@@ -16,6 +16,7 @@ from ...analysis import SurfaceReport
 from ...analysis import analyse
 from ...discrete import gaussian_curvature
 from ...discrete.arrays import FloatArray
+from ...errors import names_what_was_meant
 from ...model.problem import CGCProblem
 from .archive import read_archive
 from .archive import write_archive
@@ -42,6 +43,7 @@ __all__ = ["write_result"]
 AMBER = (230, 150, 20)
 
 
+@names_what_was_meant()
 def write_result(
     path: Union[str, os.PathLike],
     result: SolveResult,

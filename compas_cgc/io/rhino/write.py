@@ -16,6 +16,7 @@ from ..._version import __version__
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.plan import flattened
+from ...errors import names_what_was_meant
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
 from ...model.goals.inequalities import Clearance
@@ -124,6 +125,7 @@ class LayerWriter:
             self.archive.Strings[key] = value
 
 
+@names_what_was_meant()
 def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version: int = 7) -> None:
     """Write a problem on the layers of the convention: mesh, supports, creases, constraints, and a dot with the target of each region.
 

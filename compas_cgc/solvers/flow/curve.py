@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import Mask
+from ...errors import names_what_was_meant
 
 __all__ = ["CurveResult", "curve_curvature", "curve_flow"]
 
@@ -82,6 +83,7 @@ def curve_curvature(points: ArrayLike, kind: str = "C1") -> FloatArray:
     return k
 
 
+@names_what_was_meant()
 def curve_flow(
     points: ArrayLike,
     target: float,

@@ -12,6 +12,7 @@ from ...discrete import mean_curvature
 from ...discrete.arrays import FloatArray
 from ...discrete.evaluation import Measure
 from ...discrete.evaluation import Measurement
+from ...errors import names_what_was_meant
 from ...model.frame import Frame
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
@@ -29,6 +30,7 @@ ASTRAY = 2.0  # a run that ends this many times farther from the target than it 
 EXPLOSION = 1e3  # curvature error, against the first one and the target, that tells of torn meshes
 
 
+@names_what_was_meant()
 def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callback: Callback = None) -> Solution:
     """Move the vertices along their normals until K is the target wherever it is asked for.
 

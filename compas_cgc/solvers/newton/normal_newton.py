@@ -12,6 +12,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.smooth_measure import is_regular
 from ...errors import ProblemError
+from ...errors import names_what_was_meant
 from ...model.frame import Frame
 from ...model.goals.binding import Equation
 from ...model.goals.binding import bind
@@ -38,6 +39,7 @@ from .system import System
 __all__ = ["newton"]
 
 
+@names_what_was_meant()
 def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, callback: Callback = None) -> Solution:
     """Move the internal vertices along their normals until K is the target, to rounding.
 

@@ -19,6 +19,7 @@ from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...errors import MeshError
 from ...errors import ProblemError
+from ...errors import names_what_was_meant
 from ...linalg.work import until_spent
 from ...model.goals.binding import bind
 from ...model.goals.binding import unknown_regions
@@ -64,6 +65,7 @@ FLAT = 1e-14  # K times the square of the size, that is none
 CLOSE = 0.25  # of the rounding errors, from which they stop
 
 
+@names_what_was_meant()
 class Projector:
     """A mesh with roles and constraints, for which all that does not change is computed once.
 
@@ -331,6 +333,7 @@ def ready(problem: CGCProblem, settings: Optional[ProjectionSettings] = None) ->
     return _ready(problem.vertices, problem.faces, problem.roles, problem.creases, settings or ProjectionSettings())
 
 
+@names_what_was_meant()
 def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = None, callback: Callback = None) -> Solution:
     r"""Return the fairest surface with the curvature asked for.
 
