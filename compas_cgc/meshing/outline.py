@@ -169,6 +169,8 @@ def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> 
         return f"a curve crosses itself or another one at ({at}); draw them apart"
     if said.startswith("Hole lies outside"):
         return f"the hole at ({at}) lies outside of the outline; move it inside, or leave it out"
+    if said.startswith("Holes are nested"):
+        return f"the hole at ({at}) lies in another hole; leave one of them out"
     if said.startswith("Too few points"):
         return "an outline needs three corners or more, and so does a hole"
     if domain.is_valid:

@@ -23,6 +23,8 @@ from .user_text import user_target
 
 __all__ = ["outline_part", "outlined"]
 
+SAME = 0.01  # of the edge length at most, within which two outlines are one
+
 
 def outline_part(found: Selection, edge_length: Optional[float], tolerance: float) -> MeshedSurface:
     """Return a mesh between outlines and creases, with vertices at the supports and the creases as its edges follow them.
@@ -57,7 +59,7 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
     except MeshError as error:
         raise FileError(str(error)) from None
     label = f"the mesh in {found.outlines[0].label}"
-    return made._replace(part=made.part._replace(label=label), notes=[f"there is no mesh in the file; {made.notes[0]}"])
+    return made._replace(part=made.part._replace(label=label), notes=[f"there is no mesh in the file; {made.notes[0]}", *made.notes[1:]])
 
 
 def outlined(
@@ -83,16 +85,32 @@ def outlined(
     MeshError
         If an outline is open or no mesh comes of it.
     """
-    open_ = [name for name, points in outlines if len(points) < 4 or (points[0] != points[-1]).any()]
-    if open_:
-        raise MeshError(f"{open_[0]} is not closed; close it (Rhino: CloseCrv)")
-    boundary, *holes = sorted((points for _, points in outlines), key=lambda points: -_area(points))
+    for name, points in outlines:
+        gap = float(np.linalg.norm(points[0] - points[-1])) if len(points) > 3 else np.inf
+        if gap > tolerance:
+            missing = f", {gap:.3g} is missing" if np.isfinite(gap) else ""
+            raise MeshError(f"{name} is not closed; close it (Rhino: CloseCrv){missing}")
+    rings = _once(outlines, min(tolerance, SAME * edge_length))
+    boundary, *holes = sorted(rings, key=lambda points: -_area(points))
     lines = [crease for crease in creases if len(crease.points) > 1]
     made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
     within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
     note = f"one with edges of about {edge_length:g} was made in an outline{within}"
-    return MeshedSurface(Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {}), _pieces(made, lines), [note])
+    twice = ["outlines that are drawn twice were taken once"] if len(rings) < len(outlines) else []
+    return MeshedSurface(Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {}), _pieces(made, lines), [note, *twice])
+
+
+def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[FloatArray]:
+    """Return the curves (k, 3) without those that run all along one before."""
+    kept: list[FloatArray] = []
+    for _, points in outlines:
+        if not any(
+            nearest_on_polyline(points, other)[0].max() <= tolerance and nearest_on_polyline(other, points)[0].max() <= tolerance
+            for other in kept
+        ):
+            kept.append(points)
+    return kept
 
 
 def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:

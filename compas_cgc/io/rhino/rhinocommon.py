@@ -205,7 +205,7 @@ def problem_from_surfaces(
     except MeshError as error:
         raise FileError(str(error)) from None
     # The creases are edges of the mesh now, cut at the outline.
-    return _assembled([made._replace(notes=[f"a mesh: {made.notes[0]}"])], supports, [], tolerance, units, crease)
+    return _assembled([made._replace(notes=[f"a mesh: {made.notes[0]}", *made.notes[1:]])], supports, [], tolerance, units, crease)
 
 
 def _closed(points: FloatArray, tolerance: float) -> FloatArray:

@@ -14,6 +14,7 @@ from compas_cgc.discrete import face_areas
 from compas_cgc.errors import FileError
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino import read_3dm
+from compas_cgc.io.rhino.outlines import outlined
 
 from ...support.rhino_models import Sketch
 from ...support.rhino_models import point3d
@@ -103,3 +104,23 @@ def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "compas_cgal.triangulation", None)
     with pytest.raises(MeshError, match=r"pip install 'compas_cgc\[mesher\]'"):
         mesher(SQUARE, [], [], 1.0, 1e-6)
+
+
+def test_an_outline_closed_within_the_tolerance_or_drawn_twice_is_one_outline(tmp_path, mesher):
+    def ending(gap):
+        return SQUARE + np.where(np.arange(5)[:, None] == 4, [gap, 0, 0], 0.0)
+
+    sketch = Sketch()
+    for points in (ending(5e-4), SQUARE[::-1]):
+        sketch.curve(points, "CGC::Mesh")
+    found = read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=2.0)
+    assert face_areas(found.problem.vertices, found.problem.faces).sum() == pytest.approx(100)
+    assert any("drawn twice" in note for note in found.notes)
+    with pytest.raises(MeshError, match="is not closed; close it .*, 0.05 is missing"):
+        outlined([("curve 0", ending(0.05))], [], np.empty((0, 3)), 2.0, 1e-3)
+
+
+def test_a_hole_in_a_hole_is_named_by_its_place(mesher):
+    holes = [0.2 * size * (SQUARE - 5) + 5 for size in (3, 1)]
+    with pytest.raises(MeshError, match=r"the hole at \(4, 4\) lies in another hole"):
+        mesher(SQUARE, holes, [], 1.0, 1e-6)
