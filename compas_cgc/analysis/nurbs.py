@@ -90,11 +90,13 @@ def fit_surface(
     a, b = size or tuple(_count(own, K is not None) for own in sides)
     knots = knots_for(a), knots_for(b)
     control, uv = _settled(P, uv, knots, (a, b), loop)
-    if K is not None:
-        # At its edge a surface may have no K at all: along a straight support none above zero.
-        margin = (MARGIN / sides[0], MARGIN / sides[1])
-        control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within)
-    return _scaled(region, control, knots, uv, _places())
+    fit = _scaled(region, control, knots, uv, _places())
+    if K is None:
+        return fit
+    # At its edge a surface may have no K at all: along a straight support none above zero.
+    margin = (MARGIN / sides[0], MARGIN / sides[1])
+    control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within)
+    return _better(fit, _scaled(region, control, knots, uv, _places()), K)
 
 
 def fit_overhanging(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
@@ -135,9 +137,10 @@ def fit_overhanging(vertices: FloatArray, faces: IntArray, K: Optional[float] = 
     rim = np.zeros(len(P), bool)
     rim[np.concatenate(region.loops)] = True
     inner = F[~rim[F].any(axis=1)] if len(F) > 3 * rim.sum() else F
+    fit = _scaled(region, control, knots, uv, uv[F].mean(axis=1))
     if K is not None:
         control, uv = _curved(region, uv, control, knots, uv[inner].mean(axis=1), free, K, within)
-    fit = _scaled(region, control, knots, uv, uv[F].mean(axis=1))
+        fit = _better(fit, _scaled(region, control, knots, uv, uv[F].mean(axis=1)), K)
     return fit._replace(edges=tuple(vertices[region.used][np.append(loop, loop[:1])] for loop in region.loops))
 
 
@@ -169,6 +172,12 @@ def _normalised(vertices: FloatArray, faces: IntArray) -> _Region:
     centre, scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
     loops = [np.asarray(loop) for loop in boundary_loops(F)]
     return _Region((V - centre) / scale, F, loops, len(V) - len(edges) + len(F), used, centre, scale)
+
+
+def _better(plain: FittedSurface, curved: FittedSurface, K: float) -> FittedSurface:
+    """Return the surface that was fitted to K too, unless it is farther from the mesh and from K than the one that was not."""
+    lost = plain.deviation < curved.deviation and np.median(np.abs(plain.gaussian - K)) < np.median(np.abs(curved.gaussian - K))
+    return plain if lost else curved
 
 
 def _settled(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], loop: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -12,6 +12,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import read
 from compas_cgc import solve
 from compas_cgc import write
+from compas_cgc.analysis import nurbs
 from compas_cgc.analysis.nurbs import fit_overhanging
 from compas_cgc.analysis.nurbs import fit_surface
 from compas_cgc.analysis.nurbs import has_four_sides
@@ -131,3 +132,14 @@ def test_a_disc_is_written_with_the_edge_that_cuts_it(tmp_path):
     layers = {layer.Index: layer.FullPath for layer in archive.Layers}
     names = sorted(one.Attributes.Name for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS")
     assert names == ["edge of region 0", "edge of region 0", "region 0"]
+
+
+@pytest.mark.parametrize(("deviation", "K", "taken"), [(0.028, -0.0230, False), (0.028, -0.0201, True), (0.004, -0.0230, True)])
+def test_a_fit_to_k_that_loses_both_is_not_taken(monkeypatch, deviation, K, taken):
+    """On a coarse steep saddle one was 28 mm off its vertices and 7 % off K, where the vertices alone lead to 7 mm and 4 %."""
+    V, F = cap(6)
+    plain = fit_surface(V, F, (8, 8))._replace(deviation=0.007, gaussian=np.full(4, -0.0208))
+    curved = plain._replace(deviation=deviation, gaussian=np.full(4, K))
+    made = iter([plain, curved])
+    monkeypatch.setattr(nurbs, "_scaled", lambda *_: next(made))
+    assert (fit_surface(V, F, (8, 8), K=-0.02) is curved) == taken
