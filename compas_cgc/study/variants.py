@@ -20,6 +20,7 @@ from ..solvers.between import Between
 from ..solvers.between import between
 from ..solvers.between import leads_on
 from ..solvers.projection.branch import Branch
+from ..solvers.registry import settings_for
 from ..solvers.run import solve
 from ..solvers.selection import choose
 from .parameters import STRATEGIES
@@ -190,6 +191,8 @@ class Plan:
         found = self._results.pop(variant, None)
         if found is None:
             found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
+            if found.turned:  # The surfaces of a study share the faces of its drawing.
+                found = solve(self.problem(variant), method="projection", settings=settings_for("projection", self.study.settings))
         _keep(self._results, variant, found)
         return found
 

@@ -61,8 +61,12 @@ def encoded(name: str, content: bytes) -> bytes:
 
 
 def moved(content: bytes) -> bytes:
-    """Return what somebody who sent the mesh does not have yet: all but faces, roles and creases, packed, as JSON in one line."""
-    return _arrays(*unpack_result(content), in_bytes=True, mesh=False)
+    """Return what somebody who sent the mesh does not have yet: all but faces, roles and creases, packed, as JSON in one line.
+
+    Where faces were turned they go along.
+    """
+    result, report = unpack_result(content)
+    return _arrays(result, report, in_bytes=True, mesh=result.turned > 0)
 
 
 def merged_into(source: bytes, content: bytes) -> bytes:
@@ -87,6 +91,7 @@ def _arrays(result: SolveResult, report: dict, in_bytes: bool, mesh: bool = True
         **{word: _plain(getattr(result, word)) for word in WORDS},
         "vertices": rows(problem.vertices),
         **{name: value() for name, value in known.items() if mesh},
+        "turned": result.turned,
         "targets": column(problem.targets),
         "curvature": column(result.curvature),
         "history": _plain(result.history.to_dict()),

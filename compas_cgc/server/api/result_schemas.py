@@ -96,7 +96,7 @@ _HISTORY = {
     "properties": {name: {"type": "array", "items": PLAIN[bool] if name == "accepted" else NUMBER} for name in History._fields},
 }
 _RESULT = _object(
-    "status message ending iterations seconds max_error method measure vertices faces roles targets curvature creases history report",
+    "status message ending iterations seconds max_error method measure vertices faces turned roles targets curvature creases history report",
     status={"enum": list(STATUSES)},
     message={**PLAIN[str], "description": "the verdict and the surface, then how the method ended; where K was not reached, why"},
     ending={**PLAIN[str], "description": "how the method ended"},
@@ -107,6 +107,7 @@ _RESULT = _object(
     measure=PLAIN[str],
     vertices=_rows(PLAIN[float], "the surface (n, 3) [L]"),
     faces=_rows(PLAIN[int], "(m, 3)"),
+    turned={**PLAIN[int], "description": "how many faces are not those that were sent: edges too stretched for K < 0 were turned"},
     roles={"type": "array", "items": {"enum": list(ROLES)}},
     targets=_column("(n,) [1/L^2]"),
     curvature=_column("(n,), null or NaN where none is asked [1/L^2]"),

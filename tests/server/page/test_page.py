@@ -32,6 +32,7 @@ from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
+from ...system.fairness_study import case
 
 KEY = "a-key-for-tests"
 CHROME = "text/html,application/xhtml+xml,application/xml;q=0.9,image/avif,*/*;q=0.8"
@@ -597,3 +598,21 @@ def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path
     assert page.one("#rough-mark").is_displayed()
     amber = (pixels[:, 0] > 200) & (abs(pixels[:, 1] - 155) < 30) & (pixels[:, 2] < 90)
     assert amber.sum() > 50, "the places are marked"
+
+
+@pytest.mark.slow
+def test_where_edges_are_turned_the_page_shows_the_surface_and_keeps_the_drawing(page, tmp_path):
+    """A pseudosphere on stretched triangles: the surface has other faces than the file, the same ones each time that it is solved."""
+    problem = case(4147).problem
+    page.load()
+    page.one("#file").send_keys(str(file_of(CGCMesh.from_problem(problem), "3dm", tmp_path)))
+    wait_for(lambda: page.one("#solve").is_displayed())
+    page.at_rest()
+    page.solve()
+    page.seen(".verdict.good")
+    assert "Faces turned" in page.one("#verdict").text
+    _, faces, _ = result_of(page.download("3dm"))
+    assert sorted(map(sorted, faces.tolist())) != sorted(map(sorted, problem.faces.tolist()))
+    page.solve()
+    page.seen(".verdict.good")
+    assert "Faces turned" in page.one("#verdict").text and not page.complaints()

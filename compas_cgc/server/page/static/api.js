@@ -223,7 +223,8 @@ async function* eventsOf(answer) {
 }
 
 function surfaceOf(found) {
-  return { ...found, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
+  const faces = found.turned ? unpack(found.faces) : undefined;
+  return { ...found, faces, xyz: unpack(found.vertices), targets: unpack(found.targets), curvature: unpack(found.curvature) };
 }
 
 async function sentence(answer) {

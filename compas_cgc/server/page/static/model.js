@@ -31,6 +31,7 @@ export class Model {
     /** @type {?Graph} */
     this.edges = null;
     this.packed = null;
+    this.own = null; // what is of the drawing, while the surface has other faces
     this.count = data.vertices.length;
     this.xyz = Float64Array.from(data.vertices.flat());
     this.faces = Uint32Array.from(data.faces.flat());
@@ -46,6 +47,19 @@ export class Model {
     this.centre = centre;
     this.span = span;
     this.size = size;
+  }
+
+  /**
+   * Take the faces of a surface some of whose edges were turned, or those of the drawing again; what is asked stays that of the drawing.
+   * @param {?Int32Array} faces their corners, null for those of the drawing
+   * @returns {boolean} whether they are others than before
+   */
+  turn(faces) {
+    if (!faces && !this.own) return false;
+    this.own ??= { faces: this.faces, mesh: this.mesh, graph: this.graph };
+    this.faces = faces ? Uint32Array.from(faces) : this.own.faces;
+    if (!faces) this.own = null;
+    return true;
   }
 
   /** @returns {{vertices: object, faces: object}} both as the server takes them quickest */

@@ -99,6 +99,7 @@ export class Solving {
     const before = this.result;
     if (before) painter.before = before.xyz;
     this.result = result;
+    this.studio.turn(result.faces ?? null);
     if (data.goals?.found && data.goals.rise != null) this.studio.takeTargets(found(data.targets, result));
     this.studio.place(result.xyz, result.curvature, before !== null && result.seconds < QUICK);
     painter.measure(result.xyz, settings.supports, result.curvature);

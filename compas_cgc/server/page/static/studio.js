@@ -229,6 +229,15 @@ export class Studio {
     this.paint();
   }
 
+  /** Show the mesh with the faces that a solve has turned, or with its own. */
+  turn(faces) {
+    if (!this.model.turn(faces)) return;
+    this.painter.show(this.model);
+    this.scene.show(this.model, true);
+    this.scene.surface.setSupports(heldIn(this.data));
+    this.scene.surface.extras.rooms(this.roomsOf(this.data));
+  }
+
   roomsOf({ goals }) {
     const { model } = this;
     const floor = model.bounds.low[2];

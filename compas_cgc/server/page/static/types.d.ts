@@ -74,6 +74,10 @@ export interface Result {
   max_error: number;
   method: string;
   xyz: Float64Array;
+  /** how many faces are not those that were sent */
+  turned: number;
+  /** corners of all faces, where some were turned */
+  faces?: Int32Array;
   targets: Float64Array;
   curvature: Float64Array;
   history: { max_error: number[]; energy: number[] };

@@ -96,6 +96,7 @@ function figures(result, model) {
     rows.push(['By fitted quadrics', `${sign}${readable(100 * Math.abs(off), 2)} %`, QUADRICS]);
   }
   if (moved !== null && moved !== undefined) rows.push(['Moved by at most', `${readable(moved)}${unit}`]);
+  if (result.turned) rows.push(['Faces turned', String(result.turned), 'Edges of triangles too stretched for K < 0; the vertices are those of the drawing.']);
   rows.push(['Steps', String(result.iterations)], ['Time', duration(result.seconds)], ['Method', result.method]);
   return rows;
 }
