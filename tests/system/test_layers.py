@@ -32,6 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
+        {"rising"},
         {"anew", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
