@@ -10,7 +10,9 @@ import pytest
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
+from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
+from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.goals.binding import bind
 from compas_cgc.model.goals.inequalities import Above
 from compas_cgc.model.goals.inequalities import Below
@@ -256,7 +258,9 @@ def test_edges_in_plan_of_a_large_mesh():
 def test_places_that_contradict_each_other_are_named():
     problem = roof(n=8)
     at = np.flatnonzero(problem.vertices[:, 0] == 0)[2:4].tolist()
-    result = solve(problem, goals=[Level(), Height([at[0]], 2.0), Height([at[1]], 3.0)])
-    assert not result.converged and "the level edge and the height of vertices contradict each other there" in result.message
+    with pytest.raises(ProblemError, match="the height 3 .* and the height 2 .* contradict each other on the level edge"):
+        solve(problem, goals=[Level(), Height([at[0]], 2.0), Height([at[1]], 3.0)])
+    result = solve(problem, goals=[OnLine(at[:1], (0, 4, 5), (1, 0, 0)), Height(at[:1], 2.0)])
+    assert not result.converged and "and the height of vertices contradict each other there" in result.message
     away = project(problem.with_constraints([EdgeInPlan(at, [(100, 100), (200, 100)])]))
     assert "the edge in plan is out of its reach" in away.message
