@@ -58,7 +58,8 @@ def chosen_regions(problem: CGCProblem, regions: Optional[Iterable[int]]) -> lis
     count = len(problem.region_targets())
     if regions is None:
         return list(range(count))
-    named = region_numbers(list(regions) if isinstance(regions, Iterable) and not isinstance(regions, str) else regions, "regions")
+    given: object = regions
+    named = region_numbers(list(given) if isinstance(given, Iterable) and not isinstance(given, str) else given, "regions")
     wrong = [region for region in named if not 0 <= region < count]
     if wrong:
         raise CGCError(no_region(wrong[0], count, bool(len(problem.creases))))
