@@ -22,7 +22,7 @@ from .system import System
 
 __all__ = ["exactly"]
 
-SLENDER = math.radians(8.0)  # angle of a triangle, below which vertices are evened out before they slide
+SLENDER = math.radians(6.2)  # angle of a triangle, below which vertices are evened out before they slide
 NEAR = (10.0, 1000.0)  # weights of K against waves, for a shape that nearly has it
 
 
@@ -37,7 +37,7 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
             # Angles hold the fair shape to waves, which only those who slide along it can do without.
             slid = yield from smooth_shape(system, equations, vertices, NEAR)
             if smallest_angle(slid, system.faces) < SLENDER:
-                slid = yield from smooth_shape(system, equations, evened(slid, system.faces, system.rows), NEAR)
+                slid = yield from smooth_shape(system, equations, evened(slid, system.faces, system.rows), NEAR[1:], 1)
             for taken in slide(system, exact, system.at(slid, exact)):
                 yield taken._replace(equations=exact)
                 slid = taken.vertices
