@@ -125,7 +125,7 @@ def names_what_was_meant(hint: Callable[[str], str] = lambda name: "") -> Callab
         if isinstance(target, type):
             made: Any = target
             made.__init__ = _explained(made.__init__, made.__name__, made.__doc__ or "", hint)
-            return target
+            return cast(F, made)
         return cast(F, _explained(target, target.__name__, target.__doc__ or "", hint))
 
     return decorated
@@ -358,14 +358,14 @@ def _kind(hint: Any, description: str) -> str:
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Literal:
         return f"one of {', '.join(map(repr, inner))}"
-    kind = origin or hint
+    kind: Any = origin or hint
     if not isinstance(kind, type):
         return "something else"
     if issubclass(kind, Callable):  # type: ignore[arg-type]
         return "a function"
     if issubclass(kind, Mapping):
         return "a dictionary"
-    if issubclass(kind, os.PathLike):
+    if kind.__name__ == "PathLike":
         return "a path"
     if kind.__module__ in ("builtins", "collections.abc") and issubclass(kind, Iterable):
         return f"a list of {_plural(_kind(inner[0], description))}" if inner and not isinstance(inner[0], TypeVar) else "a list"
