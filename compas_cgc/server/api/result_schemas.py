@@ -96,7 +96,8 @@ _HISTORY = {
     "properties": {name: {"type": "array", "items": PLAIN[bool] if name == "accepted" else NUMBER} for name in History._fields},
 }
 _RESULT = _object(
-    "status message ending iterations seconds max_error method measure vertices faces turned roles targets curvature creases history report",
+    "status message ending iterations seconds max_error method measure vertices faces turned roles targets curvature creases history "
+    "report",
     status={"enum": list(STATUSES)},
     message={**PLAIN[str], "description": "the verdict and the surface, then how the method ended; where K was not reached, why"},
     ending={**PLAIN[str], "description": "how the method ended"},
