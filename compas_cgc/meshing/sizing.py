@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -113,7 +114,7 @@ def _narrows(sides: Sequence[FloatArray], domain: shapely.Polygon, nodes: FloatA
     """Return places (k, 2) where a side passes close by another one without meeting it, and the gaps (k,) there [L]."""
     curves = [shapely.LineString(side) for side in sides]
     places, gaps = [np.empty((0, 2))], [np.empty(0)]
-    corners = np.atleast_1d(shapely.points(nodes))
+    corners: Any = shapely.points(nodes.reshape(-1, 2))
     for k, j in shapely.STRtree(curves).query(curves, predicate="dwithin", distance=edge_length).T.tolist():
         if k != j:
             shared = corners[np.maximum(*(shapely.distance(curves[i], corners) for i in (k, j))) <= ONE * edge_length]
