@@ -604,6 +604,7 @@ def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path
 def test_where_edges_are_turned_the_page_shows_the_surface_and_keeps_the_drawing(page, tmp_path):
     """A pseudosphere on stretched triangles: the surface has other faces than the file, the same ones each time that it is solved."""
     problem = case(4147).problem
+    page.complaints()
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_problem(problem), "3dm", tmp_path)))
     wait_for(lambda: page.one("#solve").is_displayed())

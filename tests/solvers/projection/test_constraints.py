@@ -145,7 +145,9 @@ def test_mirrors_and_curves_together():
 def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
     with pytest.raises(ProblemError, match=f"the height 1.5 of vertices and the height 1 of vertices .* at vertex {CENTRE}"):
         project(roof().with_constraints([AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)]))
-    solution = project(roof().with_constraints([AtHeight([CENTRE], 1.0), OnPlane([CENTRE], (0, 0, 1.5), (0, 0, 1))]))
+    with pytest.raises(ProblemError, match=f"the level plane at 1.5 and the height 1 of vertices .* at vertex {CENTRE}"):
+        project(roof().with_constraints([AtHeight([CENTRE], 1.0), OnPlane([CENTRE], (0, 0, 1.5), (0, 0, 1))]))
+    solution = project(roof().with_constraints([AtHeight([CENTRE], 1.0), OnLine([CENTRE], (0, 0, 1.5), (1, 0, 0))]))
     assert solution.status == "stalled"
     assert f"vertex {CENTRE} cannot fulfil its constraints: the height of vertices and " in solution.message
     assert np.isfinite(solution.vertices).all()

@@ -166,7 +166,7 @@ def test_one_mirror_over_such_diagonals_is_helped_by_the_half_turn_that_keeps_th
 
 def test_a_stall_for_faces_that_are_not_mirrored_blames_the_mesh_alone(monkeypatch):
     """What the supports carry is not searched for then."""
-    monkeypatch.setattr(reasons, "largest_target", None)
+    monkeypatch.setattr(reasons, "raised", None)
     problem = twisted_vault(12, -0.02).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
-    assert reasons.why_not_found(problem, "stalled") == ""
+    assert reasons.why_not_found(problem, "stalled") == reasons.Why()
     assert not tears_faces(twisted_vault(12, 0.0)) and tears_faces(problem)
