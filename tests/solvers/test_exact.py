@@ -9,11 +9,11 @@ from scipy.spatial import Delaunay
 from compas_cgc import CGCProblem
 from compas_cgc import check
 from compas_cgc import solve
+from compas_cgc.discrete.corners import corner_angles
 from compas_cgc.discrete.space_form import space_form_angle_sums
 from compas_cgc.fabrication import develop
 from compas_cgc.solvers import options
 from compas_cgc.solvers import settings_for
-from compas_cgc.solvers.projection.evened import smallest_angle
 
 from ..support.roofs import irregular_disk
 from ..support.roofs import nine_regions
@@ -143,7 +143,7 @@ def test_needles_are_evened_out_before_vertices_slide(shake, seed):
     assert result.converged and result.verdict.fair, result.message
     laid = develop(result)
     assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
-    assert np.degrees(smallest_angle(result.problem.vertices, problem.faces)) > 5.0
+    assert np.degrees(corner_angles(result.problem.vertices, problem.faces).min()) > 5.0
 
 
 def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():

@@ -8,11 +8,10 @@ from scipy import sparse
 from ...discrete import edge_faces
 from ...discrete import vertex_normals
 from ...discrete.arrays import Faces
-from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Vertices
 
-__all__ = ["evened", "smallest_angle"]
+__all__ = ["evened"]
 
 ROUNDS = 12
 PART = 0.5  # of the way to the middle, in a round
@@ -30,11 +29,3 @@ def evened(vertices: Vertices, faces: Faces, free: IntArray) -> Vertices:
         normals = vertex_normals(here, faces)[free]
         here[free] += move - np.einsum("kx,kx->k", move, normals)[:, None] * normals
     return here
-
-
-def smallest_angle(vertices: Vertices, faces: Faces) -> float:
-    """Return the smallest angle of all triangles [rad]."""
-    corners = vertices[faces]
-    ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    sine: FloatArray = np.linalg.norm(np.cross(ahead, back), axis=2)
-    return float(np.arctan2(sine, np.einsum("fcx,fcx->fc", ahead, back)).min())

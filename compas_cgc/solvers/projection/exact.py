@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 
 from ...discrete.arrays import Vertices
+from ...discrete.corners import corner_angles
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from .evened import evened
-from .evened import smallest_angle
 from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .measure import shows_layout
@@ -36,7 +36,7 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
         if can_slide(system, exact) and shows_layout(system, equations, vertices):
             # Angles hold the fair shape to waves, which only those who slide along it can do without.
             slid = yield from smooth_shape(system, equations, vertices, NEAR)
-            if smallest_angle(slid, system.faces) < SLENDER:
+            if corner_angles(slid, system.faces).min() < SLENDER:
                 slid = yield from smooth_shape(system, equations, evened(slid, system.faces, system.rows), NEAR[1:], 1)
             for taken in slide(system, exact, system.at(slid, exact)):
                 yield taken._replace(equations=exact)
