@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 from collections.abc import Mapping
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Optional
 
 __all__ = ["attach"]
@@ -33,8 +34,24 @@ def attach(
             warnings.warn(f"{package}.{name} is now {moved[name]}; the old name will go", DeprecationWarning, stacklevel=2)
             home, _, own = moved[name].rpartition(".")
             return getattr(import_module(home), own)
+        if name not in homes and not name.startswith("_") and "." not in package and find_spec(f"{package}.{name}"):
+            # Scripts need not import the parts of the package one by one.
+            return import_module(f"{package}.{name}")
         if name not in homes:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{_meant(package, name, homes)}")
         return getattr(import_module(homes[name], package), name)
 
     return look_up, lambda: sorted({*homes, *vars(sys.modules[package])})
+
+
+def _meant(package: str, name: str, homes: Mapping[str, str]) -> str:
+    """Return the end of a sentence with the name that is most alike, if one is; tools that ask for ``_names`` are not told."""
+    # The import system itself asks modules for ``__path__``, which those that are no packages do not have.
+    if name.startswith("_"):
+        return ""
+    from difflib import get_close_matches
+    from pkgutil import iter_modules
+
+    parts = (part.name for part in iter_modules(vars(sys.modules[package]).get("__path__", [])) if part.ispkg)
+    near = get_close_matches(name, [*homes, *parts], 1)
+    return f"; did you mean {near[0]!r}?" if near else ""

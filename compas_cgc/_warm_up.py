@@ -105,9 +105,13 @@ def _swept() -> None:
 
 def _drawn() -> None:
     """Compile what the reading of drawings and pictures call."""
+    import numpy as np
+
     from .discrete import energy_gradient
+    from .meshing.valence_annealing import annealed
     from .plot.visibility import in_sight
 
     vertices, faces = _dome().arrays()
+    annealed(vertices[:, :2], faces, np.zeros(len(vertices), bool), np.zeros((0, 2), np.int64), lambda places: np.ones(len(places)))
     energy_gradient(vertices, faces, 0.01)
     in_sight(vertices, vertices, faces)

@@ -20,6 +20,7 @@ from ..discrete.arrays import Mask
 from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
+from ..errors import names_what_was_meant
 
 __all__ = ["QuadricCurvatures", "quadric_curvatures"]
 
@@ -110,6 +111,7 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
     return out
 
 
+@names_what_was_meant()
 def quadric_curvatures(
     vertices: ArrayLike, faces: ArrayLike, wanted: Optional[ArrayLike] = None, through: Optional[ArrayLike] = None
 ) -> QuadricCurvatures:

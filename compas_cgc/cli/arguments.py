@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
@@ -93,6 +94,8 @@ def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
         try:
             K = float(number)
             where = int(region) if equals else None
+            if not math.isfinite(K):
+                raise ValueError
         except ValueError:
             raise CGCError(f"--target must be a number or REGION=NUMBER, such as 0.03 or 4=0.03, not {text!r}") from None
         problem = problem.with_targets(K, region=where)

@@ -41,6 +41,7 @@ from ..model.constraints import check_indices
 from ..model.constraints import point_array
 from ..model.given import checked_number
 from ..model.given import no_region
+from ..model.given import no_vertex
 from ..model.given import vertex_names
 from ..model.given import vertex_paths
 from ..model.problem import CGCProblem
@@ -770,7 +771,7 @@ class CGCMesh(Mesh):
 
     def _known(self, key: int) -> int:
         if key not in self.vertex:
-            raise ValueError(f"there is no vertex {key!r} in the mesh")
+            raise ValueError(no_vertex(key, self.vertices()))
         return int(key)
 
 

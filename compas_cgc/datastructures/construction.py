@@ -84,12 +84,14 @@ def meshed_outline(
 ) -> Outlined:
     """Return the triangles within an outline, none of the points passed over."""
     from ..meshing.outline import mesh_from_outline
+    from ..meshing.outline import refuse_outside
     from ..meshing.outline import refuse_passed_over
 
     groups = {"outline": [outline], "holes": holes, "creases": creases}
     curves = [[_as_curve(curve, name) for curve in _listed(group, name)] for name, group in groups.items()]
     given = None if points is None or (isinstance(points, Sequence) and not points) else _as_curve(points, "points")
     given = None if given is None or not len(given) else given
+    refuse_outside(curves[0][0], curves[2])
     made = mesh_from_outline(curves[0][0], curves[1], curves[2], edge_length, tolerance, given)
     if given is not None:
         refuse_passed_over(made, given, edge_length)
@@ -132,6 +134,8 @@ def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
     given: Any = curve
     if hasattr(given, "point_at") and hasattr(given, "domain") and not hasattr(given, "__len__"):
         given = [list(given.point_at(t)) for t in np.linspace(given.domain[0], given.domain[1], EVALUATED + 1)]
+    if name == "outline" and _are_curves(given):
+        raise ValueError("there is one outline to a mesh; give the curves inside of it as holes=[...], and mesh others one by one")
     try:
         points = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
@@ -145,6 +149,10 @@ def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
     return points if points.shape[1] == 3 else flattened(points)
+
+
+def _are_curves(given: Any) -> bool:
+    return isinstance(given, Sequence) and len(given) > 0 and all(isinstance(each, Sequence) and np.ndim(each[:1]) == 2 for each in given)
 
 
 def _plain(items: Any, kind: type, wanted: str) -> Any:

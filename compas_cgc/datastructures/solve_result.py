@@ -88,7 +88,7 @@ class SolveResult:
     measure
         How K is read off the mesh in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
     turned
-        How many faces are not those of the mesh that was given: edges of triangles too stretched for K < 0 were turned.
+        How many faces are not those of the mesh that was given: edges of triangles too stretched or too slender for K < 0 were turned.
 
     Examples
     --------

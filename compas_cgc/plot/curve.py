@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
+from ..errors import names_what_was_meant
 from .colours import INK
 from .colours import SUPPORT
 from .layout import caption
@@ -64,6 +65,7 @@ class Curve(NamedTuple):
     breaks: Sequence[int] = ()  # vertices of the internal boundary
 
 
+@names_what_was_meant()
 def draw_curve(
     points: ArrayLike,
     gradient: Optional[ArrayLike] = None,
@@ -137,6 +139,7 @@ def draw_curve(
     return sheet
 
 
+@names_what_was_meant()
 def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
     """Return curves side by side to one scale, with captions (a), (b), ...
 

@@ -16,6 +16,8 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vertices
+from ..errors import ArgumentError
+from ..errors import names_what_was_meant
 from ..model.roles import INTERNAL
 from .layout import caption
 from .layout import heading
@@ -71,6 +73,7 @@ class Shape(NamedTuple):
     errors: Optional[PerVertex] = None  # (n,) K - K̄ [1/L^2], for error_figure
 
 
+@names_what_was_meant()
 def shape_figure(
     shapes: Sequence[Union[Shape, tuple[Any, ...]]],
     views: Sequence[Union[str, View]] = ("diagonal", "plan"),
@@ -117,6 +120,8 @@ def shape_figure(
     2
     """
     shapes = checked(shapes, "shape_figure")
+    if not views:
+        raise ArgumentError("shape_figure needs at least one view, such as 'diagonal' or 'plan'")
     rows = [[look(*shape[1:4], view, dummies).frame for view in views] for shape in shapes]
     figure, axes = panels(rows, head=HEAD, foot=0.42)
     for shape, row in zip(shapes, axes):
@@ -128,6 +133,7 @@ def shape_figure(
     return figure
 
 
+@names_what_was_meant()
 def comparison_figure(
     shapes: Sequence[Union[Shape, tuple[Any, ...]]],
     view: Union[str, View] = "diagonal",
@@ -187,6 +193,7 @@ def comparison_figure(
     return figure
 
 
+@names_what_was_meant()
 def error_figure(
     shapes: Sequence[Union[Shape, tuple[Any, ...]]],
     view: Union[str, View] = "plan",
@@ -245,6 +252,8 @@ def error_figure(
 
 def checked(shapes: Sequence[Union[Shape, tuple[Any, ...]]], name: str) -> list[Shape]:
     """Return the shapes as such, or say that there is none."""
+    if not all(isinstance(shape, Shape) or 4 <= len(shape) <= 6 for shape in shapes):
+        raise ArgumentError(f"{name} needs a Shape, or (title, vertices, faces, roles) and perhaps creases and errors, for every picture")
     result = [shape if isinstance(shape, Shape) else Shape(*shape) for shape in shapes]
     if not result:
         raise ValueError(f"{name} needs at least one shape")

@@ -8,6 +8,7 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..errors import names_what_was_meant
 from ..model.result import History
 from .colours import INK
 from .layout import SIZE
@@ -26,6 +27,7 @@ __all__ = ["draw_history", "history_figure"]
 LINE = "#1f4e79"
 
 
+@names_what_was_meant()
 def draw_history(
     history: History,
     energy: str = "Energy functional",
@@ -76,6 +78,7 @@ def draw_history(
     return left, right
 
 
+@names_what_was_meant()
 def history_figure(history: History, title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
     """Return the paper's figure of an iteration history, with captions.
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
+from ..errors import names_what_was_meant
 from ..model.roles import INTERNAL
 from .colours import NOT_ASKED
 from .colours import brightness
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_curvature", "draw_error", "vertex_values"]
 
 
+@names_what_was_meant()
 def draw_error(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -109,6 +111,7 @@ def draw_error(
     return draw_values(vertices, faces, roles, values, view, ax, creases, limit, label or rf"$K-\bar K${per_area(unit)}", frame)
 
 
+@names_what_was_meant()
 def draw_curvature(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -135,7 +138,9 @@ def draw_curvature(
         ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
     curvature
         ``(n,)`` K [1/L^2]; NaN is grey, as on creases and open boundaries.
-    view, ax, creases, limit, unit, label, frame
+    creases
+        ``(e, 2)`` edges, as in :func:`draw_error`.
+    view, ax, limit, unit, label, frame
         As in :func:`draw_error`.
 
     Returns

@@ -11,6 +11,7 @@ import numpy as np
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
+from ..errors import names_what_was_meant
 from ..fabrication.mould_report import Mould
 from ..fabrication.mould_report import MouldReport
 from ..fabrication.mould_report import PanelFit
@@ -35,6 +36,7 @@ LETTER = 0.65  # width of a letter, of its size
 SHOWN = 4  # moulds that are drawn
 
 
+@names_what_was_meant()
 def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> Figure:
     """Return the page.
 

@@ -13,6 +13,7 @@ from typing import Union
 from .._atomic_write import replacing
 from ..errors import CGCError
 from ..errors import FileError
+from ..errors import names_what_was_meant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,6 +57,7 @@ def new_figure(width: float, height: float) -> Figure:
     return matplotlib_module("figure").Figure(figsize=(width, height), dpi=DPI, facecolor="white")
 
 
+@names_what_was_meant()
 def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     """Write a figure as PNG, SVG or PDF, by the suffix of the path.
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import names_what_was_meant
 from ..meshing import face_regions
 from ..model.roles import INTERNAL
 from .colours import INK
@@ -50,6 +51,7 @@ WIDTH = 8.0  # 1600 pixels [in]
 SHADOW = [str(grey) for grey in (0.97, 0.955, 0.94, 0.925, 0.91, 0.895, 0.88, 0.865)]  # from the rim inwards
 
 
+@names_what_was_meant()
 def hero(
     vertices: ArrayLike,
     faces: ArrayLike,

@@ -9,6 +9,7 @@ from typing import Union
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import names_what_was_meant
 from ..model.roles import FIXED
 from .colours import DUMMY_EDGE
 from .colours import DUMMY_FACE
@@ -40,6 +41,7 @@ __all__ = ["axes_for", "draw_shape", "edge_width", "marks"]
 FINEST_EDGE = 1.6  # edges shorter than this on paper are not drawn: they would blacken the surface [pt]
 
 
+@names_what_was_meant()
 def draw_shape(
     vertices: ArrayLike,
     faces: ArrayLike,

@@ -18,6 +18,8 @@ from ..discrete import edge_faces
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import ArgumentError
+from ..errors import names_what_was_meant
 from ..meshing import face_regions
 from .colours import diverging_map
 from .colours import rgba
@@ -58,6 +60,7 @@ class _Scene(NamedTuple):
     size: float  # diagonal [L]
 
 
+@names_what_was_meant()
 def studio(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -116,6 +119,7 @@ def studio(
     return figure
 
 
+@names_what_was_meant()
 def studio_image(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -132,7 +136,17 @@ def studio_image(
 
     Parameters
     ----------
-    vertices, faces, roles, creases, curvature, view, width, colours
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    roles
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
+    creases
+        ``(e, 2)`` edges, as for :func:`studio`.
+    curvature
+        ``(n,)`` K [1/L^2] to colour by.
+    view, width, colours
         As for :func:`studio`.
     oversampling
         Samples along each side of a pixel.
@@ -185,6 +199,8 @@ def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[Arra
     np.add.at(total, group.reshape(-1), (corner_angles[:, :, None] * normal[:, None, :]).reshape(-1, 3))
     total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
     if curvature is None:
+        if not len(colours):
+            raise ArgumentError("colours must name at least one tone, such as '#d8c3a5'")
         palette = np.array([rgba(colour)[:3] for colour in colours])
         tone = palette[tones(F, regions) % len(palette)]
     else:

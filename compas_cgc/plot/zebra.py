@@ -14,6 +14,7 @@ from ..discrete import mesh_arrays
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.normals import unit_vectors
+from ..errors import names_what_was_meant
 from ..meshing import face_regions
 from ..meshing.split_sides import split_sides
 from ..meshing.split_sides import weighted
@@ -41,6 +42,7 @@ DARK = 0.14
 THIN = 0.6  # line around a mesh [pt], whose bright stripes would run into the sheet
 
 
+@names_what_was_meant()
 def draw_zebra(
     vertices: ArrayLike,
     faces: ArrayLike,

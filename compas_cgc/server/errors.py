@@ -14,6 +14,7 @@ __all__ = [
     "ServerStopping",
     "TooLarge",
     "Unprocessable",
+    "UnsupportedEncoding",
     "error_body",
     "no_function",
 ]
@@ -63,6 +64,12 @@ class TooLarge(RequestError):
     """More than the server takes."""
 
     status = 413
+
+
+class UnsupportedEncoding(RequestError):
+    """The body is compressed."""
+
+    status = 415
 
 
 class Unprocessable(RequestError):

@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse"},
         {"newton", "projection"},
-        {"rising"},
+        {"rising", "one_sided"},
         {"anew", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},

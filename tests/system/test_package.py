@@ -40,6 +40,23 @@ def test_public_names_are_there():
         compas_cgc.nothing  # noqa: B018
 
 
+@pytest.mark.parametrize(("wrong", "right"), [("fabricaton", "fabrication"), ("CGCMash", "CGCMesh"), ("sovle", "solve")])
+def test_a_misspelt_name_gets_the_one_that_was_meant(wrong, right):
+    with pytest.raises(AttributeError, match=f"no attribute '{wrong}'; did you mean '{right}'"):
+        getattr(compas_cgc, wrong)
+
+
+@pytest.mark.parametrize("name", ["__wrapped__", "_repr_html_"])
+def test_names_that_tools_ask_for_are_simply_not_there(name):
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'$"):
+        getattr(compas_cgc, name)
+
+
+def test_a_module_that_is_no_package_has_no_path():
+    # What ``from module import name`` asks for where names are looked up lazily.
+    assert not hasattr(import_module("compas_cgc.io.rhino.rhinocommon"), "__path__")
+
+
 def test_the_readme_script_runs(tmp_path, monkeypatch, capsys):
     (script,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     monkeypatch.chdir(tmp_path)

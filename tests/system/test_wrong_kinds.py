@@ -12,13 +12,19 @@ from compas.datastructures import Mesh
 
 import compas_cgc
 from compas_cgc.errors import is_own_sentence
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.plot import Curve
+from compas_cgc.plot import Shape
+from compas_cgc.plot import history_figure
 from compas_cgc.study import Study
 
 from ..docs.test_docstrings import PUBLIC
 
 # Beside the names of the package itself. What serves, starts processes or talks to other programs has its own tests.
-PACKAGES = ("datastructures", "discrete", "io", "solvers", "study")
+PACKAGES = ("analysis", "datastructures", "discrete", "fabrication", "io", "meshing", "plot", "solvers", "study")
 LEFT_OUT = {"workers", "executor"}  # arguments that start processes
+TWICE = "compas_cgc.plot.studio"  # takes long, and gives its arguments to studio_image, which is swept
 WRONG = {
     "None": None,
     "a word": "text",
@@ -33,10 +39,13 @@ def swept() -> dict[str, object]:
     top = {f"compas_cgc.{name}": getattr(compas_cgc, name) for name in compas_cgc.__all__ if name != "__version__"}
     inner = {name: value for name, value in PUBLIC.items() if name.split(".")[1] in PACKAGES}
     found = {id(value): (name, value) for name, value in {**inner, **top}.items()}
-    # COMPAS makes meshes, and the package itself makes tuples: nobody gives their fields by hand.
-    return {
-        name: value for name, value in found.values() if not (inspect.isclass(value) and issubclass(value, (BaseException, tuple, Mesh)))
-    }
+    return {name: value for name, value in found.values() if not is_made_by_the_package(name, value)}
+
+
+def is_made_by_the_package(name, value) -> bool:
+    """Tell whether nobody gives the fields by hand: meshes are made by COMPAS, tuples, sentences and findings by the package itself."""
+    made = issubclass(value, (BaseException, tuple, str, Mesh)) if inspect.isclass(value) else False
+    return made or name == TWICE or inspect.isclass(value) and name.split(".")[1] in ("analysis", "fabrication")
 
 
 SWEPT = swept()
@@ -71,7 +80,17 @@ def fitting():
         "study": Study.from_dict({"parameters": {"K": [0.01]}}),
         "folder": "study",
         "method": "newton",
+        "shapes": [Shape("roof", vertices, faces, problem.roles, errors=per_vertex)],
+        "curves": [Curve("K", np.column_stack([per_vertex, per_vertex]))],
+        "history": result.history,
+        "figure": history_figure(result.history),
+        "report": moulds(result, panels(result, 3.0)),
+        "label": np.zeros(len(faces), int),
+        "labels": np.zeros(len(faces), int),
     }
+
+
+SMALL = {"width": 40}  # of pictures, which are drawn for nobody
 
 
 def parameters_of(value) -> list:
@@ -86,6 +105,7 @@ def calls_of(value, fitting) -> typing.Iterator[tuple[str, dict]]:
     """Yield calls with one wrong argument each, and what is wrong."""
     own = parameters_of(value)
     needed = {each.name: fitting.get(each.name) for each in own if each.default is each.empty}
+    needed.update({each.name: SMALL[each.name] for each in own if each.name in SMALL})
     for each in own:
         for kind, wrong in WRONG.items():
             yield f"{each.name} = {kind}", {**needed, each.name: wrong}
