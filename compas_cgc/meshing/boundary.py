@@ -12,6 +12,7 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
 from ..discrete.topology import boundary_mask
+from ..errors import names_what_was_meant
 
 __all__ = ["SUPPORT_NAMES", "boundary_loops", "named_supports"]
 
@@ -20,6 +21,7 @@ SUPPORT_NAMES = ("boundary", "outline", "corners")
 SHARPER = 0.05  # cosine by which a neighbour turns more where it was lifted out of the edge
 
 
+@names_what_was_meant()
 def boundary_loops(faces: IntArray) -> list[IntArray]:
     """Return the loops of vertices around the open edges, with the surface to their left.
 
@@ -63,6 +65,7 @@ def _boundary_loops(F: IntArray) -> list[IntArray]:
     return [np.array(loop, dtype=np.int64) for loop in sorted(loops, key=lambda loop: (-len(loop), loop))]
 
 
+@names_what_was_meant()
 def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray:
     """Return the vertices on open edges that a name stands for.
 

@@ -11,6 +11,7 @@ from ..discrete._memo import remembered
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import names_what_was_meant
 
 __all__ = ["Diagnostic", "listed", "mesh_problems"]
 
@@ -46,6 +47,7 @@ def listed(items: object, most: int = 5) -> str:
     return shown + (f" and {len(items) - most} more" if len(items) > most else "")
 
 
+@names_what_was_meant()
 def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Diagnostic]:
     """List what is wrong with the mesh itself, whatever is asked of it.
 

@@ -10,10 +10,12 @@ import numpy as np
 from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import Mask
+from ..errors import names_what_was_meant
 
 __all__ = ["crease_paths", "lost_edges", "path_edges"]
 
 
+@names_what_was_meant()
 def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
     """Return the edges along vertex paths, each once, in order (a plain edge is a path of two).
 
@@ -41,6 +43,7 @@ def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
     return list(edges)
 
 
+@names_what_was_meant()
 def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     """Join edges to the longest paths that do not run through a branching.
 
@@ -86,6 +89,7 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     return sorted(paths, key=lambda path: min(sorted(pair) for pair in zip(path[:-1], path[1:])))
 
 
+@names_what_was_meant()
 def lost_edges(faces: Faces, pairs: Edges) -> Mask:
     """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool.
 

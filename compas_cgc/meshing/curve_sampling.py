@@ -26,6 +26,7 @@ LEVELS = 4  # of lattices at least, each half as wide as the one before
 FULL = 0.75  # of the edge length, above which the first of them serves
 APART = 0.82  # of the edge length, that their points keep from each other
 TURNS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # of lattices, which are their own after a sixth of a turn
+BESIDE = 0.3  # of the spacing, within which a point asks for a vertex at its foot on a curve
 REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
 _NO_ROWS = np.empty(0)
 
@@ -78,7 +79,7 @@ def spread(
     curves = shapely.MultiLineString(lines)
     on_curve = [point for point in within if curves.distance(shapely.Point(point)) <= reach]
     loose = np.array([point for point in within if curves.distance(shapely.Point(point)) > reach]).reshape(-1, 2)
-    nodes = _nodes(lines, spacing, on_curve)
+    nodes = _nodes(lines, spacing, on_curve, _feet(lines, loose, spacing))
     inside_nodes = np.array([node for node in nodes if domain.distance(shapely.Point(node)) <= reach]).reshape(-1, 2)
     stretches = [stretch for line in lines for stretch in stretches_of(line, nodes, 0.1 * spacing)]
     rims = set(map(id, lines[:count]))
@@ -180,8 +181,14 @@ def _apart(points: FloatArray, distance: FloatArray) -> Mask:
     return free
 
 
-def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[FloatArray]) -> FloatArray:
-    """Return given points, and the kinks, ends and crossings of lines, those closer than a tenth of the spacing as one (k, 2)."""
+def _feet(lines: list[shapely.LineString], points: FloatArray, spacing: float) -> FloatArray:
+    """Return the places (k, 2) on lines that are nearest to points close by: vertices spread past such a point leave it a sliver."""
+    near = [(line, shapely.Point(point)) for point in points for line in lines if line.distance(shapely.Point(point)) < BESIDE * spacing]
+    return np.array([line.interpolate(line.project(point)).coords[0] for line, point in near]).reshape(-1, 2)
+
+
+def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[FloatArray], feet: FloatArray) -> FloatArray:
+    """Return given points, kinks, ends and crossings of lines, and feet of points, those closer than a tenth of the spacing as one."""
     found = [np.reshape(points, (-1, 2))]
     for i, line in enumerate(lines):
         corners = shapely.get_coordinates(line)
@@ -194,6 +201,7 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
                 near = [other for other in lines if other is not line and other.distance(shapely.Point(end)) <= 0.1 * spacing]
                 on = [shapely.get_coordinates(other.interpolate(other.project(shapely.Point(end)))) for other in near[:1]]
                 found.append(on[0] if on else end[None])
+    found.append(feet)
     nodes: list[FloatArray] = []
     for node in np.concatenate(found):
         if all(np.linalg.norm(node - other) > 0.1 * spacing for other in nodes):

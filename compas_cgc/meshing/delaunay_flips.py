@@ -7,10 +7,12 @@ import numpy as np
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
+from .edge_flips import Diagonals
 from .edge_flips import diagonals
 
-__all__ = ["delaunay_turned", "obtuse_share"]
+__all__ = ["delaunay_turned", "obtuse_share", "turnable"]
 
 SWEEPS = 40
 OBTUSE = np.radians(120.0)
@@ -46,19 +48,11 @@ def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> In
     u, v = creases.T
     kept = np.minimum(u, v) * n + np.maximum(u, v)
 
-    def angle(at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
-        u, v = vertices[one] - vertices[at], vertices[other] - vertices[at]
-        crossed = np.cross(u, v)
-        return np.asarray(np.arctan2(np.sqrt((crossed * crossed).sum(axis=1)), (u * v).sum(axis=1)))
-
     for _ in range(SWEEPS):
         edges = diagonals(n, faces, kept)
         _, _, a, b, c, d = edges
-        excess = angle(c, a, b) + angle(d, a, b) - np.pi
-        around = np.maximum(angle(a, c, b) + angle(a, b, d), angle(b, c, a) + angle(b, a, d))
-        good = np.flatnonzero((excess > SLACK) & (around < FLAT * np.pi))
-        known = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [n, 1]
-        good = good[~np.isin(np.minimum(c, d)[good] * n + np.maximum(c, d)[good], known)]
+        excess = _angle(vertices, c, a, b) + _angle(vertices, d, a, b) - np.pi
+        good = np.flatnonzero((excess > SLACK) & turnable(vertices, faces, edges))
         if not len(good):
             break
         busy = np.zeros(n, bool)
@@ -68,3 +62,18 @@ def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> In
                 busy[ends] = True
                 faces[edges.one[k]], faces[edges.other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
     return faces
+
+
+def turnable(vertices: FloatArray, faces: IntArray, edges: Diagonals) -> Mask:
+    """Return which edges (k,) of triangles (m, 3) may be turned: none turns a triangle over, or makes an edge that there is."""
+    n, (_, _, a, b, c, d) = len(vertices), edges
+    at_a = _angle(vertices, a, c, b) + _angle(vertices, a, b, d)
+    at_b = _angle(vertices, b, c, a) + _angle(vertices, b, a, d)
+    known = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [n, 1]
+    return (np.maximum(at_a, at_b) < FLAT * np.pi) & ~np.isin(np.minimum(c, d) * n + np.maximum(c, d), known)
+
+
+def _angle(vertices: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:
+    u, v = vertices[one] - vertices[at], vertices[other] - vertices[at]
+    crossed = np.cross(u, v)
+    return np.asarray(np.arctan2(np.sqrt((crossed * crossed).sum(axis=1)), (u * v).sum(axis=1)))

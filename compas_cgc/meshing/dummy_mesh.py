@@ -12,10 +12,12 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.normals import unit_vectors
+from ..errors import names_what_was_meant
 
 __all__ = ["dummy_ring"]
 
 
+@names_what_was_meant()
 def dummy_ring(vertices: FloatArray, faces: IntArray, free: Mask) -> tuple[FloatArray, IntArray, IntArray]:
     """Return a mesh with a ring of dummy faces along the boundary loops that have a free vertex.
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..discrete.plan import cross
 
-__all__ = ["Diagonals", "diagonals", "flipped", "turn"]
+__all__ = ["Diagonals", "diagonals", "flipped", "flipped_to_valence", "turn", "valences"]
 
 SWEEPS = 60
 
@@ -25,6 +26,10 @@ class Diagonals(NamedTuple):
     b: IntArray  # (k,)
     c: IntArray  # (k,)
     d: IntArray  # (k,)
+
+    def turned(self) -> tuple[IntArray, IntArray]:
+        """Return the two triangles (k, 3) there are when an edge is turned."""
+        return np.column_stack([self.a, self.d, self.c]), np.column_stack([self.d, self.b, self.c])
 
 
 def diagonals(n: int, faces: IntArray, kept: IntArray) -> Diagonals:
@@ -56,6 +61,38 @@ def flipped(plan: FloatArray, faces: IntArray, kept: IntArray, gain: Callable[[D
                 busy[one] = busy[other] = True
                 faces[one], faces[other] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
     return faces
+
+
+def flipped_to_valence(n: int, faces: IntArray, kept: IntArray, allowed: Callable[[IntArray, Diagonals], Mask]) -> IntArray:
+    """Return triangles (m, 3) on n vertices after flips that bring valences nearer to 6, and are allowed of triangles and edges."""
+    faces = faces.copy()
+    inner = np.ones(n)
+    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    inner[edges[count == 1]] = 0.0
+    for _ in range(SWEEPS):
+        free = diagonals(n, faces, kept)
+        one, other, a, b, c, d = free
+        excess = valences(n, faces) - 6
+        quad, steps = np.column_stack([a, b, c, d]), np.array([-1, -1, 1, 1])
+        before = (inner[quad] * excess[quad] ** 2).sum(axis=1)
+        after = (inner[quad] * (excess[quad] + steps) ** 2).sum(axis=1)
+        good = (after < before) & allowed(faces, free)
+        if not good.any():
+            break
+        # One at a time where they share a vertex: their gains are not independent.
+        touched = np.zeros(n, bool)
+        for k in np.flatnonzero(good)[np.argsort((after - before)[good], kind="stable")].tolist():
+            if not touched[quad[k]].any():
+                touched[quad[k]] = True
+                faces[one[k]], faces[other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
+    return faces
+
+
+def valences(n: int, faces: IntArray) -> IntArray:
+    """Return the number of edges at every vertex (n,)."""
+    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    return np.bincount(edges.ravel(), minlength=n)
 
 
 def turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:

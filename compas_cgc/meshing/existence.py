@@ -16,6 +16,7 @@ from ..discrete import edge_faces
 from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..errors import names_what_was_meant
 from .checks import Diagnostic
 
 __all__ = ["Overload", "existence_problems", "overload", "plane_of", "too_much"]
@@ -155,6 +156,7 @@ def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
     return axes[:2], float(np.abs(offset @ axes[2]).max()) / size if size > 0 else 0.0
 
 
+@names_what_was_meant()
 def existence_problems(
     vertices: FloatArray, faces: IntArray, boundary: IntArray, targets: FloatArray, asked: np.ndarray
 ) -> list[Diagnostic]:

@@ -17,11 +17,11 @@ from ..discrete.arrays import Mask
 from ..discrete.plan import flattened
 from ..errors import MeshError
 from .boundary import boundary_loops
+from .edge_flips import valences
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
 from .relaxation import plane_angles
 from .relaxation import relaxed
-from .relaxation import valences
 from .weld import weld
 
 if TYPE_CHECKING:
@@ -115,6 +115,8 @@ def mesh_from_outline(
     areas = cells(domain, around, inner)
     fixed = np.concatenate([*around, *inner, laid.loose])
     plan, faces = _best(_tried(laid, areas, fixed, seeds, clear) for seeds in lattices(domain, laid.sizes) for clear in CLEAR)
+    if _quality(plan, faces) < GOOD:
+        plan, faces = _annealed(laid, fixed, plan, faces)
     on_curves = np.concatenate([*around, *inner])
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
@@ -132,6 +134,25 @@ def mesh_from_outline(
     vertices = np.column_stack([plan, heights])
     place = cKDTree(plan)
     return Outlined(vertices, faces, [place.query(line)[1].tolist() for line in inner])
+
+
+def refuse_outside(outline: FloatArray, creases: Sequence[FloatArray]) -> None:
+    """Refuse creases (k, 3) of which nothing lies within the outline (k, 3), so that they would be lost.
+
+    Raises
+    ------
+    MeshError
+        With the place of one.
+    """
+    import shapely
+
+    if len(outline) < 3:
+        return
+    within = shapely.Polygon(outline[:, :2])
+    for k, line in enumerate(creases):
+        if within.is_valid and len(line) > 1 and not within.intersects(shapely.LineString(line[:, :2])):
+            x, y = line[0, :2]
+            raise MeshError(f"creases[{k}], from ({x:g}, {y:g}), lies outside of the outline; move it inside, or leave it out")
 
 
 def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -> None:
@@ -161,10 +182,15 @@ def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> 
     """Return what is wrong with a domain, and the mend."""
     import shapely
 
+    lost = np.flatnonzero(~np.isfinite(outline).all(axis=1))
+    if len(lost):
+        return f"point {lost[0]} of the outline has a coordinate that is no finite number; give it one"
     said = shapely.is_valid_reason(domain)
     at = said.partition("[")[2].rstrip("]").replace(" ", ", ")
     if domain.area < MET * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
         return "seen from above it has hardly any; draw an upright outline laid flat, and stand the mesh up"
+    if len(outline) > 2 and np.linalg.matrix_rank(outline[1:, :2] - outline[0, :2], tol=MET * edge_length) < 2:
+        return "the points of the outline lie on one line; move one of them off it"
     if said.startswith("Self-intersection"):
         return f"a curve crosses itself or another one at ({at}); draw them apart"
     if said.startswith("Hole lies outside"):
@@ -190,12 +216,24 @@ def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatA
     plan, faces = fill(areas, np.concatenate([seeds, laid.loose]))
     a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
     faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
+    return relaxed(plan, faces, *_held(laid, fixed, plan), laid.sizes)
+
+
+def _held(laid: Spread, fixed: FloatArray, plan: FloatArray) -> tuple[Mask, IntArray]:
+    """Return which points (n,) of a triangulation stay, and the edges (k, 2) that do."""
     place = cKDTree(plan)
     held = np.zeros(len(plan), bool)
     held[place.query(fixed)[1]] = True
     paths = [place.query(piece)[1] for piece in laid.pieces]
-    kept = np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
-    return relaxed(plan, faces, held, kept, laid.sizes)
+    return held, np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
+
+
+def _annealed(laid: Spread, fixed: FloatArray, plan: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Return a triangulation whose valences have been annealed, or the given one where that is better."""
+    from .valence_annealing import annealed
+
+    found = annealed(plan, faces, *_held(laid, fixed, plan), laid.sizes)
+    return max((plan, faces), found, key=lambda one: _quality(*one))
 
 
 def _best(made: Iterable[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:

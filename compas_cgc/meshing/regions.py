@@ -10,6 +10,8 @@ from ..discrete._memo import remembered
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
+from ..errors import ArgumentError
+from ..errors import names_what_was_meant
 
 __all__ = ["face_means", "face_neighbours", "face_regions", "vertex_labels"]
 
@@ -27,6 +29,7 @@ def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
     return np.column_stack([owner[:-1][same], owner[1:][same]]), ends[order[:-1][same]]
 
 
+@names_what_was_meant()
 def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
     """Number the regions of faces that can be reached without crossing a crease.
 
@@ -66,6 +69,7 @@ def _face_regions(F: IntArray, creases: IntArray) -> IntArray:
     return rank[inverse.ravel()]
 
 
+@names_what_was_meant()
 def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     """Return the label of the last face around each of `count` vertices, -1 where there is none (n,).
 
@@ -88,11 +92,14 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     >>> vertex_labels(4, np.array([[0, 1, 2]]), np.array([7])).tolist()
     [7, 7, 7, -1]
     """
+    if faces.max(initial=-1) >= count:
+        raise ArgumentError(f"count is {count}, but the faces name vertex {faces.max()}; give the number of all vertices")
     result = np.full(count, -1)
     result[faces.ravel()] = np.repeat(labels, 3)
     return result
 
 
+@names_what_was_meant()
 def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
     """Return the mean over those corners of every face whose value is known (m,).
 

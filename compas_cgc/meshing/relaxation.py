@@ -9,11 +9,11 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
-from .edge_flips import SWEEPS
-from .edge_flips import diagonals
+from .edge_flips import Diagonals
 from .edge_flips import flipped
+from .edge_flips import flipped_to_valence
 
-__all__ = ["plane_angles", "relaxed", "valences"]
+__all__ = ["plane_angles", "relaxed"]
 
 STEPS = 5
 ROUNDS = 3
@@ -52,17 +52,11 @@ def relaxed(plan: FloatArray, faces: IntArray, held: Mask, kept: IntArray, sizes
         plan, _ = _pushed(plan, faces, held, sizes)
         faces = _delaunay(plan, faces, constraint)
     for _ in range(ROUNDS):
-        faces = _evened(plan, faces, held, constraint)
+        faces = _evened(plan, faces, constraint)
         for _ in range(STEPS):
             plan, _ = _pushed(plan, faces, held, sizes)
     plan = _rounded(plan, faces, held)
     return plan, faces
-
-
-def valences(n: int, faces: IntArray) -> IntArray:
-    """Return the number of edges at every vertex (n,)."""
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
-    return np.bincount(edges.ravel(), minlength=n)
 
 
 def plane_angles(plan: FloatArray, faces: IntArray) -> FloatArray:
@@ -137,34 +131,10 @@ def _angle(plan: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> Fl
     return np.arctan2(np.abs(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), (x * y).sum(axis=1))
 
 
-def _evened(plan: FloatArray, faces: IntArray, held: Mask, constraint: IntArray) -> IntArray:
+def _evened(plan: FloatArray, faces: IntArray, constraint: IntArray) -> IntArray:
     """Flip edges where valences come nearer to 6 and no angle becomes too small."""
-    faces = faces.copy()
-    boundary = _boundary(len(plan), faces)
-    for _ in range(SWEEPS):
-        one, other, a, b, c, d = diagonals(len(plan), faces, constraint)
-        excess = valences(len(plan), faces) - np.where(boundary, 4, 6)
-        weight = np.where(boundary, 0.0, 1.0)
-        quad, steps = np.column_stack([a, b, c, d]), np.array([-1, -1, 1, 1])
-        before = (weight[quad] * excess[quad] ** 2).sum(axis=1)
-        after = (weight[quad] * (excess[quad] + steps) ** 2).sum(axis=1)
-        sides = (quad[:, [0, 3, 2]], quad[:, [3, 1, 2]])
-        left = np.minimum(*(plane_angles(plan, side).min(axis=1) for side in sides))
-        good = (after < before) & (left > KEPT)
-        if not good.any():
-            break
-        # One at a time where they share a vertex: their gains are not independent.
-        touched = np.zeros(len(plan), bool)
-        for k in np.flatnonzero(good)[np.argsort((after - before)[good], kind="stable")].tolist():
-            if not touched[quad[k]].any():
-                touched[quad[k]] = True
-                faces[one[k]], faces[other[k]] = (a[k], d[k], c[k]), (d[k], b[k], c[k])
-    return faces
 
+    def allowed(_: IntArray, e: Diagonals) -> Mask:
+        return np.asarray(np.minimum(*(plane_angles(plan, pair).min(axis=1) for pair in e.turned())) > KEPT)
 
-def _boundary(n: int, faces: IntArray) -> Mask:
-    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    edges, count = np.unique(sides, axis=0, return_counts=True)
-    mask = np.zeros(n, bool)
-    mask[edges[count == 1]] = True
-    return mask
+    return flipped_to_valence(len(plan), faces, constraint, allowed)

@@ -12,6 +12,7 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import Vertices
+from ..errors import names_what_was_meant
 
 __all__ = ["triangles_of", "triangulate"]
 
@@ -21,6 +22,7 @@ Polygons = Union[Faces, Sequence[Sequence[int]]]
 """Vertex indices in order around every polygon, of any number."""
 
 
+@names_what_was_meant()
 def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices]:
     """Split the polygons of a mesh into triangles.
 
@@ -58,6 +60,7 @@ def distinct_corners(face: Sequence[int]) -> list[int]:
     return [v for i, v in enumerate(corners) if v != corners[i - 1] or len(corners) == 1]
 
 
+@names_what_was_meant()
 def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     """Split a polygon into triangles.
 
