@@ -95,18 +95,59 @@ def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) ->
 
 @kernel()
 def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
-    """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,)."""
+    """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,).
+
+    As :func:`face_derivatives`, with every edge and every inward edge multiplied by the directions first.
+    """
     data = np.zeros(size)
-    E, M = np.empty((3, 3)), np.empty((3, 3))
-    D, T, G = np.empty((3, 3, 3)), np.empty((3, 3, 3)), np.empty((3, 3, 3))
+    E = np.empty((3, 3))
+    turns, lengths, edge, inwards = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for f in range(F.shape[0]):
-        if face_derivatives(V, F, f, K, E, M, D, T, G):
-            for a in range(3):
-                for b in range(3):
-                    at = S[f, a, b]
-                    if at >= 0:
-                        u = F[f, b]
-                        data[at] += G[a, b, 0] * U[u, 0] + G[a, b, 1] * U[u, 1] + G[a, b, 2] * U[u, 2]
+        i, j, k, cx, cy, cz, double, di, dj, dk = corner(V, F, f)
+        if double == 0.0:
+            continue
+        nx, ny, nz = cx / double, cy / double, cz / double
+        for x in range(3):
+            E[0, x] = V[k, x] - V[j, x]
+            E[1, x] = V[i, x] - V[k, x]
+            E[2, x] = V[j, x] - V[i, x]
+        square = (dj + dk, di + dk, di + dj)
+        dot = (di, dj, dk)
+        for b in range(3):
+            u = F[f, b]
+            ux, uy, uz = U[u, 0], U[u, 1], U[u, 2]
+            wx, wy, wz = uy * nz - uz * ny, uz * nx - ux * nz, ux * ny - uy * nx
+            for c in range(3):
+                edge[c, b] = E[c, 0] * ux + E[c, 1] * uy + E[c, 2] * uz
+                inwards[c, b] = E[c, 0] * wx + E[c, 1] * wy + E[c, 2] * wz
+        for a in range(3):
+            b, c = (a + 1) % 3, (a + 2) % 3
+            turns[a, b] = -inwards[c, b] / square[c]
+            turns[a, c] = -inwards[b, c] / square[b]
+            turns[a, a] = inwards[c, a] / square[c] + inwards[b, a] / square[b]
+        obtuse = -1
+        for c in range(3):
+            if dot[c] < 0.0:
+                obtuse = c
+        if obtuse < 0:
+            for c in range(3):
+                p, q = (c + 1) % 3, (c + 2) % 3
+                twice = 2.0 * dot[c] / double
+                turn = -square[p] * square[q] / (double * double) * square[c]
+                lengths[c, c] = turn * turns[c, c]
+                lengths[c, p] = turn * turns[c, p] - twice * edge[c, p]
+                lengths[c, q] = turn * turns[c, q] + twice * edge[c, q]
+        for a in range(3):
+            target = K[F[f, a]]
+            p, q = (a + 1) % 3, (a + 2) % 3
+            for b in range(3):
+                at = S[f, a, b]
+                if at >= 0:
+                    if obtuse < 0:
+                        change = 0.125 * (lengths[p, b] + lengths[q, b])
+                    else:
+                        change = (0.25 if a == obtuse else 0.125) * inwards[b, b]
+                    data[at] -= turns[a, b] + target * change
     return data
 
 

@@ -104,6 +104,20 @@ def sum_at_vertices(n: int, F: Faces, C: Vectors) -> Vectors:
 
 
 @kernel()
+def sum_over_corners(F: Faces, N: Vectors) -> Vectors:
+    """Return at every vertex the sum, over the faces around it, of the vectors `N` (n, 3) at their corners (n, 3)."""
+    total = np.zeros(N.shape)
+    for f in range(F.shape[0]):
+        i, j, k = F[f, 0], F[f, 1], F[f, 2]
+        for x in range(3):
+            around = N[i, x] + N[j, x] + N[k, x]
+            total[i, x] += around
+            total[j, x] += around
+            total[k, x] += around
+    return total
+
+
+@kernel()
 def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return the cotangent sums A_i H_i of Eq. 14 at every vertex (n, 3)."""
     L = np.zeros((len(V), 3))

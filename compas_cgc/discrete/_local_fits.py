@@ -6,6 +6,7 @@ In NumPy: for a first solve these would take as long to compile as everything el
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -72,9 +73,49 @@ def _neighbourhoods(F: Faces, n: int, rows: Indices, through: Mask, rings: int) 
     return reached
 
 
+class Fit(NamedTuple):
+    """Polynomials around some vertices (k,), in coordinates of their own: over their frames, by their scale."""
+
+    rows: Indices  # (k,) the vertices
+    group: Indices  # (k,) their places among those that rings were found for
+    around: Rings
+    frames: FloatArray  # (k, 3, 3)
+    others: IntArray  # (k, c) vertices of the rings; those that fill shorter ones up are the vertex itself
+    there: Mask  # (k, c) those that do not
+    scale: FloatArray  # (k,) distance of the farthest [L]
+    places: FloatArray  # (3, k, c) u, v and height
+    weighted: FloatArray  # (k, t, c) monomials times the roots of the weights, a constant last where a polynomial is not pinned
+    factor: FloatArray  # (k, t, t) of the least squares, below the diagonal and on it
+    heights: FloatArray  # (k, t) what the monomials are taken times
+    terms: int  # of them without the constant
+
+    @property
+    def pinned(self) -> bool:
+        """Whether the polynomials go through their vertices."""
+        return self.weighted.shape[1] == self.terms
+
+    @property
+    def lifted(self) -> FloatArray:
+        """The heights of the polynomials over the points (k, c), the constant left out."""
+        return np.asarray((self.heights[:, None, : self.terms] @ self.weighted[:, : self.terms])[:, 0] * self.unweighted, dtype=np.float64)
+
+    @property
+    def unweighted(self) -> FloatArray:
+        """What takes the roots of the weights away (k, c), zero at what fills rings up."""
+        u, v, _ = self.places
+        return np.where(self.there, np.sqrt(u * u + v * v + CENTRED), 0.0)
+
+
 def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool) -> FloatArray:
     """Return what polynomials around the wanted vertices tell (n, 12), else NaN: the columns of `LocalFits`."""
     out = np.full((len(V), COLUMNS), np.nan)
+    for fit in fits_around(V, N, F, through, wanted, degree, rings, pinned):
+        out[fit.rows] = told(fit)
+    return out
+
+
+def fits_around(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool) -> Iterator[Fit]:
+    """Fit polynomials around the wanted vertices, many at a time; the room of the last ones is used for the next."""
     rows = np.flatnonzero(wanted & (N != 0).any(axis=1))
     for part in (rows[k : k + PART] for k in range(0, len(rows), PART)):
         around, frames = rings_around(F, len(V), part, through, rings), _frames(N[part])
@@ -87,17 +128,15 @@ def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degre
             # New memory for every chunk would take as long to come by as the fits themselves.
             room = np.empty((CHUNK, TERMS[own] + (not pinned), count[group].max(initial=0)))
             for chunk in (group[k : k + CHUNK] for k in range(0, len(group), CHUNK)):
-                out[part[chunk]] = _group(V, frames[chunk], around, part[chunk], chunk, int(own), room)
-    return out
+                yield _fit(V, frames[chunk], around, part[chunk], chunk, int(own), room)
 
 
-def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: Indices, degree: int, room: FloatArray) -> FloatArray:
-    """Return the columns (k, 12) of fits of one degree, of vertices that are a group (k,) of those with rings.
+def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: Indices, degree: int, room: FloatArray) -> Fit:
+    """Return fits of one degree, of vertices that are a group (k,) of those with rings.
 
     In the `room` the monomials are put; where it has one more than there are, the polynomial is not pinned, and the last unknown
     is its height over the vertex, which is one of the points.
     """
-    out = np.full((len(rows), COLUMNS), np.nan)
     near = around.near
     first = near.indptr[group]
     count = near.indptr[group + 1] - first
@@ -107,11 +146,10 @@ def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group:
     others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
     points = (V[others] - V[rows][:, None]) @ frames.transpose(0, 2, 1)
     scale = np.sqrt(np.einsum("kcx,kcx->kc", points, points).max(axis=1))
-    good = scale > 0
-    points /= np.where(good, scale, 1.0)[:, None, None]
-    u, v, w = np.ascontiguousarray(np.moveaxis(points, 2, 0))
+    points /= np.where(scale > 0, scale, 1.0)[:, None, None]
+    places = np.ascontiguousarray(np.moveaxis(points, 2, 0))
+    u, v, w = places
     terms = int(TERMS[degree])
-    pinned = room.shape[1] == terms
     # By the roots of their weights, so that their products are those of the least squares.
     root = np.where(there, 1.0 / np.sqrt(u * u + v * v + CENTRED), 0.0)
     weighted = room[: len(rows), :, : len(column)]
@@ -119,29 +157,38 @@ def _group(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group:
     for k, power in enumerate(_powers(u, v, degree)):
         np.multiply(power, root, out=weighted[:, k])
     M = weighted @ weighted.transpose(0, 2, 1)
-    if not pinned:
+    if room.shape[1] > terms:
         M[:, terms, terms] += 1.0 / CENTRED
     r = cholesky_solved(M, (weighted @ (w * root)[..., None])[..., 0])
-    if not pinned:
-        w = w - r[:, terms, None]
-    r = r[:, :terms]
+    return Fit(rows, group, around, frames, others, there, scale, places, weighted, M, r, terms)
+
+
+def told(fit: Fit) -> FloatArray:
+    """Return what fits tell (k, 12): the columns of `LocalFits`."""
+    out = np.full((len(fit.rows), COLUMNS), np.nan)
+    scale, terms = fit.scale, fit.terms
+    u, v, w = fit.places
+    if not fit.pinned:
+        w = w - fit.heights[:, terms, None]
+    good = scale > 0
+    r = fit.heights[:, :terms]
+    count = np.count_nonzero(fit.there, axis=1)
     a, b = r[:, 0], r[:, 1]
     uu, uv, vv = 2.0 * r[:, 2], r[:, 3], 2.0 * r[:, 4]
     g = 1.0 + a * a + b * b
     out[:, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
     out[:, 1] = -((1 + b * b) * uu - 2 * a * b * uv + (1 + a * a) * vv) / (2 * g * np.sqrt(g)) / scale
-    unweighted = np.where(there, np.sqrt(u * u + v * v + CENTRED), 0.0)
-    height = (r[:, None] @ weighted[:, :terms])[:, 0] * unweighted
-    second = (r[:, None, 2:5] @ weighted[:, 2:5])[:, 0] * unweighted
+    height = fit.lifted
+    second = (r[:, None, 2:5] @ fit.weighted[:, 2:5])[:, 0] * fit.unweighted
     enough = count >= terms + 2
-    off = np.where(there, height - w, 0.0)
+    off = np.where(fit.there, height - w, 0.0)
     out[enough, 3] = (scale * np.sqrt((off**2).sum(axis=1) / np.maximum(count - terms, 1)))[enough]
     out[enough, 4] = (scale * np.sqrt((second**2).sum(axis=1) / count))[enough]
     out[:, 5] = scale
-    defect, area = _defects(around, group, np.stack([u, v, height], axis=2))
+    defect, area = _defects(fit.around, fit.group, np.stack([u, v, height], axis=2))
     held = area > 0
     out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
-    out[:, 6:] = _tensors(frames, a, b, np.stack([uu, uv, vv], axis=1) / (np.sqrt(g) * scale)[:, None])
+    out[:, 6:] = _tensors(fit.frames, a, b, np.stack([uu, uv, vv], axis=1) / (np.sqrt(g) * scale)[:, None])
     out[~good] = np.nan
     return out
 
@@ -174,12 +221,18 @@ def _fans(F: Faces, n: int) -> Fans:
 
 def _defects(around: Rings, group: Indices, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the angle defects (k,) and mixed areas (k,) of fans whose outer corners are points (k, c, 3) seen from their vertices."""
+    row, left, right = fan_corners(around, group)
+    angle, area = corners_of(points[row, left], points[row, right])
+    defect = np.asarray(2.0 * math.pi - np.bincount(row, angle, len(group)), dtype=np.float64)
+    return defect, np.asarray(np.bincount(row, area, len(group)), dtype=np.float64)
+
+
+def fan_corners(around: Rings, group: Indices) -> tuple[IntArray, IntArray, IntArray]:
+    """Return the faces at a group of vertices (k,): which of these each is at, and the places of its outer corners among their rings."""
     count = around.start[group + 1] - around.start[group]
     row = np.repeat(np.arange(len(group)), count)
     corner = np.arange(len(row)) + (around.start[group] - np.cumsum(count) + count)[row]
-    angle, area = corners_of(points[row, around.left[corner]], points[row, around.right[corner]])
-    defect = np.asarray(2.0 * math.pi - np.bincount(row, angle, len(group)), dtype=np.float64)
-    return defect, np.asarray(np.bincount(row, area, len(group)), dtype=np.float64)
+    return row, around.left[corner], around.right[corner]
 
 
 def corners_of(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -215,7 +268,10 @@ def _powers(u: FloatArray, v: FloatArray, degree: int) -> list[FloatArray]:
 
 
 def cholesky_solved(M: FloatArray, r: FloatArray) -> FloatArray:
-    """Return the solutions (k, t) of systems (k, t, t), which are lost; pivots are kept from vanishing where they determine too little."""
+    """Return the solutions (k, t) of systems (k, t, t), whose factors take their places.
+
+    Pivots are kept from vanishing where the systems determine too little.
+    """
     n = M.shape[1]
     L, x = M, r.copy()  # the lower triangle, column by column in the place of the system's own
     soft = SOFT * np.trace(M, axis1=1, axis2=2)
@@ -224,6 +280,18 @@ def cholesky_solved(M: FloatArray, r: FloatArray) -> FloatArray:
         L[:, k, k] = np.sqrt(np.maximum(below[:, 0], soft))
         L[:, k + 1 :, k] = below[:, 1:] / L[:, k, k, None]
         x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k, :k], x[:, :k])) / L[:, k, k]
-    for k in range(n - 1, -1, -1):
+    return _back(L, x)
+
+
+def substituted(L: FloatArray, r: FloatArray) -> FloatArray:
+    """Return the solutions (k, t) of systems with lower triangles (k, t, t) for factors."""
+    x = r.copy()
+    for k in range(L.shape[1]):
+        x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k, :k], x[:, :k])) / L[:, k, k]
+    return _back(L, x)
+
+
+def _back(L: FloatArray, x: FloatArray) -> FloatArray:
+    for k in range(L.shape[1] - 1, -1, -1):
         x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k + 1 :, k], x[:, k + 1 :])) / L[:, k, k]
     return x

@@ -15,7 +15,7 @@ from scipy import sparse
 
 __all__ = ["remembered"]
 
-SMALL = 1_500_000  # bytes of arguments above which nothing is kept: those of a mesh of 20,000 vertices
+SMALL = 2_000_000  # bytes of arguments above which nothing is kept: those of a mesh of 20,000 vertices with roles and creases
 ALL = 4_000_000  # bytes of the arguments of all that is kept
 RECENT = 8  # results of each function
 

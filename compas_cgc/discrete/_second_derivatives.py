@@ -23,8 +23,7 @@ def defects_along(V: Vertices, F: Faces, weight: PerVertex, U: Vectors) -> Vecto
     edge opposite the third corner c and ``M_c = n x e_c``; here each of these is differentiated along U.
     """
     out = np.zeros(V.shape)
-    E, DE, Q = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    n, dn = np.empty(3), np.empty(3)
+    E, DE, M, DM, Q = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for f in range(F.shape[0]):
         if weight[F[f, 0]] == 0.0 and weight[F[f, 1]] == 0.0 and weight[F[f, 2]] == 0.0:
             continue
@@ -33,27 +32,10 @@ def defects_along(V: Vertices, F: Faces, weight: PerVertex, U: Vectors) -> Vecto
             for x in range(3):
                 E[c, x] = V[q, x] - V[p, x]
                 DE[c, x] = U[q, x] - U[p, x]
-        square = 0.0
-        for x in range(3):
-            y, z = (x + 1) % 3, (x + 2) % 3
-            n[x] = E[0, y] * E[1, z] - E[0, z] * E[1, y]
-            dn[x] = DE[0, y] * E[1, z] - DE[0, z] * E[1, y] + E[0, y] * DE[1, z] - E[0, z] * DE[1, y]
-            square += n[x] * n[x]
-        if square == 0.0:
+        double, _ = turned_edges(E, DE, M, DM)
+        if double == 0.0:
             continue
-        double = math.sqrt(square)
-        along = (n[0] * dn[0] + n[1] * dn[1] + n[2] * dn[2]) / square
-        for x in range(3):
-            dn[x] = (dn[x] - along * n[x]) / double
-            n[x] /= double
-        for c in range(3):
-            length = E[c, 0] * E[c, 0] + E[c, 1] * E[c, 1] + E[c, 2] * E[c, 2]
-            change = 2.0 * (E[c, 0] * DE[c, 0] + E[c, 1] * DE[c, 1] + E[c, 2] * DE[c, 2]) / length
-            for x in range(3):
-                y, z = (x + 1) % 3, (x + 2) % 3
-                M = n[y] * E[c, z] - n[z] * E[c, y]
-                DM = dn[y] * E[c, z] - dn[z] * E[c, y] + n[y] * DE[c, z] - n[z] * DE[c, y]
-                Q[c, x] = (DM - M * change) / length
+        write_turns(E, DE, M, DM, Q)
         for a in range(3):
             b, c = (a + 1) % 3, (a + 2) % 3
             w = weight[F[f, a]]
@@ -92,17 +74,25 @@ def entries(V: Vertices, F: Faces, weight: PerVertex, K: PerVertex, S: CSRIndice
             cell += w[a] * K[F[f, a]] * (0.25 if a == obtuse else 0.125)
         for b in range(3):
             for y in range(3):
-                DE[:] = 0.0
+                for c in range(3):
+                    for x in range(3):
+                        DE[c, x] = 0.0
                 DE[(b + 1) % 3, y], DE[(b + 2) % 3, y] = 1.0, -1.0
                 double, growth = turned_edges(E, DE, M, DM)
                 if double == 0.0:
                     continue
-                R[:] = 0.0
+                for c in range(3):
+                    for x in range(3):
+                        R[c, x] = -cell * DM[c, x] if obtuse >= 0 else 0.0
                 if obtuse < 0:
                     subtract_cells(E, DE, M, DM, double, growth, share, R)
-                else:
-                    R -= cell * DM
-                subtract_angles(E, DE, M, DM, w, Q, R)
+                write_turns(E, DE, M, DM, Q)
+                for a in range(3):
+                    p, q = (a + 1) % 3, (a + 2) % 3
+                    for x in range(3):
+                        R[p, x] += w[a] * Q[q, x]
+                        R[q, x] += w[a] * Q[p, x]
+                        R[a, x] -= w[a] * (Q[p, x] + Q[q, x])
                 for a in range(3):
                     at = S[f, a, b]
                     if at >= 0:
@@ -133,19 +123,13 @@ def turned_edges(E: FloatArray, DE: FloatArray, M: FloatArray, DM: FloatArray) -
 
 
 @kernel(inner=True)
-def subtract_angles(E: FloatArray, DE: FloatArray, M: FloatArray, DM: FloatArray, w: FloatArray, Q: FloatArray, R: FloatArray) -> None:
-    """Subtract the change of the gradient of the weighted angles of a face from R (3, 3), see :func:`defects_along`."""
+def write_turns(E: FloatArray, DE: FloatArray, M: FloatArray, DM: FloatArray, Q: FloatArray) -> None:
+    """Write the changes of ``M_c / |e_c|^2`` into Q (3, 3), see :func:`defects_along`."""
     for c in range(3):
         length = E[c, 0] * E[c, 0] + E[c, 1] * E[c, 1] + E[c, 2] * E[c, 2]
         change = 2.0 * (E[c, 0] * DE[c, 0] + E[c, 1] * DE[c, 1] + E[c, 2] * DE[c, 2]) / length
         for x in range(3):
             Q[c, x] = (DM[c, x] - M[c, x] * change) / length
-    for a in range(3):
-        b, c = (a + 1) % 3, (a + 2) % 3
-        for x in range(3):
-            R[b, x] += w[a] * Q[c, x]
-            R[c, x] += w[a] * Q[b, x]
-            R[a, x] -= w[a] * (Q[b, x] + Q[c, x])
 
 
 @kernel(inner=True)

@@ -22,7 +22,7 @@ from .arrays import IntArray
 from .arrays import Mask
 from .normals import vertex_normals
 
-__all__ = ["FitOperators", "fit_operators"]
+__all__ = ["FitOperators", "fit_operators", "second_derivatives"]
 
 DEGREE, RINGS = 3, 2
 LEAST = 2  # degree below which nothing bends
@@ -121,6 +121,34 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
         jacobian.append(slope * lifted / radius[:, None] ** 3)
     square, J = around.square, around.across.matrix(jacobian, (len(rows), n))
     return FitOperators(rows, square.matrix(waves, (n, n)), square.matrix(bending, (n, n)), gaussian, J)
+
+
+def second_derivatives(plan: FloatArray, faces: IntArray, rows: IntArray, through: Mask) -> sparse.csr_matrix:
+    """Return the second derivatives xx, xy, yy of heights over a plan (3k, n), by cubic polynomials fitted to two rings [1/L^2].
+
+    Parameters
+    ----------
+    plan
+        ``(n, 3)`` a flat mesh [L].
+    faces, rows, through
+        As for :func:`fit_operators`.
+    """
+    around, shape = _rings(faces, len(plan), rows, through), (3 * len(rows), len(plan))
+    found = sparse.csr_matrix(shape)
+    for group in around.groups:
+        ring, own = group.ring, rows[group.at]
+        away = plan[ring][..., :2] - plan[own][:, None, :2]
+        radius = np.sqrt((away**2).sum(axis=2).max(axis=1))
+        u, v = np.moveaxis(away / radius[:, None, None], 2, 0)
+        weight = group.weight / (u * u + v * v + CENTRED)
+        terms = np.concatenate([powers(u, v, group.degree), np.ones((*u.shape, 1))], axis=2)
+        weighted = terms * weight[..., None]
+        inverse = np.linalg.pinv(weighted.transpose(0, 2, 1) @ terms, hermitian=True) @ weighted.transpose(0, 2, 1)
+        second = inverse[:, 2:5] * np.array([2.0, 1.0, 2.0])[:, None] / radius[:, None, None] ** 2
+        row = np.broadcast_to((3 * group.at[:, None] + np.arange(3))[..., None], second.shape)
+        column = np.broadcast_to(ring[:, None], second.shape)
+        found = found + sparse.csr_matrix((second.ravel(), (row.ravel(), column.ravel())), shape=shape)
+    return found
 
 
 def _made(faces: IntArray, n: int, rows: IntArray, through: Mask) -> _Rings:

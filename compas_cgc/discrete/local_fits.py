@@ -14,7 +14,7 @@ from .arrays import mesh_arrays
 from .normals import vertex_normals
 from .topology import closed_vertices
 
-__all__ = ["LocalFits", "local_fits"]
+__all__ = ["LocalFits", "as_local_fits", "local_fits"]
 
 
 class LocalFits(NamedTuple):
@@ -75,6 +75,10 @@ def local_fits(
     closed = closed_vertices(V, F)
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
-    told = _local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned)
+    return as_local_fits(_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned))
+
+
+def as_local_fits(told: FloatArray) -> LocalFits:
+    """Return the columns of what fits tell (n, 12) by their names."""
     gaussian, mean, truncation, residual, sagitta, radius = told[:, :6].T
     return LocalFits(gaussian, mean, truncation, residual, sagitta, radius, told[:, 6:])

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
+from ._fit_derivatives import fitted_with_slopes
 from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Mask
 from .local_fits import LocalFits
+from .local_fits import as_local_fits
 from .local_fits import local_fits
+from .normals import vertex_normals
+from .topology import closed_vertices
 
-__all__ = ["is_irregular", "is_regular", "layout_errors"]
+__all__ = ["is_irregular", "is_regular", "layout_errors", "layout_errors_and_slopes"]
 
 DEGREE, RINGS = 4, 3  # of the polynomials
 REGULAR = 0.9  # part of the vertices with six neighbours from which a mesh is regular
@@ -42,6 +47,18 @@ def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatAr
     return _believed(_fits(vertices, faces, asked), faces, asked)
 
 
+def layout_errors_and_slopes(vertices: FloatArray, faces: IntArray, asked: Mask) -> tuple[FloatArray, sparse.csr_matrix]:
+    """Return the errors of :func:`layout_errors` (n,) and their derivatives by the coordinates (n, 3n) [1/L^3].
+
+    How far fits are believed is taken as it is.
+    """
+    closed = asked & closed_vertices(vertices, faces)
+    told, slopes = fitted_with_slopes(vertices, vertex_normals(vertices, faces), faces, asked, closed, DEGREE, RINGS)
+    fits = as_local_fits(told)
+    belief = _belief(fits, faces, asked)
+    return _times(belief, fits), (sparse.diags(belief) @ slopes).tocsr()
+
+
 def is_irregular(vertices: FloatArray, faces: IntArray, asked: Mask, targets: FloatArray) -> bool:
     """Return whether a surface that meets its targets (n,) by angle defects would show the layout of its mesh as wrinkles."""
     if not asked.any() or is_regular(faces, asked):
@@ -67,7 +84,16 @@ def _fits(vertices: FloatArray, faces: IntArray, asked: Mask) -> LocalFits:
 
 
 def _believed(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
-    """Return the errors that fits tell, as far as these are to be believed: where vertices lie on them.
+    """Return the errors that fits tell, as far as these are to be believed."""
+    return _times(_belief(fits, faces, asked), fits)
+
+
+def _times(belief: FloatArray, fits: LocalFits) -> FloatArray:
+    return belief * np.where(np.isfinite(fits.truncation), fits.truncation, 0.0)
+
+
+def _belief(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
+    """Return how far the errors that fits tell are to be believed (n,): where vertices lie on them.
 
     K > 0 over a straight edge has curvatures without bounds, which no polynomial follows.
     """
@@ -78,8 +104,7 @@ def _believed(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
         close = _falling(fits.residual / fits.sagitta, *WAVY)
         bounded = _falling(bent / np.median(bent[np.isfinite(bent)]), *SINGULAR)
     known = np.isfinite(close * bounded * fits.truncation)
-    belief = _alike(np.where(known, close * bounded, 0.0), faces, asked)
-    return belief * np.where(known, fits.truncation, 0.0)
+    return np.where(known, _alike(np.where(known, close * bounded, 0.0), faces, asked), 0.0)
 
 
 def _alike(belief: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.discrete.local_fits import local_fits
+from compas_cgc.discrete.smooth_measure import layout_errors
+from compas_cgc.discrete.smooth_measure import layout_errors_and_slopes
 
 from ..support import shapes
 
@@ -43,6 +46,19 @@ def test_the_error_of_angle_defects_is_told_by_the_fits(name):
     corrected = np.abs(defect - fits.truncation[here] - K)
     assert np.median(corrected) < 0.01 * np.median(np.abs(defect - K))
     assert np.percentile(corrected, 95) < 0.02 * np.percentile(np.abs(defect - K), 95)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_slopes_of_the_error_are_its_central_differences(name):
+    """Of smooth surfaces: frames and weights, which are taken as they are, count as much as the waves."""
+    vertices, faces = sheet(300, SURFACES[name][0])
+    asked = ~boundary_vertices(vertices, faces)
+    errors, slopes = layout_errors_and_slopes(vertices, faces, asked)
+    assert np.array_equal(errors, layout_errors(vertices, faces, asked))
+    move = np.random.default_rng(3).normal(size=vertices.shape)
+    above, below = (layout_errors(vertices + step * move, faces, asked) for step in (1e-7, -1e-7))
+    change, told = (above - below) / 2e-7, slopes @ move.ravel()
+    assert np.linalg.norm(change - told) < 0.02 * np.linalg.norm(change)
 
 
 def test_curvatures_turn_and_scale_with_the_surface():

@@ -15,6 +15,7 @@ from compas_cgc.discrete.laplacian import cotangent_stiffness
 from compas_cgc.linalg import SingularMatrixError
 from compas_cgc.linalg import factorise
 from compas_cgc.linalg import linear_solver
+from compas_cgc.linalg import nearly_solved
 from compas_cgc.linalg import nested_dissection
 from compas_cgc.linalg.sweeps import Sweeps
 
@@ -272,3 +273,15 @@ def test_what_no_elimination_makes_is_refused():
     lower[3, 0] = 0.5  # which elimination would have brought into the second column as well
     with pytest.raises(ValueError, match="elimination"):
         Sweeps(sparse.csc_matrix(lower), np.ones(4))
+
+
+def test_factors_of_a_matrix_near_by_solve_to_the_tolerance_or_say_that_they_are_too_far(meshed):
+    equations, vertices = meshed
+    up, lower = np.tile([0.0, 0.0, 1.0], (len(equations.columns), 1)), vertices * [1.0, 1.0, 0.8]
+    matrix, right = equations.jacobian(vertices, up), np.cos(np.arange(len(equations.rows)))
+    for tolerance in (0.3, 1e-3):
+        found = nearly_solved(matrix, factorise(equations.jacobian(lower, up)).solve, right, tolerance)
+        assert 0.0 < np.linalg.norm(matrix @ found - right) <= 1.001 * tolerance * np.linalg.norm(right)
+    assert nearly_solved(matrix, lambda v: v, right, 1e-3) is None
+    assert nearly_solved(matrix, lambda v: np.nan * v, right, 1e-3) is None
+    assert not nearly_solved(matrix, lambda v: v, 0.0 * right, 1e-3).any()
