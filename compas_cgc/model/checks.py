@@ -75,7 +75,8 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
             return [Diagnostic(text) for text in unmet]
     problems = mesh_problems(problem.vertices, problem.faces, *names)
     sound = not any(said.fatal for said in problems)
-    problems += _role_problems(problem, names.vertices) + _target_problems(problem, names.vertices)
+    # What goes before mends what follows: of a mesh with faults it cannot be told where K can be asked for.
+    problems += _role_problems(problem, names.vertices, sound) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real) + _corner_problems(real)
@@ -100,7 +101,7 @@ def dropped_faces(names: object) -> Diagnostic:
     return Diagnostic(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
 
 
-def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
+def _role_problems(problem: CGCProblem, names: IntArray, sound: bool) -> list[Diagnostic]:
     problems = []
     if not (problem.roles == FIXED).any():
         if len(boundary_loops(problem.faces)):
@@ -111,7 +112,7 @@ def _role_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
     lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
         problems.append(lost_creases(names[problem.creases[lost]].tolist()))
-    if not np.isin(problem.roles, (INTERNAL, FREE)).any():
+    if sound and not np.isin(problem.roles, (INTERNAL, FREE)).any():
         problems.append(
             Diagnostic("there is no internal vertex, so no curvature to ask for; refine the mesh or free some supports or creases")
         )
@@ -163,7 +164,19 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     if len(loose):
         text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
         remarks.append(f"a crease ends at vertices {listed(names[loose])}, inside of a region, {text}")
+    remarks += _turns_about(problem)
     return [Diagnostic(text, fatal=False) for text in remarks]
+
+
+def _turns_about(problem: CGCProblem) -> list[str]:
+    """Say what a surface can turn about that is held at one or two points."""
+    count = int((problem.roles == FIXED).sum())
+    if not 0 < count < 3 or problem.constraints or not len(boundary_loops(problem.faces)):
+        return []
+    what = "one point" if count == 1 else "two points"
+    return [
+        f"the surface is held at {what} only and can turn about {'it' if count == 1 else 'them'}; hold it at three that are not on one line"
+    ]
 
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:

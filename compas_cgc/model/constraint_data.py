@@ -89,6 +89,10 @@ def constraint_of(data: object) -> Constraint:
         if isinstance(data, type):
             raise ValueError(f"a constraint is a value such as Rise(4.0){_written(data)}")
         value = f"; write a value such as Rise(4.0), not {data!r:.40}" if not isinstance(data, Mapping) else ""
+        if kind is None and isinstance(data, Mapping):
+            like = next((name for name in KINDS if name in data), "rise")
+            written = {"kind": like, **data} if like in data else {"kind": like, like: 2.0}
+            value = f"; write {written!r:.80}"
         raise ValueError(f"a constraint must be an object with a 'kind': {', '.join(KINDS)}{meant}{value}")
     own = fields(KINDS[kind])
     known = {field.name: field for field in own}

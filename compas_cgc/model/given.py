@@ -14,7 +14,9 @@ import numpy as np
 
 from ..meshing.boundary import SUPPORT_NAMES
 
-__all__ = ["checked_number", "no_region", "vertex_names", "vertex_paths", "wrong_problem"]
+__all__ = ["checked_number", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
+
+NEAREST = "mesh.vertices_near(points) gives the keys of the vertices nearest to places"
 
 
 def checked_number(value: object, name: str) -> float:
@@ -34,10 +36,21 @@ def no_region(region: object, count: int, creased: bool) -> str:
     """Return the sentence on a region that does not exist."""
     number = isinstance(region, numbers.Integral) and not isinstance(region, bool)
     if not number:
-        return f"a region is a number from 0 to {count - 1}, not {_shown(region)}"
+        return f"a region is a number, not {_shown(region)}; {_numbered(count)}"
     one = creased and count == 1
     why = "; its creases part nothing: they have to run from edge to edge, or to close" if one else ""
-    return f"there is no region {region}; the mesh has {count}, from 0 to {count - 1}{why}"
+    return f"there is no region {region}; {_numbered(count)}{why}"
+
+
+def no_vertex(key: object, keys: Iterable[int]) -> str:
+    """Return the sentence on a vertex that does not exist, and which ones do."""
+    known = sorted(keys)
+    those = f"; they are numbered from {known[0]} to {known[-1]}" if known else "; it has none"
+    return f"there is no vertex {key!r} in the mesh{those}"
+
+
+def _numbered(count: int) -> str:
+    return f"the mesh has {count}, from 0 to {count - 1}" if count > 1 else "the mesh has 1, number 0"
 
 
 def vertex_names(given: Any, what: str) -> list[int]:
@@ -59,7 +72,10 @@ def vertex_names(given: Any, what: str) -> list[int]:
         raise ValueError(f"{what} must be a list of vertices, not the number {given}; write [{given}]")
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise ValueError(f"{what} must be a list of vertices, not {_shown(given)}")
-    return [_vertex(item, what) for item in given]
+    items = list(given)
+    if len(items) in (2, 3) and len(set(map(repr, items))) < len(items) and all(isinstance(item, float) for item in items):
+        raise ValueError(f"{what} must be keys of vertices, not coordinates such as {_shown(tuple(items))}; {NEAREST}")
+    return [_vertex(item, what) for item in items]
 
 
 def vertex_paths(given: Any) -> list[list[int]]:
@@ -107,8 +123,7 @@ def _vertex(item: Any, what: str) -> int:
             raise ValueError(f"write {item!r} without the brackets of a list")
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item!r}")
     if isinstance(item, Iterable):
-        near = "mesh.vertices_near(points) gives the keys of the vertices nearest to places"
-        raise ValueError(f"{what} must be keys of vertices, not coordinates such as {_shown(item)}; {near}")
+        raise ValueError(f"{what} must be keys of vertices, not coordinates such as {_shown(item)}; {NEAREST}")
     raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {_shown(item)}")
 
 

@@ -36,6 +36,7 @@ from .constraints import check_indices
 from .frame import Frame
 from .frame import local_frame
 from .given import no_region
+from .given import no_vertex
 from .given import vertex_names
 from .given import vertex_paths
 from .given import wrong_problem
@@ -356,7 +357,7 @@ class CGCProblem:
         found = order[at]
         lost = np.flatnonzero(known[found] != wanted)
         if len(lost):
-            raise ValueError(f"there is no vertex {wanted[lost[0]]} in the mesh")
+            raise ValueError(no_vertex(int(wanted[lost[0]]), known.tolist()))
         return found
 
     def regions(self) -> IntArray:

@@ -13,7 +13,7 @@ from .frame import Frame
 from .result import History
 from .result import SolveState
 
-__all__ = ["Callback", "Recorder", "refuse_no_callback"]
+__all__ = ["Callback", "Recorder", "refuse_no_callback", "show_arrived"]
 
 Callback = Optional[Callable[[SolveState], object]]
 
@@ -36,6 +36,13 @@ def refuse_no_callback(callback: object) -> None:
         raise ValueError("callback must be a function of one argument, the state after a step: lambda state: ...") from None
     except ValueError:  # Some of those in C have no signature.
         return
+
+
+def show_arrived(callback: Callback, vertices: FloatArray) -> None:
+    """Show the vertices (n, 3) of a surface that meets its targets, before it is judged, to a callback with a method ``arrived``."""
+    arrived = getattr(callback, "arrived", None)
+    if arrived is not None:
+        arrived(vertices)
 
 
 class Recorder:

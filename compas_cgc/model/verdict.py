@@ -20,7 +20,9 @@ from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
+from ..errors import names_what_was_meant
 from ..meshing.regions import vertex_labels
+from .branch_points import branch_points
 from .faults import fault
 from .problem import CGCProblem
 from .roles import CREASE
@@ -116,6 +118,7 @@ class Verdict:
         return {"word": self.word, **asdict(self)}
 
 
+@names_what_was_meant()
 def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict:
     """Judge the vertices of a problem, whatever its angle defects say.
 
@@ -192,6 +195,13 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
     if kept is not None and kept < LOST:
         reasons.append(f"it has {_percent(kept)} % of the area of the input")
+    branches = branch_points(problem, fits, _depth(problem) > 1)
+    if len(branches):
+        at = problem.names.vertices[branches[int(np.argmax(fits.gaussian[branches]))]]
+        reasons.append(
+            f"it has a branch point at vertex {at}, where K is 0 whatever is asked and more valleys meet than its supports need "
+            "(draw it as a saddle, or ask for a smaller K)"
+        )
     tips, pointed = _tips(problem)
     if (pointed > TIP).any():
         at = problem.names.vertices[tips[int(np.argmax(pointed))]]
@@ -199,6 +209,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     bad = (error - own > MOST) | (wave > WAVIEST) | other
     bad[edges[sharp]] = True
     bad[torn.vertices] = True
+    bad[branches] = True
     bad[tips[pointed > TIP]] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)

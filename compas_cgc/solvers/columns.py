@@ -8,15 +8,19 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from scipy.spatial import ConvexHull
 from scipy.spatial import cKDTree
 
 from ..discrete import edge_faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..linalg.work import is_spent
 from ..meshing import named_supports
+from ..model.constraints import OnLine
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from ..model.verdict import Verdict
+from .one_sided import one_sided
 
 __all__ = ["Attempt", "column_advice"]
 
@@ -24,6 +28,7 @@ FREED = 3  # most columns that are taken away, one after the other
 HALVINGS = 2  # of the way from the height that the surface has to that of a column
 FEWEST = 3  # supports that a roof keeps
 SLACK = 0.2  # share of a corner by which a place may lie beside a face: a free edge moves in plan
+FAR = 0.5  # of a column from where it would have to be, against the size of the mesh, from where that is no advice
 SAME = 5e-3  # difference of heights, against the size of the mesh, that is none
 
 
@@ -40,8 +45,9 @@ Solve = Callable[[CGCProblem], Optional[Attempt]]
 def column_advice(problem: CGCProblem, rough: Attempt, solve: Solve) -> str:
     """Return a sentence that names columns without which a surface is fair, and the heights that they may have; empty without any.
 
-    The column nearest to what is rough is taken away, then the next, until the surface is fair. Where it runs then is a height that
-    columns may have; from there a single one is moved towards where it stands as long as the surface stays fair.
+    Columns that keep a function over the plan from bulging to one side are taken away, or else the column nearest to what is rough,
+    then the next, until the surface is fair. Where it runs then is a height that columns may have; from there a single one is moved
+    towards where it stands as long as the surface stays fair.
 
     Parameters
     ----------
@@ -54,24 +60,19 @@ def column_advice(problem: CGCProblem, rough: Attempt, solve: Solve) -> str:
     """
     columns = _columns(problem)
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
-    freed: list[int] = []
-    last = rough
-    for _ in range(FREED):
-        left = [column for column in columns if column not in freed]
-        if not left or int((problem.roles == FIXED).sum()) - len(freed) <= FEWEST:
-            return ""
-        freed.append(_blamed(last, problem.vertices, left))
-        found = solve(_without(problem, freed))
-        if found is None:
-            return ""
-        last = found
-        if found.judged.fair:
-            break
-    else:
+    taken_away = _without_those_in_the_way(problem, columns, solve) or _without_the_nearest(problem, columns, rough, solve)
+    if taken_away is None:
         return ""
-    heights = [_height(last.vertices, problem.faces, problem.vertices[column, :2]) for column in freed]
+    freed, last = taken_away
+    heights = _heights(problem, freed, last)
+    if any(height is None for height in heights):
+        # A free edge has gone away from under the column: where the column is to stand it is to pass, however high.
+        over = solve(_without(_raised(problem, last.vertices[:, 2]), freed, over=True))
+        if over is None or not over.judged.fair:
+            return ""
+        heights = _heights(problem, freed, over)
     off = [np.nan if height is None else float(problem.vertices[column, 2]) - height for column, height in zip(freed, heights)]
-    if not np.isfinite(off).all() or np.abs(off).max() <= SAME * size:
+    if not np.isfinite(off).all() or not SAME * size < np.abs(off).max() <= FAR * size:
         return ""
     said = "; ".join(_said(problem, column, lift, float(height or 0.0)) for column, lift, height in zip(freed, off, heights))
     if len(freed) > 1:
@@ -80,6 +81,42 @@ def column_advice(problem: CGCProblem, rough: Attempt, solve: Solve) -> str:
     low, high = sorted((height, _farthest(problem, freed[0], height, off[0], solve)))
     to = f"heights from {low:.4g} to {high:.4g} were found fair" if high - low > SAME * size else "give it that height"
     return f"{said}; {to}, or lead a crease through it"
+
+
+def _without_those_in_the_way(problem: CGCProblem, columns: Sequence[int], solve: Solve) -> Optional[tuple[list[int], Attempt]]:
+    """Return the columns without which a function over the plan bulges to one side, and the surface near that, if it is fair."""
+    bulging = one_sided(problem, columns, min(FREED, int((problem.roles == FIXED).sum()) - FEWEST))
+    if bulging is None or not bulging.columns:
+        return None
+    found = solve(_without(_raised(problem, bulging.heights), bulging.columns))
+    return (bulging.columns, found) if found is not None and found.judged.fair else None
+
+
+def _without_the_nearest(problem: CGCProblem, columns: Sequence[int], rough: Attempt, solve: Solve) -> Optional[tuple[list[int], Attempt]]:
+    """Return the columns nearest to what is rough, one after the other, without which the surface is fair, and that."""
+    freed: list[int] = []
+    last = rough
+    while len(freed) < FREED:
+        left = [column for column in columns if column not in freed]
+        if not left or is_spent() or int((problem.roles == FIXED).sum()) - len(freed) <= FEWEST:
+            return None
+        freed.append(_blamed(last, problem.vertices, left))
+        found = solve(_without(problem, freed))
+        if found is None:
+            return None
+        last = found
+        if found.judged.fair:
+            return freed, found
+    return None
+
+
+def _raised(problem: CGCProblem, heights: FloatArray) -> CGCProblem:
+    """Return the problem drawn with other heights (n,) over its plan."""
+    return problem.with_vertices(np.column_stack([problem.vertices[:, :2], heights]))
+
+
+def _heights(problem: CGCProblem, columns: Sequence[int], found: Attempt) -> list[Optional[float]]:
+    return [_height(found.vertices, problem.faces, problem.vertices[column, :2]) for column in columns]
 
 
 def _said(problem: CGCProblem, column: int, lift: float, height: float) -> str:
@@ -102,7 +139,9 @@ def _columns(problem: CGCProblem) -> list[int]:
         beside[u[fixed[v]]] = True
         positive[u[above[v]]] = True
     fixed &= ~beside & positive
-    fixed[named_supports(problem.vertices * [1.0, 1.0, 0.0], faces, "corners")] = False
+    corners = named_supports(problem.vertices * [1.0, 1.0, 0.0], faces, "corners")
+    # A column at an inward corner stands among the others.
+    fixed[np.intersect1d(corners, np.unique(faces)[ConvexHull(problem.vertices[np.unique(faces), :2]).vertices])] = False
     return np.flatnonzero(fixed).tolist()
 
 
@@ -114,21 +153,24 @@ def _blamed(rough: Attempt, drawn: FloatArray, columns: Sequence[int]) -> int:
     return columns[int(np.argmax(np.bincount(nearest, minlength=len(columns))))]
 
 
-def _without(problem: CGCProblem, columns: Sequence[int]) -> CGCProblem:
-    """Return the problem with columns taken away, and the mesh drawn where they stood as it is around."""
+def _without(problem: CGCProblem, columns: Sequence[int], over: bool = False) -> CGCProblem:
+    """Return the problem with columns taken away, and the mesh drawn where they stood as it is around; it may be kept over their places."""
     V = problem.vertices.copy()
     edges = edge_faces(problem.faces)[:, :2]
     for column in columns:
         ring = np.setdiff1d(edges[(edges == column).any(axis=1)], columns)
         V[column, 2] = V[ring, 2].mean()
     left = np.setdiff1d(np.flatnonzero(problem.roles == FIXED), columns)
-    return problem.with_vertices(V).with_supports(problem.names.vertices[left].tolist())
+    lines = [OnLine([int(column)], V[column], (0.0, 0.0, 1.0)) for column in columns] if over else []
+    return problem.with_vertices(V).with_supports(problem.names.vertices[left].tolist()).with_constraints(lines)
 
 
 def _farthest(problem: CGCProblem, column: int, height: float, lift: float, solve: Solve) -> float:
     """Return the height of a column nearest to its own at which the surface is fair, from where it runs without it."""
     good, bad = 0.0, 1.0
     for _ in range(HALVINGS):
+        if is_spent():
+            break
         middle = 0.5 * (good + bad)
         V = problem.vertices.copy()
         V[column, 2] = height + middle * lift

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Iterable
 from collections.abc import Mapping
 from typing import Any
@@ -27,7 +28,9 @@ from ..model.problem import Targets
 from ..model.problem import problem_of
 from ..model.recorder import Callback
 from ..model.recorder import refuse_no_callback
+from ..model.recorder import show_arrived
 from ..model.result import Solution
+from ..model.result import SolveState
 from ..model.roles import DUMMY
 from .continued import solved_on
 from .registry import METHODS
@@ -132,7 +135,7 @@ def solve(
     posed = _found_for_goals(posed)
     own = method if chosen is None else method_of(chosen)
     _check_constraints(own, posed)
-    told = _real_only(callback, posed.roles != DUMMY)
+    told = callback and _RealOnly(callback, posed.roles != DUMMY)
     drawn = posed.drawn if own in ("auto", "projection") else None
     surface, posed = posed, posed if drawn is None else drawn
     diagnostics = check(posed)
@@ -189,12 +192,14 @@ def _run(method: str, problem: CGCProblem, settings: Optional[Settings], callbac
     return run_method(METHODS[method], problem, settings=settings, callback=callback)
 
 
-def _real_only(callback: Callback, real: np.ndarray) -> Callback:
-    """Return the callback with the dummies taken out of what it sees."""
-    if callback is None:
-        return None
+class _RealOnly:
+    """A callback with the dummies taken out of what it sees."""
 
-    def told(state: Any) -> object:
-        return callback(state._replace(vertices=state.vertices[real]))
+    def __init__(self, callback: Callable[[SolveState], object], real: np.ndarray):
+        self.callback, self.real = callback, real
 
-    return told
+    def __call__(self, state: SolveState) -> object:
+        return self.callback(state._replace(vertices=state.vertices[self.real]))
+
+    def arrived(self, vertices: np.ndarray) -> None:
+        show_arrived(self.callback, vertices[self.real])

@@ -19,6 +19,7 @@ from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
+from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.verdict import verdict
@@ -68,6 +69,13 @@ SECOND = [
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
 EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
+EDGES_FREE = Choice(
+    "projection",
+    "with edges turned, free of the drawing, it is fairer",
+    True,
+    MappingProxyType({"keep": "nothing", "retry": False}),
+    "edges",
+)
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
@@ -99,7 +107,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄"), EDGES, STALLED, *SECOND]
+        return [Choice("projection", "it alone reaches negative K̄"), EDGES, STALLED, *SECOND[:2], EDGES_FREE, *SECOND[2:]]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -154,7 +162,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         if choice.start == "anew":
             found = allowed.solved(partial(solved_anew, problem, run, callback))
         elif choice.start == "edges":
-            found = allowed.solved(partial(on_turned_edges, problem, run))
+            found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
         elif choice.start == "smoothed":
             found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
         elif choice.start == "turned":
@@ -168,6 +176,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)
             asked = asked if solution.faces is None else replace(asked, faces=solution.faces)
+            if solution.faces is None:
+                show_arrived(callback, solution.vertices)
             judged = verdict(asked.with_vertices(solution.vertices), problem.vertices)
             solution = solution._replace(verdict=judged)
             if judged.fair:

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Callable
 from typing import Optional
 
 import numpy as np
 
+from ..discrete.arrays import FloatArray
 from ..meshing.delaunay_flips import delaunay_turned
 from ..meshing.delaunay_flips import obtuse_share
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from ..model.verdict import verdict
 
 __all__ = ["on_turned_edges"]
 
 STRETCHED, LESS = 0.1, 0.5  # part of the triangles that are obtuse from which a mesh is stretched, and how many of these may be left
 
 
-def on_turned_edges(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+def on_turned_edges(
+    problem: CGCProblem,
+    solve: Callable[[CGCProblem], Solution],
+    smoothed: Callable[[CGCProblem, FloatArray, Callable[[CGCProblem], Solution]], Optional[Solution]],
+) -> Optional[Solution]:
     """Return the solution with edges turned as the drawing asks, its faces with it.
 
     Where K < 0 angle defects of stretched triangles are off by many times the K of the surface through their vertices, so that
@@ -30,6 +37,8 @@ def on_turned_edges(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]
         Vertices, faces, roles and targets.
     solve
         Solves a problem.
+    smoothed
+        Solves it from a surface (n, 3) with its waves taken out, None where that is not worth it.
 
     Returns
     -------
@@ -44,6 +53,20 @@ def on_turned_edges(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]
     faces = delaunay_turned(problem.vertices, problem.faces, problem.creases)
     if obtuse_share(problem.vertices, faces) > LESS * share:
         return None
-    solution = solve(replace(problem, faces=faces))
+    turned = replace(problem, faces=faces)
+    solution = solve(turned)
+    if solution.faces is not None:
+        return solution
+    if solution.status in ("converged", "stalled") and _roughness(turned, solution) > 1.0:
+        # The first search may have put in waves, which none of its steps takes out again.
+        other = smoothed(turned, solution.vertices, solve)
+        solution = other if other is not None and _roughness(turned, other) <= 1.0 else solution
     count = int(np.count_nonzero((faces != problem.faces).any(axis=1)))
     return solution._replace(faces=faces, message=f"{count} faces were turned, as theirs are too stretched for K < 0; {solution.message}")
+
+
+def _roughness(problem: CGCProblem, solution: Solution) -> float:
+    """Return that of the verdict, infinite where the equations are not met."""
+    if solution.status != "converged":
+        return math.inf
+    return verdict(problem.with_vertices(solution.vertices), problem.vertices).roughness

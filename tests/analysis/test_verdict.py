@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc import solve
 from compas_cgc.analysis import analyse
 from compas_cgc.analysis import verdict
@@ -183,6 +184,7 @@ def test_what_bends_another_way_by_and_by_or_at_a_crease_has_no_fault(n):
         assert "fault" not in str(verdict(problem))
 
 
+@pytest.mark.slow
 def test_known_surfaces_on_any_mesh_have_no_fault():
     """Spheres, bulges, spindles, cones, pseudospheres and saddles of revolution on regular, Delaunay, graded and anisotropic meshes."""
     for number in range(1, 60, 2):
@@ -201,3 +203,44 @@ def test_known_surfaces_on_stretched_triangles_are_fair_and_wrinkled_ones_are_no
     wrinkles = 0.05 * edge * np.random.default_rng(0).standard_normal(len(exact.vertices))
     rough = exact.with_vertices(exact.vertices + wrinkles[:, None] * vertex_normals(exact.vertices, exact.faces))
     assert not verdict(rough).fair
+
+
+def waves(count: int, supports: int, turned: float = 0.0) -> CGCProblem:
+    """A disc that goes up and down so many times around its middle, held at some points of its rim, turned about the x axis."""
+    vertices, faces = shapes.delaunay_disk(500)
+    z = vertices[:, 0] + 1j * vertices[:, 1]
+    vertices[:, 2] = 0.3 * np.real(z**count)
+    rim = np.flatnonzero(boundary_vertices(vertices, faces))
+    roles = np.full(len(vertices), INTERNAL)
+    roles[rim] = FREE
+    angles = np.angle(z[rim])
+    roles[[rim[np.argmin(np.abs(np.angle(np.exp(1j * (angles - at)))))] for at in 2 * np.pi * np.arange(supports) / supports]] = FIXED
+    c, s = np.cos(turned), np.sin(turned)
+    return CGCProblem(vertices @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]]), faces, roles, -1.0)
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7])
+@pytest.mark.parametrize(("count", "supports", "wrong"), [(2, 4, False), (3, 6, False), (3, 4, True), (4, 8, False), (4, 6, True)])
+def test_a_branch_point_is_one_more_than_supports_need(count, supports, wrong, turned):
+    """Monkey saddles and finer ones: the index of their principal directions is -(n - 2) / 2, which supports may need."""
+    reasons = [reason for reason in verdict(waves(count, supports, turned)).reasons if "branch point" in reason]
+    assert bool(reasons) == wrong
+    if wrong:
+        problem = waves(count, supports, turned)
+        vertex = int(re.search(r"vertex (\d+)", reasons[0]).group(1))
+        assert np.linalg.norm(problem.vertices[vertex]) < 0.15
+
+
+@pytest.mark.slow
+def test_a_saddle_without_a_branch_point_is_preferred():
+    """An ellipse on four points with four times the K that a symmetric saddle carries: the nearest surface has a branch point."""
+    t = np.linspace(0, 2 * np.pi, 61)
+    mesh = CGCMesh.from_outline(np.column_stack([9 * np.cos(t), 6 * np.sin(t), 0 * t]), 0.55)
+    held = mesh.vertices_near([[9, 0], [0, 6], [-9, 0], [0, -6]])
+    mesh.set_supports(held)
+    for vertex, z in zip(held, (3, 0, 3, 0)):
+        mesh.vertex_attribute(vertex, "z", z)
+    mesh.set_target(-0.012)
+    nearest = solve(mesh, method="projection")
+    assert nearest.converged and "branch point" in str(nearest.verdict)
+    assert solve(mesh).verdict.fair

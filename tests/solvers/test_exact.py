@@ -123,7 +123,7 @@ def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     result = solve(problem, method="projection", settings={"measure": "exact"})
     assert result.converged and result.iterations <= plain.iterations + 5
     assert plain.verdict.fair and result.verdict.fair and result.verdict.fit_median < off
-    assert opened(problem, result.vertices) < 5e-14
+    assert opened(result.problem, result.vertices) < 5e-14
 
 
 def test_needles_are_named_where_k_is_negative():
@@ -134,16 +134,21 @@ def test_needles_are_named_where_k_is_negative():
     assert not check(CGCProblem(vertices, faces).with_supports("corners").with_targets(0.01))
 
 
-@pytest.mark.parametrize("shake, seed", [(0.45, 5), (0.48, 1)])
-def test_needles_are_evened_out_before_vertices_slide(shake, seed):
-    """A third of the triangles obtuse, angles from 3 degrees: the finish drew needles of 0.3 to 2 degrees and was rough."""
-    problem = shaken_square(25, -0.01, shake, seed)
-    assert obtuse_share(problem.vertices, problem.faces) > 0.31
+@pytest.mark.parametrize(
+    "n, shake, seed, obtuse", [(25, 0.45, 5, 0.33), (25, 0.48, 1, 0.31), (20, 0.55, 1, 0.36), (20, 0.5, 5, 0.33), (30, 0.55, 2, 0.37)]
+)
+def test_triangles_too_slender_to_slide_are_laid_out_anew(n, shake, seed, obtuse):
+    """Angles from 3 degrees, in the last even vertices of three faces, over which there is no saddle."""
+    problem = shaken_square(n, -0.01, shake, seed)
+    assert obtuse_share(problem.vertices, problem.faces) > obtuse
     result = solve(problem, method="projection", settings={"measure": "exact"})
     assert result.converged and result.verdict.fair, result.message
+    assert result.turned > 0 and f"{result.turned} of {len(problem.faces)} faces were turned" in result.message
     laid = develop(result)
     assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
-    assert np.degrees(corner_angles(result.problem.vertices, problem.faces).min()) > 5.0
+    assert np.degrees(corner_angles(result.vertices, result.problem.faces).min()) > 10.0
+    rim = ~problem.asked
+    assert (np.bincount(result.problem.faces.ravel())[rim] > 0).all() and len(result.problem.faces) == len(problem.faces)
 
 
 def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
@@ -155,5 +160,5 @@ def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
     assert not check(problem.with_targets(0.01))
     small = irregular_saddle(30, 0.49)
     assert (small.asked & (np.bincount(small.faces.ravel()) == 3)).any()
-    result = solve(small, method="projection", settings={"measure": "exact", "retry": False})
+    result = solve(small, method="projection", settings={"measure": "defect", "retry": False})
     assert not result.converged and "three faces" in result.message

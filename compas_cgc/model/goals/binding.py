@@ -151,7 +151,8 @@ def support_height(problem: CGCProblem) -> float:
     """
     fixed = problem.vertices[problem.roles == FIXED]
     if not len(fixed):
-        raise ProblemError(["a rise or a volume is told from the supports, and the mesh has none; fix vertices, or give a level"])
+        mend = "fix vertices (mesh.set_supports, or --supports corners), or give a level"
+        raise ProblemError([f"a rise or a volume is told from the supports, and the mesh has none; {mend}"])
     return float(fixed[:, 2].mean())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Generator
 from typing import Optional
 
@@ -18,6 +19,7 @@ ARMIJO = 1e-4  # part of the expected decrease of the residual that a step must 
 CRAWL = 0.25  # damping factor of a step that is short
 PATIENCE = 10  # short steps in a row that lead nowhere
 WORTHWHILE = 0.1  # factor on the residual that makes a step with old factors pay
+CLOSE = 1e-3  # residual of the linear systems of large meshes
 ROUNDING = 10.0  # residuals of so many rounding errors are zero
 
 
@@ -30,7 +32,7 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
     halved while it does not lessen the norm of the residuals, or while it turns a vertex
     inside out that is convex and to stay so (K̄ > 0, H > 0): beyond that the equation is
     not elliptic any more. The last step is repeated with the same factors as long as it
-    gains, down to rounding.
+    gains, down to rounding; on large meshes with the derivative renewed.
 
     Parameters
     ----------
@@ -51,7 +53,7 @@ def damped_newton(system: System, shape: Shape, tolerance: float, shortest: floa
     crawled = 0
     while not system.meets(shape, tolerance):
         J = system.equations.jacobian(shape.vertices, shape.normal)
-        move = system.solver.factorise(J).solve(-shape.residual)
+        move = system.solving_nearly(J, CLOSE)(-shape.residual)
         step = _shortened(system, shape, move, shortest)
         crawled = crawled + 1 if step is None or step.length < CRAWL else 0
         if step is None or crawled > PATIENCE:
@@ -82,7 +84,12 @@ def _shortened(system: System, shape: Shape, move: FloatArray, shortest: float) 
 def _repeated(system: System, shape: Shape, tolerance: float) -> Shape:
     """Return the shape after steps with the factors at hand, for as long as they pay."""
     while shape.largest > 0:
-        there = system.moved(shape, system.solver.solve(-shape.residual), shape.normal)
+        solve: Callable[[FloatArray], FloatArray] = system.solver.solve
+        if system.many:
+            if system.meets(shape, tolerance):
+                return shape
+            solve = system.solving_nearly(system.equations.jacobian(shape.vertices, shape.normal), CLOSE)
+        there = system.moved(shape, solve(-shape.residual), shape.normal)
         if not there.largest < (0.5 if system.meets(shape, tolerance) else WORTHWHILE) * shape.largest:
             return shape
         shape = there

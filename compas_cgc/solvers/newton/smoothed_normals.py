@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ...discrete import _kernels
 from ...discrete.arrays import Faces
 from ...discrete.arrays import Vectors
@@ -22,6 +20,5 @@ def smooth_normals(vertices: Vertices, faces: Faces, times: int) -> Vectors:
     n = len(vertices)
     normals = unit_vectors(_kernels.sum_at_vertices(n, faces, _kernels.cross_vectors(vertices, faces)))
     for _ in range(times):
-        first, second, third = (np.take(normals, faces[:, k], axis=0) for k in range(3))
-        normals = unit_vectors(_kernels.sum_at_vertices(n, faces, first + second + third))
+        normals = unit_vectors(_kernels.sum_over_corners(faces, normals))
     return normals

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+from typing import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy import sparse
 
 from ...discrete import _kernels
 from ...discrete.arrays import FloatArray
@@ -17,12 +19,16 @@ from ...discrete.space_form import SpaceFormEquations
 from ...discrete.space_form import exact_equations
 from ...linalg import LinearSolver
 from ...linalg import linear_solver
+from ...linalg import nearly_solved
 from ...model.problem import CGCProblem
 
 __all__ = ["Shape", "Step", "System"]
 
 EPS = np.finfo(np.float64).eps
+MANY = 10_000  # unknowns
 ROUNDED = 1e-13  # residual that says no more of a shape than rounding [rad]
+
+Solve = Callable[[FloatArray], FloatArray]
 
 
 class Shape(NamedTuple):
@@ -74,6 +80,7 @@ class System:
         self.scale = problem.target_scale
         self.equations: CurvatureEquations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
         self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
+        self.factorised = False  # whether there are factors of a matrix near to that of the next step
         self.measures = Measure(problem.vertices, problem.faces, problem.face_targets())
 
     def exactly(self, measure: str) -> System:
@@ -84,6 +91,42 @@ class System:
         system = copy.copy(self)
         system.equations = equations
         return system
+
+    @property
+    def many(self) -> bool:
+        """Whether there are so many unknowns that factors take longer than some rounds with old ones."""
+        return len(self.asked) >= MANY
+
+    def solving(self, matrix: sparse.csr_matrix) -> Solve:
+        """Return the solution (k,) of a linear system (k, k) by right sides (k,).
+
+        Raises
+        ------
+        SingularMatrixError
+            If the system has no solution.
+        """
+        self.solver.factorise(matrix)
+        self.factorised = True
+        return self.solver.solve
+
+    def solving_nearly(self, matrix: sparse.csr_matrix, tolerance: float) -> Solve:
+        """Return the same, of a large system to a loose tolerance: rounds with earlier factors take a fraction of the time of new ones.
+
+        Parameters
+        ----------
+        matrix
+            ``(k, k)``.
+        tolerance
+            Residual, as a part of the right side.
+        """
+        if not self.factorised or not self.many:
+            return self.solving(matrix)
+
+        def solve(right: FloatArray) -> FloatArray:
+            found = nearly_solved(matrix, self.solver.solve, right, tolerance)
+            return self.solving(matrix)(right) if found is None else found
+
+        return solve
 
     def smooth_targets(self, vertices: Vertices) -> FloatArray:
         """Return the targets (n,) by angle defects of a surface like a shape (n, 3) that has its own in the smooth measure."""

@@ -29,8 +29,8 @@ from .vectors import norm
 __all__ = ["Closing"]
 
 SOFT = (1e-9, 1e-7, 1e-5)  # weights of the metric in the matrix, against that of the equations: the first that leaves it positive definite
-ROUNDS = 8  # of refinement with factors for another shape
-SLOW = 0.5  # part of the residual left by one, from which new factors are made
+ROUNDS = 20  # of refinement with factors for another shape
+SLOW = 0.9  # part of the residual left by one, from which new factors are made
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much
 TINY = 1e-300
 
@@ -98,9 +98,10 @@ class _Frame(Metric):
     def renewed(self, J: sparse.csr_matrix) -> None:
         """Make factors for moves across that equations J (k, 3c) bind."""
         W = self._of_heights()
-        turn = np.repeat(np.arange(len(self.normals)), 3)
-        onto = sparse.csr_matrix((self.normals.ravel(), (np.arange(len(turn)), turn)), shape=(len(turn), len(self.normals)))
-        across = (J @ onto).tocsr()
+        # The three coordinates of a vertex stand beside each other.
+        vertex = J.indices[::3] // 3
+        along = np.einsum("ij,ij->i", J.data.reshape(-1, 3), self.normals[vertex])
+        across = sparse.csr_matrix((along, vertex, J.indptr // 3), shape=(J.shape[0], len(self.normals)))
         transposed = across.T.tocsr()
         squares = (transposed @ across).tocsr()
         balance = float(W.diagonal().sum() / squares.diagonal().sum())
@@ -121,8 +122,9 @@ class _Frame(Metric):
     def _of_heights(self) -> sparse.csr_matrix:
         plan, height, N = self.plan, self.height, self.normals @ self.axes.T
         rows = np.repeat(np.arange(len(N)), np.diff(plan.indptr))
-        flat = np.einsum("ij,ij->i", N[rows, :2], N[plan.indices, :2])
-        data = plan.data * flat + height.data * N[rows, 2] * N[plan.indices, 2]
+        one, two, up = (np.ascontiguousarray(part) for part in N.T)
+        flat = one[rows] * one[plan.indices] + two[rows] * two[plan.indices]
+        data = plan.data * flat + height.data * up[rows] * up[plan.indices]
         return sparse.csr_matrix((data, plan.indices, plan.indptr), shape=plan.shape)
 
 

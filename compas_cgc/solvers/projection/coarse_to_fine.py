@@ -12,12 +12,15 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ..coarse import coarsened
+from ..coarse import laid_out_anew
 from .closing import Closing
 from .exact import exactly
+from .exact import may_slide
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -26,6 +29,7 @@ from .measure import renewed
 from .measure import shows_layout
 from .settings import AUTO
 from .settings import ProjectionSettings
+from .sliding import can_slide
 from .strategies import ways
 from .strategies import ways_on
 from .system import System
@@ -34,6 +38,7 @@ __all__ = ["MANY", "ways_from_coarse"]
 
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
+FEWEST = 200  # or of one as fine, with even triangles
 PART = 50  # or one for so many of the finer, where that is more
 OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
 LARGE = 20_000  # vertices that may move, from which there is no other way
@@ -67,14 +72,16 @@ def ways_from_coarse(
     """
     here: Optional[Point] = None
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
-    if len(system.columns) >= MANY and system.keep != "shape":
-        coarse = coarsened(problem, max(COARSE, len(problem.vertices) // PART))
+    slides = _slides(system, equations, settings)
+    if system.keep != "shape" and (len(system.columns) >= MANY or slides):
+        count = len(problem.vertices)
+        coarse = coarsened(problem, max(COARSE, count // PART)) if count >= MANY else laid_out_anew(problem, max(FEWEST, count))
         measure = "defect" if settings.measure in EXACT else settings.measure
         found = None if coarse is None else _solved(coarse.problem, replace(settings, keep=system.keep, measure=measure))
         if coarse is not None and found is not None:
             here = system.at(system.settled(coarse.carried(found.vertices)), equations)
             yield Taken(here.vertices, 1.0, 1, False)
-            if found.solved and system.missing(here, equations) <= OFF:
+            if found.solved and (slides or system.missing(here, equations) <= OFF):
                 for taken in _from(system, equations, here, settings):
                     yield taken
                     here = system.at(taken.vertices, taken.equations or equations)
@@ -84,6 +91,12 @@ def ways_from_coarse(
                 # What does not end on a coarser mesh would take its time not to end on this one.
                 return
     yield from ways(system, equations, start, settings, False)
+
+
+def _slides(system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> bool:
+    """Return whether an irregular mesh is slid along a smooth surface in the end, for which angle defects on it are a detour."""
+    slides = settings.measure in EXACT and system.can_be_laid_out_anew and can_slide(system, equations)
+    return slides and not is_regular(system.faces, np.isin(np.arange(len(system.places.start)), system.rows))
 
 
 def _from(system: System, equations: CurvatureEquations, carried: Point, settings: ProjectionSettings) -> Iterator[Taken]:
@@ -101,6 +114,10 @@ def _from(system: System, equations: CurvatureEquations, carried: Point, setting
             if _is_met(system, equations, here, settings) or settings.measure == "smooth":
                 return
     here = carried
+    if settings.measure in EXACT and may_slide(system, equations, settings.measure, carried.vertices):
+        # What is carried over is smooth; angle defects would only put waves into it.
+        yield from exactly(system, equations, settings.measure, carried.vertices)
+        return
     if system.places.trivial:
         here = yield from _to_rounding(near, equations, carried, settings, SHORT)
     if not _is_met(system, equations, here, settings):

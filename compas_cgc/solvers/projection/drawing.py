@@ -20,6 +20,7 @@ __all__ = ["as_meant"]
 
 PULLED = 5.0  # bending of a sheet, against that with its supports where the rest of it has them, from which they were pulled out
 FLAT = 1e-12  # bending, likewise, that is none
+LEVEL = 1e-14  # difference of heights, against the extent of a drawing, that is none
 SOFT = 0.1  # bending stiffness across creases, as a part of that elsewhere
 HELD = 1e-9  # what holds a plate that nothing else holds, against its stiffness
 TURNS = 4  # renewals of a plate as it turns
@@ -48,6 +49,8 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     if up is None:
         return problem
     heights = V @ up
+    if np.ptp(heights) <= LEVEL * np.ptp(V):
+        return problem
     sheet = _least(_bending(problem, V, F), heights, fixed)
     bending = _bending(problem, V + (sheet - heights)[:, None] * up, F)
     own, drawn = (float(part @ (bending @ part)) for part in (sheet, heights))

@@ -10,9 +10,12 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from .iterate import TINY
 from .iterate import Point
 from .system import System
 from .turning import Turning
+from .vectors import dot
+from .vectors import norm
 
 __all__ = ["FINISH", "FULFILLED", "Taken", "descend", "descend_to_rounding", "in_stages", "line_search"]
 
@@ -23,6 +26,7 @@ SLOW = 0.9  # to this part of what it was
 LOOSEST, TIGHTEST = 1e-3, 1e-6  # residuals of the linear systems
 FULFILLED = 1e-8  # residual, against the curvature asked for, from which on steps converge quadratically
 FINISH = 4  # steps to rounding without much gain after which it is reached
+ALIKE, SLOWEST = 0.3, 0.97  # difference of two steps in turn, against the last, that go the same way, and their ratio that leads nowhere
 STAGE = 0.25  # first part of the way to the targets
 SHORTEST_STAGE = 1 / 128
 STAGE_STEPS = 6
@@ -37,6 +41,7 @@ class Taken(NamedTuple):
     trials: int
     settled: bool = True  # whether nothing but the equations is left to be met
     equations: Optional[CurvatureEquations] = None  # those that it was for, where they are not the ones asked
+    system: Optional[System] = None  # the one that it was taken in, where that has other triangles
 
 
 def descend(
@@ -47,11 +52,13 @@ def descend(
     patience: int = PATIENCE,
     finish: Optional[int] = None,
     memory: int = 1,
+    extrapolated: bool = False,
 ) -> Iterator[Taken]:
     """Take steps from a start for as long as `patience` of them bring the merit down to the part `slow`.
 
     With a `finish`, so many of them do from where the equations are nearly fulfilled. A step has to bring the merit below the
-    largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046).
+    largest of the last ones that are in `memory` (Grippo, Lampariello and Lucidi, doi:10.1137/0723046). Where derivatives leave
+    something out, steps that follow each other by one ratio may be `extrapolated` to where they lead (Aitken).
 
     The linear systems are solved as loosely as quadratic convergence allows
     (Eisenstat and Walker, doi:10.1137/0917003).
@@ -59,8 +66,12 @@ def descend(
     here, kept = start, None
     merits = [here.merit]
     tolerance = LOOSEST
+    before: Optional[FloatArray] = None
     while here.merit > 0.0:
         step, kept = system.step(here, equations, tolerance, kept)
+        if extrapolated:
+            ratio = _ratio(step, before)
+            step, before = step / (1.0 - ratio), None if ratio else step
         found = line_search(system, equations, here, step, max(merits[-memory:])) if np.isfinite(step).all() else None
         if found is None:
             return
@@ -73,6 +84,14 @@ def descend(
             patience, finish, merits = finish, None, [here.merit]
         if len(merits) > patience and merits[-1] > slow * merits[-1 - patience]:
             return
+
+
+def _ratio(step: FloatArray, before: Optional[FloatArray]) -> float:
+    """Return the ratio of a step to the one before where they go the same way, else zero."""
+    if before is None:
+        return 0.0
+    ratio = dot(step.ravel(), before.ravel()) / max(dot(before.ravel(), before.ravel()), TINY)
+    return ratio if ratio < SLOWEST and norm((step - ratio * before).ravel()) <= ALIKE * norm(step.ravel()) else 0.0
 
 
 def descend_to_rounding(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 from collections.abc import Iterator
 from itertools import islice
+from typing import Union
 
 import numpy as np
 
@@ -18,19 +18,24 @@ from ...discrete.smooth_measure import RINGS
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.smooth_measure import layout_errors
 from .gauss_newton import FINISH
+from .gauss_newton import FULFILLED
 from .gauss_newton import Taken
 from .gauss_newton import descend
+from .iterate import Point
 from .sequential import Reached
+from .smooth_equations import SmoothEquations
+from .smooth_equations import SmoothFoundCurvature
+from .smooth_equations import in_smooth_measure
 from .system import System
 from .trust_region import refine
 
 __all__ = ["renewed", "shows_layout", "smooth_equations", "smoothed"]
 
 ROUNDS = 2  # of the search for the fairest shape
-RENEWALS = 12  # of the equations after it
-STEPS = 2  # to the equations between renewals
-LESS = 0.8  # part of the change before, above which they do not converge
-STILL = 1e-6  # change of their targets, against the largest, that is none
+RENEWALS, STEPS = 3, 2  # most times that the layout's part is kept for some steps
+FAR = 0.5  # residual in the smooth measure, against the curvature asked for, from where that leads on
+PATIENT, HALF = 4, 0.5  # steps to the smooth measure, and to what part of the merit they lead
+MET = 1e-10  # residual from which the layout's part stands still
 
 
 def smooth_equations(system: System, equations: CurvatureEquations, vertices: FloatArray) -> CurvatureEquations:
@@ -69,29 +74,33 @@ def smoothed(system: System, equations: CurvatureEquations, reached: Reached) ->
 
 
 def renewed(system: System, equations: CurvatureEquations, vertices: FloatArray) -> Iterator[Taken]:
-    """Take steps from a fair shape (n, 3) to the nearest one in the smooth measure, and on until its equations no longer change."""
-    asked = smooth_equations(system, equations, vertices)
-    change = math.inf
-    for _ in range(RENEWALS):
-        moved = vertices
-        for taken in islice(descend(system, asked, system.at(vertices, asked)), STEPS):
-            moved = taken.vertices
-            yield taken._replace(settled=False, equations=asked)
-        after = smooth_equations(system, equations, moved)
-        before, change = change, _change(system, asked, after)
-        if change > LESS * before:
+    """Take steps from a fair shape (n, 3) to the nearest one in the smooth measure.
+
+    Far from it, and where they do not arrive, the layout's part is kept for some of them: what that leaves is told with the result.
+    """
+    smooth = in_smooth_measure(system.across_corners(equations.targets), _asked(system, vertices))
+    here = system.at(vertices, smooth)
+    for again in range(RENEWALS):
+        if again or system.missing(here, smooth) > FAR:
+            for taken in islice(_with_layout_of(system, smooth, here), STEPS):
+                here = system.at(taken.vertices, smooth)
+                yield taken._replace(settled=False)
+        for taken in descend(system, smooth, here, HALF, PATIENT, extrapolated=True):
+            here = system.at(taken.vertices, smooth)
+            yield taken._replace(settled=False, equations=smooth)
+            if system.missing(here, smooth) <= MET:
+                break
+        if system.missing(here, smooth) <= FULFILLED:
             break
-        vertices, asked = moved, after
-        if change <= STILL:
-            break
-    for taken in descend(system, asked, system.at(vertices, asked), patience=FINISH):
+    # The rest of the way is shorter than what it changes of the layout's part.
+    yield from _with_layout_of(system, smooth, here)
+
+
+def _with_layout_of(system: System, smooth: Union[SmoothEquations, SmoothFoundCurvature], here: Point) -> Iterator[Taken]:
+    """Take steps to the equations with the layout's part as it is on a shape."""
+    asked = smooth.told(here.vertices)
+    for taken in descend(system, asked, system.at(here.vertices, asked), patience=FINISH):
         yield taken._replace(equations=asked)
-
-
-def _change(system: System, before: CurvatureEquations, after: CurvatureEquations) -> float:
-    """Return the largest change of a target, against the largest target."""
-    targets = np.abs(before.targets[system.rows]).max(initial=1e-3 / system.size**2)
-    return float(np.abs(after.targets - before.targets)[system.rows].max(initial=0.0) / targets)
 
 
 def _off(system: System, equations: CurvatureEquations, vertices: FloatArray) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
+from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...model.checks import no_saddle
 from ...model.checks import three_faced
@@ -14,7 +15,7 @@ from ...model.goals.names import goal_name
 from .iterate import Point
 from .system import System
 
-__all__ = ["blamed", "cause", "enclosed_negative", "found", "message"]
+__all__ = ["blamed", "cause", "enclosed_negative", "found", "laid_out_anew", "message"]
 
 ASTRAY = 1e-6  # distance from a constraint, in the local frame, that is as good as none
 
@@ -31,6 +32,15 @@ def message(status: str, steps: int, error: float, start_error: float, goal: flo
     if status == "step_limit":
         return f"not converged in {steps} steps: {reached}, asked for {goal:.3g}; allow more steps"
     return f"{status}: {why}; the best shape is returned, {reached}"
+
+
+def laid_out_anew(drawn: Faces, faces: Faces, moved: float) -> str:
+    """Return what was done to triangles that leave no room for vertices to slide."""
+    turned = int(np.count_nonzero((faces != drawn).any(axis=1)))
+    return (
+        f"{turned} of {len(faces)} faces were turned and vertices moved by up to {moved:.3g} along the surface, "
+        "as the triangles drawn are too slender for this K < 0"
+    )
 
 
 def cause(point: Point, system: System, targets: FloatArray) -> str:

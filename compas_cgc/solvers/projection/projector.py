@@ -39,6 +39,7 @@ from .iterate import Point
 from .limits import limit
 from .messages import cause
 from .messages import found
+from .messages import laid_out_anew
 from .messages import message
 from .own_symmetry import colours
 from .own_symmetry import mirrors_and_own
@@ -154,7 +155,9 @@ class Projector:
         goal = settings.tolerance * local.target_scale
         drawn, start = system.at(local.vertices, equations), system.at(local.vertices, asked)
         best, used, layout = start, equations, False
+        on, drawn_on = system, start.vertices  # the system of the best, and the last shape on the triangles that were drawn
         measure = "defect" if settings.measure == AUTO else settings.measure
+        metered = system
         status, recorder = "stalled", Recorder(settings.steps, callback, self._frame, self.to_model)
         if start.fulfils(goal, 0.0 * system.floor):
             status = "converged"
@@ -168,13 +171,18 @@ class Projector:
         else:
             steps = ways_from_coarse(local, system, equations, drawn, settings)
         for taken in until_spent(steps) if status == "stalled" else ():
-            here = system.at(taken.vertices, taken.equations or asked)
+            mesh = taken.system or system
+            here = mesh.at(taken.vertices, taken.equations or asked)
             if here.badness < best.badness:
-                best, layout = here, taken.equations is not None
+                best, on, layout = here, mesh, taken.equations is not None
             used = taken.equations or equations
+            if mesh is system:
+                drawn_on = here.vertices
+            elif mesh is not metered:
+                energy, metered = energy_meter(replace(local, faces=mesh.faces), edge_faces(mesh.faces)), mesh
             recorder.record(energy(here.vertices), here.error_norm, here.max_error, taken.length, taken.trials)
             if taken.settled and here.fulfils(goal, system.floor):
-                status, best = "converged", here
+                status, best, on = "converged", here, mesh
                 measure = "smooth" if settings.measure == AUTO and taken.equations is not None else measure
             elif len(recorder) == settings.steps:
                 status = "step_limit"
@@ -182,6 +190,8 @@ class Projector:
                 status = "cancelled"
             if status != "stalled":
                 break
+        if on is not system:
+            system, asked = on, exact_equations(on.equations(local.targets), settings.measure)
         if status == "stalled" and best.fulfils(goal, ROUNDINGS * system.rounding(best, asked)):
             status = "converged"
             measure = "smooth" if settings.measure == AUTO and layout else measure
@@ -192,6 +202,11 @@ class Projector:
             status, why = "infeasible", asked.complaint(best.vertices)
         max_error = best.max_error / scale2
         sentence = message(status, len(recorder), max_error, start.max_error / scale2, goal / scale2, why, measure)
+        faces = None if system is self._system else system.faces
+        if faces is not None:
+            sentence += "; " + laid_out_anew(
+                self.problem.faces, faces, float(np.linalg.norm(best.vertices - drawn_on, axis=1).max()) * self._frame.scale
+            )
         targets = self._found(best, used, local.targets)
         if targets is not None:
             regions = unknown_regions(self.problem)
@@ -207,6 +222,7 @@ class Projector:
             recorder.history,
             measure=measure,
             targets=targets,
+            faces=faces,
         )
 
     def found_at(self, point: Point, targets: ArrayLike) -> Optional[Solution]:

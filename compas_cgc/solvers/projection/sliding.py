@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ...discrete import _kernels
 from ...discrete import vertex_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
@@ -22,7 +23,7 @@ from .gauss_newton import line_search
 from .iterate import Point
 from .system import System
 
-__all__ = ["can_slide", "slide"]
+__all__ = ["can_slide", "slide", "turns_triangles_over"]
 
 FARTHEST = 1.0  # of a mean edge, that a vertex is moved by in a step
 PATIENCE, GAIN = 8, 0.5  # steps that must bring the rest down to this part
@@ -33,6 +34,13 @@ def can_slide(system: System, equations: CurvatureEquations) -> bool:
     """Return whether K < 0 is asked for, and nothing else."""
     plain = system.places.trivial and not system.goals.equations and not system.goals.sides
     return plain and bool((equations.targets[system.rows] < 0.0).any())
+
+
+def turns_triangles_over(system: System, equations: CurvatureEquations, vertices: FloatArray) -> bool:
+    """Return whether the first step from a shape (n, 3) turns a triangle over: then its triangles leave no room to slide."""
+    step = _step(system, equations, system.at(vertices, equations))
+    before, after = (_kernels.cross_vectors(places, system.faces) for places in (vertices, vertices + step))
+    return not bool((np.einsum("fx,fx->f", before, after) > 0.0).all())
 
 
 def slide(system: System, equations: CurvatureEquations, start: Point) -> Iterator[Taken]:

@@ -35,6 +35,7 @@ LOWEST = 1e-4  # amplitude, likewise, below which nothing is seen
 OTHER_SIDE = 1.5  # how much dearer a start is on the side away from the drawing
 SAID = 0.02  # how far a drawing lies to one side, against what is needed, to say so
 TRIED = 2  # whose results are compared
+ALIKE = 1e-6  # relative difference of residuals up to which two starts are mirror images of each other
 CANDIDATES = 4  # at most, of which the move to the equations is worked out
 DEAREST, MEANT = 3.0, 15.0  # a start, against the cheapest, that is worth a try, and one to the side that is meant
 WRONG = 1.5  # residual, against the curvature asked for, of one that is bent the wrong way: of a flat one it is 1
@@ -82,12 +83,16 @@ def starts(system: System, equations: CurvatureEquations, drawing: Point, settin
     candidates += [_Candidate(plate, 1.0), *_bent(system, equations, plate, drawing)]
     candidates = [one for one in candidates if not is_flat(system, equations, one.point)] or candidates
     missing = [system.missing(one.point, equations) for one in candidates]
-    hopeful = [k for k, lacking in enumerate(missing) if lacking < WRONG or min(missing) >= 1.0]
-    best = [candidates[k] for k in sorted(hopeful, key=lambda k: candidates[k].factor * missing[k])[:CANDIDATES]]
+    hopeful = [k for k, off in enumerate(missing) if off < WRONG or min(missing) >= 1.0]
+    chosen = sorted(hopeful, key=lambda k: candidates[k].factor * missing[k])[:CANDIDATES]
+    best = [candidates[k] for k in chosen]
     costs = [one.factor * _cost(system, equations, one.point) for one in best]
     order = [int(k) for k in np.argsort(costs, kind="stable") if costs[k] <= (MEANT if best[k].bulge > 0 else DEAREST) * min(costs)]
     bulging = [k for k in order if best[k].bulge > 0][:1]
-    rivals = (bulging + [k for k in order if best[k].bulge >= 0 and k not in bulging] if bulging else order)[:TRIED]
+    ranked = bulging + [k for k in order if best[k].bulge >= 0 and k not in bulging] if bulging else order
+    # Of two mirror images, as over a flat plate, one tells what the other comes to.
+    lacking = [missing[k] for k in chosen]
+    rivals = [k for at, k in enumerate(ranked) if not np.isclose(lacking[k], [lacking[j] for j in ranked[:at]], ALIKE, 0.0).any()][:TRIED]
     return Starts([best[k].point for k in rivals], [best[k].point for k in order if k not in rivals])
 
 

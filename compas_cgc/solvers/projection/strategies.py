@@ -14,6 +14,7 @@ from ...discrete.space_form import EXACT
 from .at_rest import brought_to_rest
 from .at_rest import rests
 from .exact import exactly
+from .exact import may_slide
 from .gauss_newton import FINISH
 from .gauss_newton import Taken
 from .gauss_newton import descend
@@ -109,6 +110,11 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         found = yield from _nearest(system, equations, tried.rivals[0])
         system = system.keeping("shape")
     if found is None:
+        return
+    near = found.reached.point.vertices
+    if system.keep == "shape" and settings.measure in EXACT and may_slide(system, equations, settings.measure, near):
+        # By angle defects the nearest surface would come to rest in waves, which are then taken out again.
+        yield from exactly(system, equations, settings.measure, near)
         return
     reached = yield from refine(system, equations, found.reached, ALMOST if rests(system, equations) else SETTLED)
     rested = brought_to_rest(system, equations, reached)

@@ -15,6 +15,7 @@ from ...discrete import edge_faces
 from ...discrete import face_areas
 from ...discrete import vertex_areas
 from ...discrete import vertex_normals
+from ...discrete.arrays import Edges
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
@@ -99,7 +100,7 @@ class System:
         movable = movable_vertices(problem, self.faces, constraints)
         self.columns = np.flatnonzero(movable)
         self.rows = np.flatnonzero(problem.asked & closed_vertices(V, F))
-        self._problem = problem
+        self._problem, self._settings = problem, settings
         self._patches: Optional[IntArray] = None
         edge = float(np.linalg.norm(V[edges[:, 0]] - V[edges[:, 1]], axis=1).mean())
         symmetries = list(own) or images(V, edge, [constraint for constraint in constraints if isinstance(constraint, Mirror)])
@@ -166,6 +167,20 @@ class System:
         system = copy.copy(self)
         system.keep, system.fairness, system.modes = keep, self._fairness(keep, self.places.start, smoother), {}
         return system
+
+    @property
+    def creases(self) -> Edges:
+        """Edges (c, 2) that are creases."""
+        return self._problem.creases
+
+    @property
+    def can_be_laid_out_anew(self) -> bool:
+        """Whether there is nothing but vertices and creases to hold, so that other triangles do as well."""
+        return not self._problem.constraints and bool(self._problem.real_faces.all())
+
+    def on(self, vertices: FloatArray, faces: IntArray) -> System:
+        """Return the system of a shape (n, 3), which is kept, on other triangles (m, 3)."""
+        return System(replace(self._problem, vertices=vertices, faces=faces), replace(self._settings, keep="shape"), self.goals)
 
     def without_goals(self, keep_contact: bool = False) -> System:
         """Return the same system without the goals of the whole surface, and without sides to keep to unless contact is kept."""

@@ -17,6 +17,7 @@ from compas_cgc.discrete import mean_curvature
 from compas_cgc.discrete.jacobian import CurvatureEquations
 from compas_cgc.errors import MeshError
 from compas_cgc.errors import ProblemError
+from compas_cgc.linalg.superlu import SuperLU
 from compas_cgc.model.dummy_ring import with_dummy_ring
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.result import STATUSES
@@ -435,3 +436,18 @@ def test_wrong_settings_are_named(bad):
 
 def test_settings_go_to_json():
     assert NewtonSettings(**NewtonSettings(steps=7).to_dict()) == NewtonSettings(steps=7)
+
+
+def test_a_large_mesh_takes_few_factorisations_for_the_surface_that_a_smaller_one_takes_one_a_step_for(monkeypatch):
+    made, factorise = [], SuperLU.factorise
+    monkeypatch.setattr(SuperLU, "factorise", lambda solver, matrix: made.append(matrix.shape) or factorise(solver, matrix))
+    problem = square(110)
+    solution = newton(problem)
+    few, made[:] = len(made), []
+    monkeypatch.setattr(System, "many", False)
+    fresh = newton(problem)
+    assert solution.status == fresh.status == "converged"
+    assert few <= 4 < len(made)
+    assert solution.iterations <= fresh.iterations + 1
+    assert solution.vertices[:, 2].max() == pytest.approx(fresh.vertices[:, 2].max(), abs=1e-6)
+    assert np.abs(gaussian_curvature(solution.vertices, problem.faces)[problem.asked] - 1.0).max() <= 1e-9
