@@ -165,6 +165,7 @@ def _faces_of(problem: CGCProblem, region: Union[int, ArrayLike]) -> tuple[Indic
     return chosen, "the piece", own.pop() if len(own) == 1 else None
 
 
+@names_what_was_meant()
 def lay_out(
     vertices: ArrayLike,
     faces: ArrayLike,

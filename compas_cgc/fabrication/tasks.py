@@ -163,6 +163,9 @@ TASKS: dict[str, Task] = {
                 ),
                 _REGIONS,
                 BuildOption("spacing", "distance between pieces on a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"),
+                BuildOption(
+                    "margin", "what is left free along the edges of a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"
+                ),
                 BuildOption("rulings", "distance between the rulings drawn, 0 for none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "nodes", "number the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True

@@ -48,6 +48,7 @@ def unroll(
     seams: Optional[Iterable[Sequence[int]]] = None,
     regions: Optional[Sequence[int]] = None,
     spacing: float = 0.0,
+    margin: float = 0.0,
     rulings: Optional[float] = None,
     rough: bool = False,
 ) -> Patterns:
@@ -69,6 +70,8 @@ def unroll(
         Which to take. Default: all.
     spacing
         Distance between pieces on a sheet [L].
+    margin
+        What is left free along the edges of a sheet [L].
     rulings
         Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size, a quarter of the width of
         sheets at most.
@@ -97,6 +100,7 @@ def unroll(
     spacing = checked_number(spacing, "spacing")
     if spacing < 0:
         raise CGCError(f"the spacing between pieces must be 0 or more, not {spacing:g}")
+    inside = _within(sheet, checked_number(margin, "margin"))
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be more than 0, or 0 for none, not {rulings:g}")
     paths: object = seams
@@ -120,12 +124,12 @@ def unroll(
             _check_fineness(problem, own, faces, strain, worst)
         return worst > strain
 
-    limits = (np.inf, np.inf) if sheet is None else (sheet[0] * (1 - ROOM), sheet[1] * (1 - ROOM))
+    limits = (np.inf, np.inf) if inside is None else (inside[0] * (1 - ROOM), inside[1] * (1 - ROOM))
     try:
         cut = cut_to_fit(flat, limits, flattened, too_wide)
     except ValueError as error:
         raise CGCError(str(error)) from None
-    placed, on_sheet = _on_sheets(cut, sheet, spacing)
+    placed, on_sheet = _on_sheets(cut, inside, spacing, margin)
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if sheet is None else 0.25 * sheet[1])
     return patterns_of(problem, placed, on_sheet, unrollings, sheet, lines, straightness)
@@ -141,6 +145,17 @@ def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float
     if not (np.isfinite([length, width]).all() and min(length, width) > 0):
         raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
     return max(length, width), min(length, width)
+
+
+def _within(sheet: Optional[tuple[float, float]], margin: float) -> Optional[tuple[float, float]]:
+    """Return the length and width of a sheet inside of its margins."""
+    if margin < 0:
+        raise CGCError(f"the margin at the edges of a sheet must be 0 or more, not {margin:g}")
+    if sheet is not None and not 2 * margin < min(sheet):
+        raise CGCError(
+            f"margins of {margin:g} leave nothing of a sheet of {sheet[0]:g} x {sheet[1]:g}; they are in the units of the drawing"
+        )
+    return None if sheet is None else (sheet[0] - 2 * margin, sheet[1] - 2 * margin)
 
 
 def _check_scale(problem: CGCProblem, sheet: Optional[tuple[float, float]]) -> None:
@@ -195,8 +210,8 @@ def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, stra
         )
 
 
-def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: float) -> tuple[Patchwork, list[int]]:
-    """Turn and shift the pieces to their places, and return the sheet of each."""
+def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: float, margin: float) -> tuple[Patchwork, list[int]]:
+    """Turn and shift the pieces to their places inside of the margins, and return the sheet of each."""
     count = int(own.piece.max()) + 1
     limits = (np.inf, np.inf) if sheet is None else sheet
     turned, sizes = [], []
@@ -214,7 +229,7 @@ def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: fl
         if place.turned:
             corners = corners @ np.array([[0.0, 1.0], [-1.0, 0.0]])
             corners = corners - corners.min(axis=(0, 1))
-        plane[own.piece == piece] = corners + [place.x, place.y]
+        plane[own.piece == piece] = corners + [place.x + margin, place.y + margin]
     return replace(own, plane=plane), [place.sheet for place in places]
 
 

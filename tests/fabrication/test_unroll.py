@@ -120,6 +120,18 @@ def test_pieces_keep_area_lie_within_their_sheet_and_fit_each_other(cut):
     assert outline > 2 * along > 0
 
 
+def test_margins_of_a_sheet_stay_free():
+    cut = unroll(vault(), SHEET, rough=True, margin=0.05, spacing=0.02)
+    points = np.concatenate([loop.points for piece in cut.pieces for loop in piece.loops])
+    assert points.min() >= 0.05 - 1e-12 and (points.max(axis=0) <= np.array(SHEET) - 0.05 + 1e-12).all()
+    assert points.min() == pytest.approx(0.05)
+    assert cut.sheet == SHEET and cut.area == pytest.approx(cut.area_in_space, rel=1e-12)
+    with pytest.raises(CGCError, match="margins of 0.8 leave nothing of a sheet of 3 x 1.5"):
+        unroll(vault(), SHEET, rough=True, margin=0.8)
+    with pytest.raises(CGCError, match="margin at the edges of a sheet must be 0 or more"):
+        unroll(vault(), SHEET, rough=True, margin=-0.1)
+
+
 def test_pieces_on_a_sheet_do_not_overlap(cut):
     shapely = pytest.importorskip("shapely")
     for sheet in range(cut.sheets):

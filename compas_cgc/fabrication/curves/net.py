@@ -48,6 +48,7 @@ PLANE = 1e-4  # curvature times size, below which a region is a plane
 ROUND = 1e-3  # difference of the principal curvatures, against their mean, below which a region is a sphere
 
 
+@names_what_was_meant()
 def plural(kind: str) -> str:
     """Return the name of several curves of a kind.
 
