@@ -119,7 +119,11 @@ class Client:
         ServerUnavailable, Refused, Failed
             With a sentence to show.
         """
-        id = self.submit(vertices, faces, id, **options)
+        return self._fetched(self.submit(vertices, faces, id, **options), on_progress, cancel, interval)
+
+    def _fetched(
+        self, id: str, on_progress: Optional[Callable[[dict], object]], cancel: Optional[Callable[[], bool]], interval: float
+    ) -> dict:
         try:
             return self._followed(id, on_progress, cancel, interval)
         except (Failed, Refused, ServerUnavailable):
@@ -188,15 +192,8 @@ class Client:
         ServerUnavailable, Refused, Failed
             With a sentence to show.
         """
-        id = self.submit_build(task, vertices, faces, job=job, settings=settings, id=id, **options)
-        try:
-            return self._followed(id, on_progress, cancel, interval)
-        except (Failed, Refused, ServerUnavailable):
-            raise
-        except BaseException:
-            with suppress(ClientError):
-                self.cancel(id)
-            raise
+        own = self.submit_build(task, vertices, faces, job=job, settings=settings, id=id, **options)
+        return self._fetched(own, on_progress, cancel, interval)
 
     def submit_build(
         self,

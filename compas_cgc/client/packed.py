@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import base64
+import gc
 import math
 import sys
 from array import array
+from collections.abc import Iterator
 from collections.abc import Sequence
+from contextlib import contextmanager
 from itertools import chain
 from typing import Any
 from typing import Protocol
@@ -82,5 +85,18 @@ def unpack(value: object) -> object:
     if sys.byteorder == "big":
         values.byteswap()
     if len(value["shape"]) == 1:
-        return [x if math.isfinite(x) else None for x in values]
-    return list(map(list, zip(*[iter(values)] * value["shape"][1])))
+        return values.tolist() if all(map(math.isfinite, values)) else [x if math.isfinite(x) else None for x in values]
+    with _no_collection():
+        return list(map(list, zip(*[iter(values)] * value["shape"][1])))
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Keep the garbage collector from looking through thousands of lists that are all wanted, while they are made."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()

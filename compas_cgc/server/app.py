@@ -27,6 +27,7 @@ from .api.responses import respond
 from .api.routes import api
 from .api.tasks import solve_job
 from .errors import RequestError
+from .errors import UnsupportedEncoding
 from .errors import error_body
 from .errors import no_function
 from .hops.inputs import read_hops_request
@@ -104,6 +105,7 @@ def create_app(
     app.extensions["jobs"] = Jobs(pool, stored, solve, limits, io_pool)
     app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
+    app.before_request(_refuse_compressed)
     app.after_request(_finish)
     app.register_error_handler(RequestError, _refused)
     app.register_error_handler(HTTPException, _http_error)
@@ -121,6 +123,12 @@ def _root() -> Response:
     response = index() if wants_page() else list_functions()
     response.vary.add("Accept")
     return response
+
+
+def _refuse_compressed() -> None:
+    encoding = request.headers.get("Content-Encoding", "identity")
+    if encoding.lower() not in ("", "identity"):
+        raise UnsupportedEncoding(f"the request is compressed ({encoding:.40}), which this server does not read; send it as it is")
 
 
 def _finish(response: Response) -> Response:

@@ -8,8 +8,9 @@ import sys
 __all__ = ["give_large_blocks_back"]
 
 # Of mallopt, in malloc.h of the GNU C library.
-MMAP_THRESHOLD, ARENA_MAX = -3, -8
-LARGE = 2**18  # bytes
+TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8
+LARGE = 2**21  # bytes; to fetch each block of a usual request from the system anew would take as long as to work on it
+LEFT = 2**23  # bytes that are free at the end of the heap, from which they go back
 
 
 def give_large_blocks_back() -> bool:
@@ -24,4 +25,4 @@ def give_large_blocks_back() -> bool:
         mallopt = ctypes.CDLL(None).mallopt
     except (OSError, AttributeError):  # another C library
         return False
-    return bool(mallopt(MMAP_THRESHOLD, LARGE) and mallopt(ARENA_MAX, 2))
+    return bool(mallopt(MMAP_THRESHOLD, LARGE) and mallopt(TRIM_THRESHOLD, LEFT) and mallopt(ARENA_MAX, 2))

@@ -85,7 +85,10 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
             if not welcome and getattr(self, "expect_continue", False):
                 # It has not sent anything yet, and is told what is missing without it.
                 self.expect_continue = False
-                self.connection_close = self.completed = True
+                self.completed = True
+                # Else what it sends in spite of the answer would be read as its next request.
+                read: Any = self.headers
+                read["CONNECTION"] = "close"
             self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, limits.body if welcome else 0)
 
     class Channel(HTTPChannel):

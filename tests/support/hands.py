@@ -17,6 +17,9 @@ AXE = (
 )
 
 
+BUSY = ".verdict .old, #cancel, #outcome[aria-busy=true]"  # what is seen of a page that waits for a surface
+
+
 def axe_script():
     """Return axe-core, None where it is not installed: ``npm ci --prefix tests/support/web``, or its path in AXE_CORE."""
     found = Path(os.environ.get("AXE_CORE") or WEB / "axe-core" / "axe.min.js")

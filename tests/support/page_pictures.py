@@ -5,6 +5,7 @@ Those of the examples are part of the page, the one of the whole page is in the 
 
 from __future__ import annotations
 
+import argparse
 import base64
 import io
 import tempfile
@@ -92,4 +93,5 @@ def take():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     take()

@@ -50,7 +50,7 @@ _EVENT = {
     "type": "object",
     "required": ["event", "data"],
     "properties": {
-        "event": {"enum": ["progress", "done", "failed", "result"]},
+        "event": {"enum": ["progress", "done", "failed", "surface", "result"]},
         "data": {"type": "string", "description": "JSON: the status of the job, or its result"},
     },
 }
@@ -73,7 +73,7 @@ def _description() -> dict:
     result = {"200": {"description": "the result", "content": _content(FORMATS.values(), solved)}}
     merged = {"200": {"description": "the file with the result", "content": _content([KINDS["3dm"]])}}
     moulds = {"200": {"description": "moulds and panels", "content": _content(MOULD_FORMATS.values(), {"type": "object"})}}
-    refusals = ("400", "401", "404", "409", "410", "413", "422", "429", "500", "504")
+    refusals = ("400", "401", "404", "409", "410", "413", "415", "422", "429", "500", "504")
     return {
         "openapi": "3.1.0",
         "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
@@ -97,7 +97,7 @@ def _description() -> dict:
                     **_operation(
                         "Submit a solve, or another task on what was solved",
                         {"202": _json({"$ref": "#/components/schemas/Submitted"}), "200": EVENTS},
-                        *("400", "401", "404", "409", "410", "413", "422", "429"),
+                        *("400", "401", "404", "409", "410", "413", "415", "422", "429"),
                     ),
                     "parameters": [
                         {"name": "kind", "in": "query", "schema": {"enum": ["json", "3dm", "obj"]}},
@@ -192,7 +192,7 @@ def _description() -> dict:
                     },
                 ],
                 "post": {
-                    **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
+                    **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"),
                     "requestBody": {
                         "required": True,
                         "content": {"application/octet-stream": {"schema": BYTES}},
@@ -201,7 +201,7 @@ def _description() -> dict:
             },
             "/api/v1/drawings": {
                 "post": {
-                    **_operation("Mesh a drawing", {"200": _json({"$ref": model})}, "400", "401", "413", "422", "429"),
+                    **_operation("Mesh a drawing", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"),
                     "requestBody": {"required": True, "content": {"application/json": {"schema": drawing_schema()}}},
                 },
             },

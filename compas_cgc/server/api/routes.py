@@ -11,6 +11,7 @@ from threading import BoundedSemaphore
 from typing import Any
 from typing import Optional
 
+import numpy as np
 from flask import Blueprint
 from flask import Response
 from flask import current_app
@@ -32,6 +33,7 @@ from .builds import is_build
 from .builds import tasks
 from .decoding import check_length
 from .decoding import is_light
+from .decoding import packed
 from .formats import FORMATS
 from .formats import SHOWN
 from .formats import encoded
@@ -253,6 +255,10 @@ def _stream(id: str, with_surface: bool = False) -> Response:
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
             told = status(job, engine.positions().get(id))
             yield f"event: {kind}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n".encode()
+            arrived = engine.arrived(id) if with_surface else None
+            if arrived is not None:
+                data = {"vertices": packed(np.frombuffer(arrived).reshape(-1, 3))}
+                yield f"event: surface\ndata: {json.dumps(data)}\n\n".encode()
             if with_surface and told["has_result"]:
                 # Where it is gone by now, the client asks for it and is told so.
                 with suppress(RequestError):

@@ -6,6 +6,8 @@ import math
 import time
 from collections.abc import Mapping
 
+import numpy as np
+
 from ...analysis import analyse
 from ...datastructures import SolveResult
 from ...execution.worker import report
@@ -45,17 +47,21 @@ class Progress:
     def __init__(self, live: bool = False):
         self.live = live
         self.last = 0.0
+        self.news: dict = {"step": 0}
 
     def __call__(self, state: SolveState) -> bool:
         """Report a state; tell whether to stop."""
         now = time.monotonic()
         if now - self.last >= INTERVAL:
             self.last = now
-            news = _finite({name: getattr(state, name) for name in FIGURES})
-            if self.live:
-                news["surface"] = state.vertices.astype("<f4").tobytes()
-            report(news)
+            self.news = _finite({name: getattr(state, name) for name in FIGURES})
+            report({**self.news, "surface": state.vertices.astype("<f4").tobytes()} if self.live else self.news)
         return stop_wanted()
+
+    def arrived(self, vertices: np.ndarray) -> None:
+        """Report a surface that meets its targets: who watches sees it while it is judged."""
+        if self.live:
+            report({**self.news, "arrived": vertices.astype("<f8").tobytes()})
 
 
 def run_request(request: SolveRequest) -> SolveResult:

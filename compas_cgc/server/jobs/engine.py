@@ -54,6 +54,7 @@ class RunningJob:
         self.since: Optional[float] = None  # when it began
         self.progress: dict = {}
         self.surface: Optional[bytes] = None
+        self.arrived: Optional[bytes] = None
         self.changes = 0
 
 
@@ -173,10 +174,8 @@ class Jobs:
         """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
         with self._change:
             running = {id: dict(entry.progress) for id, entry in self._running.items()}
-            stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
-            found = [job for job in stored if state in (None, job.state)]
-            shown = found[offset : offset + limit]
-            return [job._replace(progress={**job.progress, **running.get(job.id, {})}) for job in shown], len(found)
+            shown, total = self._page(limit, offset, state)
+            return [job._replace(progress={**job.progress, **running.get(job.id, {})}) for job in shown], total
 
     def positions(self) -> dict[str, int]:
         """Return the place in the queue of every job that waits, from 1."""
@@ -202,6 +201,12 @@ class Jobs:
         with self._change:
             running = self._running.get(id)
             return running.surface if running is not None else None
+
+    def arrived(self, id: str) -> Optional[bytes]:
+        """Return the vertices of a surface as it was asked for, which a live job is about to judge: float64, x y z after x y z."""
+        with self._change:
+            running = self._running.get(id)
+            return running.arrived if running is not None else None
 
     def cancel(self, id: str) -> Job:
         """Ask a job to stop; does nothing to one that is over."""
@@ -307,6 +312,14 @@ class Jobs:
     def _found(self, id: str) -> Optional[Job]:
         return None if id in self._forgotten else self._lost.get(id) or self.store.get(id)
 
+    def _page(self, limit: int, offset: int, state: Optional[str]) -> tuple[Sequence[Job], int]:
+        if not (self._lost or self._forgotten):
+            # Of thousands of jobs only those are read that are shown.
+            return self.store.page(limit, offset, state)
+        stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
+        found = [job for job in stored if state in (None, job.state)]
+        return found[offset : offset + limit], len(found)
+
     def _forget(self) -> None:
         """Take the deleted jobs out of the store, as far as the disk lets it."""
         for id in tuple(self._forgotten):
@@ -344,6 +357,7 @@ class Jobs:
                 self.store.set_started(id)
                 running.since = time.monotonic()
             running.surface = news.pop("surface", running.surface)
+            running.arrived = news.pop("arrived", None)
             running.progress = news
             running.changes += 1
             self._change.notify_all()

@@ -86,6 +86,13 @@ class Store:
         """Return all jobs that are remembered, the newest first."""
         return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC")
 
+    def page(self, limit: int, offset: int = 0, state: Optional[str] = None) -> tuple[list[Job], int]:
+        """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
+        where, values = ("", ()) if state is None else ("WHERE state = ?", (state,))
+        with self._lock:
+            total = self._base.execute(f"SELECT count(*) FROM jobs {where}", values).fetchone()[0]
+        return self._rows(f"SELECT * FROM jobs {where} ORDER BY created DESC, rowid DESC LIMIT ? OFFSET ?", *values, limit, offset), total
+
     def unfinished(self) -> list[Job]:
         """Return the jobs that wait or ran when the server ended, the oldest first."""
         return self._rows("SELECT * FROM jobs WHERE state IN ('queued', 'running') ORDER BY created, rowid")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import NamedTuple
 
 import compas
 import numpy as np
@@ -14,6 +15,7 @@ from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import FlowSettings
 from compas_cgc import solve
+from compas_cgc.execution.worker import connected
 from compas_cgc.io import write
 from compas_cgc.io.rhino.meshes import mesh_from_arrays
 from compas_cgc.model.goals.inequalities import Clearance
@@ -166,3 +168,25 @@ def test_problems_and_results_come_back_from_bytes():
     again, report = unpack_result(pack_result(result, {"notes": ["a"]}))
     same(again.problem, result.problem)
     assert report == {"notes": ["a"]} and again.to_dict() == result.to_dict() and again.settings == result.settings
+
+
+def test_a_surface_is_shown_while_it_is_judged():
+    """A live job tells its surface, to the last bit, before it gives its verdict; another sends it once, as the result."""
+    for live in (True, False):
+        told = Told([])
+        with connected(told):
+            output = solve_job("json", {}, accept(asked(live=live), LIMITS), LIMITS)
+        arrived = [news["arrived"] for news in told.news if "arrived" in news]
+        assert arrived == ([unpack_result(output.content)[0].vertices.tobytes()] if live else [])
+
+
+class Told(NamedTuple):
+    """The channel of a task that nobody stops."""
+
+    news: list
+
+    def report(self, progress):
+        self.news.append(progress)
+
+    def stop_wanted(self):
+        return False

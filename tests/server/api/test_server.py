@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import http.client
 import json
 import os
@@ -447,6 +448,12 @@ def test_other_addresses_answer_in_json_too(server):
         status, headers, content = ask(server, method, path)
         assert status == expected and headers["Content-Type"] == "application/json" and json.loads(content)["errors"]
     assert ask(server, "GET", "/api/v1/jobs/nobody-here/result?format=exe")[0] == 422
+
+
+def test_a_compressed_body_is_named(server):
+    for path in ("/solve", "/api/v1/jobs"):
+        status, _, content = ask(server, "POST", path, gzip.compress(b"{}"), **{"Content-Encoding": "gzip"})
+        assert status == 415 and "gzip" in json.loads(content)["message"]
 
 
 def test_the_description_names_what_is_served(server):

@@ -46,3 +46,15 @@ def test_older_results_go_by_number_and_by_size(store):
     assert [store.get(id).state for id in ids] == ["succeeded"] * 4, "what became of them is remembered for longer"
     store.tidy(results=3, result_bytes=250, remembered=1)
     assert [id for id in ids if store.get(id) is not None] == ["b", "c", "d"]
+
+
+def test_a_page_of_jobs_is_the_part_of_them_all_that_is_asked_for(store):
+    for k in range(7):
+        finish(store, f"job-{k}", 1)
+        if k % 3 == 0:
+            store.finish(f"job-{k}", "failed", "", {})
+    for state in (None, "failed", "succeeded", "queued"):
+        every = [job for job in store.all() if state in (None, job.state)]
+        assert state in (None, "queued") or every
+        for limit, offset in ((1, 0), (2, 1), (10, 0), (3, 6), (3, 9)):
+            assert store.page(limit, offset, state) == (every[offset : offset + limit], len(every))

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import rhino3dm
 
+from ...support.hands import BUSY
 from ...support.hands import open_hands
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
@@ -32,9 +33,7 @@ def server(tmp_path_factory):
 
 def good(hands):
     """Wait until the surface is as asked."""
-    wait_for(
-        lambda: hands.text(".verdict.good h2") == "As asked" and not hands.shown(".verdict .old, #cancel"), what="the roof is not solved"
-    )
+    wait_for(lambda: hands.text(".verdict.good h2") == "As asked" and not hands.shown(BUSY), what="the roof is not solved")
 
 
 def rise(hands):

@@ -10,6 +10,7 @@ import pytest
 from compas_cgc import CGCMesh
 from compas_cgc.io import write
 
+from ...support.hands import BUSY
 from ...support.hands import axe_script
 from ...support.hands import open_hands
 from ...support.server_process import running_server
@@ -54,9 +55,7 @@ def test_all_views(server, tmp_path, browser, width, dark):
             assert across[0] <= across[1] == width and across[2] == 0, (name, across)
 
         def solved(state="good"):
-            wait_for(
-                lambda: hands.shown(f".verdict.{state} h2") and not hands.shown(".verdict .old, #cancel"), what=f"{state} is not shown"
-            )
+            wait_for(lambda: hands.shown(f".verdict.{state} h2") and not hands.shown(BUSY), what=f"{state} is not shown")
 
         def choose(selector, value):
             hands.read(

@@ -152,15 +152,16 @@ export class Api {
   }
 
   /**
-   * Solve, and give the states of the job as they change and its surface in the end, all by one request; nothing where no stream is free.
+   * Solve, and give the states of the job as they change, a surface while it is judged, and the result in the end, all by one request;
+   * nothing where no stream is free.
    * @param {object} job
    * @param {AbortSignal} signal
-   * @returns {AsyncGenerator<{status?: import('./types.js').Status, result?: import('./types.js').Result}>}
+   * @returns {AsyncGenerator<{status?: import('./types.js').Status, arrived?: Float64Array, result?: import('./types.js').Result}>}
    */
   async *solving(job, signal) {
     const answer = await this.request('/api/v1/jobs?follow=true', { method: 'POST', body: JSON.stringify(job), signal });
     if (!answer.headers.get('Content-Type').startsWith('text/event-stream')) return;
-    for await (const { event, data } of eventsOf(answer)) yield event === 'result' ? { result: surfaceOf(data) } : { status: data };
+    for await (const { event, data } of eventsOf(answer)) yield toldBy(event, data);
   }
 
   /**
@@ -220,6 +221,12 @@ async function* eventsOf(answer) {
       from = 0;
     }
   }
+}
+
+/** @returns {{status?: import('./types.js').Status, arrived?: Float64Array, result?: import('./types.js').Result}} */
+function toldBy(event, data) {
+  if (event === 'surface') return { arrived: Float64Array.from(unpack(data.vertices)) };
+  return event === 'result' ? { result: surfaceOf(data) } : { status: data };
 }
 
 function surfaceOf(found) {

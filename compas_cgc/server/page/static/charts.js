@@ -5,6 +5,7 @@ import uPlot from './vendor/uplot/uPlot.esm.js';
 import { power, readable } from './numbers.js';
 
 const HEIGHT = 116;
+const CALM = 250; // milliseconds without a new solve, after which the course of the last one is drawn
 
 /** A small plot of one quantity over the steps. */
 class Chart {
@@ -89,6 +90,7 @@ export class Charts {
 
   /** Begin anew. */
   clear() {
+    clearTimeout(this.timer);
     this.seen = { steps: [], error: [], energy: [] };
   }
 
@@ -113,13 +115,9 @@ export class Charts {
    * @returns {boolean} whether there is something to be seen
    */
   end({ max_error: error, energy }) {
-    if (error.length) {
-      this.show(
-        error.map((_, i) => i + 1),
-        error,
-        energy,
-      );
-    }
+    const steps = error.map((_, i) => i + 1);
+    // While a slider moves nobody reads them, and the surface would wait for them.
+    if (error.length) this.timer = setTimeout(() => this.show(steps, error, energy), this.error.plot ? CALM : 0);
     return error.length > 0;
   }
 

@@ -171,7 +171,7 @@ export class Regions {
       number.value = same ? K : '';
       number.placeholder = same ? '' : 'various';
       if (same) slider.value = Math.round((K / reach) * STEPS);
-      radius.textContent = same ? shape(K, this.model.unit) : 'various';
+      radius.textContent = same ? shape(K, this.model.unit) : '';
       slider.ariaValueText = same ? `${readable(K)}, ${radius.textContent}` : 'various';
       const most = regions.length === 1 || same ? this.limit?.[regions[0]] : null;
       const place = 0.5 + (0.5 * (most ?? 2 * reach)) / reach;

@@ -283,7 +283,8 @@ export class Scene {
   expect() {
     if (!this.pace.slow) return;
     this.pace.resting = false;
-    this.tick(performance.now(), true);
+    if (this.renderer.getPixelRatio() === this.sharpness.coarse) this.pace.begin(true);
+    else this.tick(performance.now(), true);
   }
 
   tick(now, expected = false) {

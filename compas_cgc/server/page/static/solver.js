@@ -9,6 +9,7 @@ const POLL = 200; // milliseconds
  * @typedef {object} Listener what is told about a solve
  * @property {(status: import('./types.js').Status) => void} progress
  * @property {(xyz: Float32Array) => void} surface
+ * @property {(xyz: Float64Array) => void} arrived as asked, while it is judged
  * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
  * @property {(message: string) => void} failed
  */
@@ -97,6 +98,7 @@ export class Solver {
       result = told.result ?? result;
       status = told.status ?? status;
       if (told.status) this.tell(run, status);
+      if (told.arrived && this.run === run) this.listener.arrived(told.arrived);
     }
     // No stream was free, or it was cut.
     while (!isOver(status)) {

@@ -21,6 +21,10 @@ export class Solving {
     this.studio = studio;
     /** @type {?import('./types.js').Result} */
     this.result = null;
+    /** @type {?Float64Array} */
+    this.drawn = null;
+    this.patience = 0;
+    this.stale = false;
     this.charts = new Charts($('chart-error'), $('chart-energy'));
     this.verdict = new Verdict($('verdict'));
     this.solver = new Solver(studio.api, this);
@@ -31,6 +35,7 @@ export class Solving {
   clear() {
     this.solver.reset();
     this.rhythm.settle();
+    this.settle();
     this.result = this.studio.painter.before = null;
     this.studio.crown.on = false;
     this.charts.clear();
@@ -45,8 +50,28 @@ export class Solving {
     painter.want(regions.targets);
     // The other colours do not know of targets, and to draw takes time that the solve waits for.
     if (painter.by === 'error') painter.paint();
-    this.verdict.outdate();
-    if ($('drag').checked) this.rhythm.changed();
+    this.stale = true;
+    if ($('drag').checked) {
+      this.wait();
+      this.rhythm.changed();
+    } else this.verdict.outdate();
+  }
+
+  /** Somebody waits for a surface: tell so where it takes a while, as words that come and go with every move of a slider are not read. */
+  wait() {
+    $('outcome').ariaBusy = 'true';
+    this.patience ||= setTimeout(() => {
+      if (this.stale) this.verdict.outdate();
+      $('cancel').hidden = !this.solver.busy;
+    }, WORTH);
+  }
+
+  /** Nobody waits any more. */
+  settle() {
+    clearTimeout(this.patience);
+    this.patience = 0;
+    this.stale = false;
+    $('outcome').ariaBusy = 'false';
   }
 
   request() {
@@ -66,9 +91,13 @@ export class Solving {
   begin() {
     this.studio.maker.clear();
     this.rhythm.settle();
-    if (!this.studio.settings.valid) return;
-    $('cancel').hidden = false;
+    if (!this.studio.settings.valid) {
+      this.settle();
+      return;
+    }
+    this.wait();
     this.charts.clear();
+    this.drawn = null;
     this.solver.solve(this.request());
     this.studio.scene.expect();
   }
@@ -89,6 +118,15 @@ export class Solving {
     studio.painter.paint();
   }
 
+  /** Called by the solver with what will be the result, unless it is found wanting: it is drawn while it is judged. */
+  arrived(xyz) {
+    const { studio } = this;
+    studio.mark([]);
+    studio.place(xyz, null, this.result !== null && this.solver.age < WORTH);
+    studio.scene.flush();
+    this.drawn = xyz;
+  }
+
   /** Called by the solver in the end. */
   done(result, status) {
     if (!result) {
@@ -101,9 +139,10 @@ export class Solving {
     this.result = result;
     this.studio.turn(result.faces ?? null);
     if (data.goals?.found && data.goals.rise != null) this.studio.takeTargets(found(data.targets, result));
-    this.studio.place(result.xyz, result.curvature, before !== null && result.seconds < QUICK);
+    if (this.drawn && isSame(this.drawn, result.xyz)) this.studio.know(result.xyz, result.curvature);
+    else this.studio.place(result.xyz, result.curvature, before !== null && result.seconds < QUICK);
     painter.measure(result.xyz, settings.supports, result.curvature);
-    painter.paint();
+    if (painter.by !== 'regions' || !before) painter.paint();
     crown.show(model, result.xyz, settings.supports);
     crown.on = true;
     this.studio.mark(result.report.verdict?.places ?? []);
@@ -123,6 +162,7 @@ export class Solving {
 
   rest(shown) {
     for (const [id, on] of Object.entries({ ...shown, cancel: false, progress: false })) $(id).hidden = !on;
+    this.settle();
     this.rhythm.over();
   }
 
@@ -134,6 +174,10 @@ export class Solving {
       this.verdict.fail(error.message, true);
     }
   }
+}
+
+function isSame(one, other) {
+  return one.length === other.length && one.every((value, k) => value === other[k]);
 }
 
 /** Return targets with the K that was found for the goals. */

@@ -170,6 +170,8 @@ export class Studio {
     $('plan-count').textContent = 'Making the mesh …';
     try {
       this.draw({ stage: 'shape', data: await meshed(this.api, state) });
+      // What is seen first is a roof, and not its plan.
+      if ($('drag').checked) this.solving.begin();
     } catch (error) {
       trouble.textContent = error.message;
       trouble.hidden = false;
@@ -244,10 +246,15 @@ export class Studio {
     return (goals?.boxes ?? []).map(({ x0, y0, x1, y1, height }) => [...model.toScene([x0, y0, floor]), ...model.toScene([x1, y1, height])]);
   }
 
-  /** Show the surface at some places. */
-  place(xyz, measured = null, jump = false) {
+  /** Take note of the surface that is shown. */
+  know(xyz, measured) {
     this.shown = xyz;
     this.measured = measured;
+  }
+
+  /** Show the surface at some places. */
+  place(xyz, measured = null, jump = false) {
+    this.know(xyz, measured);
     this.scene.moveTo(this.model.toScene(xyz), !jump);
     this.section.show(this.model, xyz);
   }

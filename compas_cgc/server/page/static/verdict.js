@@ -97,13 +97,14 @@ function figures(result, model) {
   }
   if (moved !== null && moved !== undefined) rows.push(['Moved by at most', `${readable(moved)}${unit}`]);
   if (result.turned) rows.push(['Faces turned', String(result.turned), 'Edges of triangles too stretched for K < 0; the vertices are those of the drawing.']);
-  rows.push(['Steps', String(result.iterations)], ['Time', duration(result.seconds)], ['Method', result.method]);
+  rows.push(['Time', duration(result.seconds)]);
   return rows;
 }
 
 function details(result) {
   const box = document.createElement('details');
-  box.append(element('summary', 'What the solver says'), element('p', capital(result.ending)));
+  const how = `By the method ${result.method}, in ${result.iterations === 1 ? 'one step' : `${result.iterations} steps`}.`;
+  box.append(element('summary', 'What the solver says'), element('p', how), element('p', capital(result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
   return box;
 }

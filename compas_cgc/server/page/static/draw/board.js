@@ -1,7 +1,7 @@
 /** The drawing board: lines, circles and columns drawn by pointer and by typed lengths. */
 
 import { Ink } from './ink.js';
-import { boundsOf, circle, segmentsOf, tidy, withLength } from './plan.js';
+import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength } from './plan.js';
 import { snapped } from './snap.js';
 import { typedPoint } from './typed.js';
 
@@ -14,6 +14,8 @@ const HINTS = {
   hold: ['Click the sides that are held. Without any the whole edge is.', ''],
   move: ['Drag points and columns; click a dimension to change it.', ''],
 };
+
+const ON = 'The outline is closed: make the surface, or click where a fold or a hole begins.';
 
 /** The board. */
 export class Board {
@@ -86,7 +88,8 @@ export class Board {
     if (!this.plan) return;
     const { draft, pointer, tool, hot } = this;
     this.ink.draw(this.plan, { draft, pointer, tool, hot, shape: this.shape(pointer?.at) });
-    const [first, next] = HINTS[tool];
+    const [begin, next] = HINTS[tool];
+    const first = tool === 'line' && rolesOf(this.plan).includes('outline') ? ON : begin;
     this.typing.hint.textContent = this.asking ? 'Type the new length.' : draft.length ? next : first;
     const places = !draft.length && !this.asking;
     this.typing.label.textContent = this.asking ? 'Length' : places ? 'Place' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
