@@ -20,7 +20,8 @@ from .._version import __version__
 from ..errors import CGCError
 from ..execution.remote import executor_at
 from .limits import Limits
-from .memory import give_large_blocks_back
+from .memory import give_back
+from .memory import set_loaded_aside
 from .security import hostname
 from .security import is_loopback
 from .security import keys_of
@@ -101,7 +102,7 @@ def serve(
         raise CGCError("a name must be that of a host, such as studio-pc; give it with --name")
     limits = limits or Limits()
     remote = None if executor is None else executor_at(executor, limits.reserved)
-    give_large_blocks_back()
+    give_back()
     try:
         listener = _listen(host, port)
     except CGCError:
@@ -114,11 +115,13 @@ def serve(
 
     from .app import create_app
     from .waitress_channel import channel_class
+    from .waitress_threads import Threads
 
     own_names = () if host in ("0.0.0.0", "::") else (host.lower(),)
     app = create_app(store or default_store(port), keys, workers, limits, (*names, *own_names), remote)
     server: Any = create_server(
         app,
+        _dispatcher=Threads(limits.threads),
         sockets=[listener],
         threads=limits.threads,
         connection_limit=CONNECTIONS,
@@ -156,6 +159,7 @@ def _say_ready(pool: TaskExecutor) -> None:
     from .api.warm_up import load_for_answers
 
     load_for_answers()
+    set_loaded_aside()
     if pool.wait_until_ready(600):
         count = pool.health()["workers"]
         print(f"ready, {count} worker{'' if count == 1 else 's'}", flush=True)

@@ -40,7 +40,15 @@ INSIDE = {
         {"run", "sensitivity"},
         {"between"},
     ],
-    "server": [{"errors", "limits", "memory"}, {"security"}, {"jobs"}, {"api"}, {"hops", "page"}, {"waitress_channel", "app"}, {"run"}],
+    "server": [
+        {"errors", "limits", "memory"},
+        {"security"},
+        {"jobs"},
+        {"api"},
+        {"hops", "page"},
+        {"waitress_channel", "waitress_threads", "app"},
+        {"run"},
+    ],
     "grasshopper": [{"runtime", "build"}, {"components"}],
     "paper": [{"examples"}, {"reproduction", "benchmarks"}],
 }

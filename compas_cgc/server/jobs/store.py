@@ -63,6 +63,7 @@ class Store:
             self._base = sqlite3.connect(str(path), check_same_thread=False, isolation_level=None)
             self._base.execute("PRAGMA journal_mode=WAL")
             self._base.execute("PRAGMA synchronous=NORMAL")
+            self._base.execute("PRAGMA cache_size=-500")  # KiB: meshes are read once
             self._base.executescript(_TABLES)
             if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
                 raise OSError("it holds the jobs of something else")
