@@ -47,6 +47,7 @@ def spread(
     points: FloatArray,
     spacing: float,
     tolerance: float,
+    grade: float,
 ) -> Spread:
     """Spread points along curves, with one at every kink, crossing and given point, closer together at small features.
 
@@ -64,6 +65,8 @@ def spread(
         Distance aimed at [L].
     tolerance
         Length below which two points are one [L].
+    grade
+        Part of the distance from a small feature by which vertices are farther apart.
 
     Returns
     -------
@@ -85,7 +88,7 @@ def spread(
     rims = set(map(id, lines[:count]))
     stretches = [one for one in stretches if id(one.line) in rims or _is_inside(domain, one, tolerance)]
     sides = [side for one in stretches for side in one.sides()]
-    sizes = size_field([shapely.get_coordinates(line) for line in lines], sides, domain, inside_nodes, loose, spacing)
+    sizes = size_field([shapely.get_coordinates(line) for line in lines], sides, domain, inside_nodes, loose, spacing, grade)
     rows = narrow_corners(domain, stretches, nodes, sizes)
     around: dict[int, list[FloatArray]] = {}
     pieces = []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import NamedTuple
@@ -16,28 +15,19 @@ from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.plan import flattened
 from ..errors import MeshError
-from .boundary import boundary_loops
-from .edge_flips import valences
 from .polyline import arc_lengths
 from .polyline import nearest_on_polyline
-from .relaxation import plane_angles
-from .relaxation import relaxed
-from .weld import weld
 
 if TYPE_CHECKING:
     import shapely
 
-    from .curve_sampling import Cell
-    from .curve_sampling import Spread
-
-CLEAR = (0.56, 0.62)  # of the edge length, that a lattice keeps away from curves: both are tried
 MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
 MET = 0.2  # of the edge length, within which a point has become a vertex
 LARGEST = 2e6  # vertices that a mesh may have
-FIRST, GOOD = 16, 0.9  # triangulations that are tried anyway, and the quality at which no more are
-ENOUGH = 27.0  # degrees of the smallest angle, above which the valences decide
+GRAZED, WIDER = 0.25, 0.1  # of the edge length, along which a crease is all but on an edge, and less than which it is away as far again
+ALONG = 32  # places for each edge length at which that is measured
 
-__all__ = ["Outlined", "fill", "mesh_from_outline", "refuse_passed_over"]
+__all__ = ["Outlined", "mesh_from_outline", "refuse_passed_over"]
 
 
 class Outlined(NamedTuple):
@@ -91,8 +81,7 @@ def mesh_from_outline(
         import compas_cgal.triangulation  # noqa: F401
         import shapely
 
-        from .curve_sampling import cells
-        from .curve_sampling import lattices
+        from .best_triangles import best_triangles
         from .curve_sampling import spread
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
@@ -110,13 +99,10 @@ def mesh_from_outline(
             f"such as {np.sqrt(domain.area) / 20:.2g}, and see that outline and edge are in the same unit"
         )
     given = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
-    laid = spread(domain, rings, [np.asarray(crease)[:, :2] for crease in creases], given[:, :2], edge_length, tolerance)
+    lines = [np.asarray(crease)[:, :2] for crease in creases]
+    _refuse_grazing(domain, lines, edge_length)
+    laid, plan, faces = best_triangles(domain, lambda grade: spread(domain, rings, lines, given[:, :2], edge_length, tolerance, grade))
     around, inner = laid.rings, laid.pieces
-    areas = cells(domain, around, inner)
-    fixed = np.concatenate([*around, *inner, laid.loose])
-    plan, faces = _best(_tried(laid, areas, fixed, seeds, clear) for seeds in lattices(domain, laid.sizes) for clear in CLEAR)
-    if _quality(plan, faces) < GOOD:
-        plan, faces = _annealed(laid, fixed, plan, faces)
     on_curves = np.concatenate([*around, *inner])
     on = cKDTree(on_curves).query(plan)[0] <= 1e-9 * edge_length
     heights = np.zeros(len(plan))
@@ -174,6 +160,42 @@ def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -
         )
 
 
+def _refuse_grazing(domain: shapely.Polygon, creases: Sequence[FloatArray], edge_length: float) -> None:
+    """Refuse creases (k, 2) that come up to the edge of a domain and leave it again without having crossed it.
+
+    Raises
+    ------
+    MeshError
+        With the place of one.
+    """
+    import shapely
+
+    from .sizing import NARROWEST
+
+    for k, line in enumerate(creases):
+        curve = shapely.LineString(line)
+        number = max(2, int(np.ceil(ALONG * curve.length / edge_length)))
+        spots = shapely.line_interpolate_point(curve, np.linspace(0.0, 1.0, number + 1), normalized=True)
+        gap = shapely.distance(domain.boundary, spots)
+        inside, far = shapely.contains(domain, spots), round(GRAZED * ALONG)
+        changes = np.diff((gap < NARROWEST * edge_length).astype(np.int64), prepend=0, append=0)
+        for begin, end in zip(np.flatnonzero(changes > 0).tolist(), np.flatnonzero(changes < 0).tolist()):
+            beside = np.array([begin - far, end - 1 + far])
+            # Where two curves cross, one side of the place is outside.
+            if (
+                end - begin > far
+                and beside[0] >= 0
+                and beside[1] <= number
+                and inside[beside].all()
+                and (gap[beside] < WIDER * edge_length).all()
+            ):
+                x, y = shapely.get_coordinates(spots[begin + int(np.argmin(gap[begin:end]))])[0]
+                raise MeshError(
+                    f"creases[{k}] grazes the edge of the outline or of a hole at ({x:.3f}, {y:.3f}), where triangles have no room; "
+                    f"let it end there or cross the edge, or keep {WIDER * edge_length:.2g} away from it"
+                )
+
+
 def _is_length(value: object) -> bool:
     return isinstance(value, (int, float, np.number)) and 0.0 < float(value) < np.inf
 
@@ -208,71 +230,6 @@ def _closed(ring: FloatArray, tolerance: float) -> FloatArray:
     """Return a ring (k, 3) that ends where it begins, to the last digit."""
     ends = len(ring) > 1 and np.linalg.norm((ring[-1] - ring[0])[:2]) <= tolerance
     return np.concatenate([ring[:-1] if ends else ring, ring[:1]])
-
-
-def _tried(laid: Spread, areas: Sequence[Cell], fixed: FloatArray, seeds: FloatArray, clear: float) -> tuple[FloatArray, IntArray]:
-    """Return the relaxed triangulation with the seeds that keep a part of the edge length away from what is fixed."""
-    seeds = seeds[cKDTree(fixed).query(seeds)[0] > clear * laid.sizes(seeds)]
-    plan, faces = fill(areas, np.concatenate([seeds, laid.loose]))
-    a, b = plan[faces[:, 1]] - plan[faces[:, 0]], plan[faces[:, 2]] - plan[faces[:, 0]]
-    faces = np.where((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] < 0)[:, None], faces[:, [0, 2, 1]], faces)
-    return relaxed(plan, faces, *_held(laid, fixed, plan), laid.sizes)
-
-
-def _held(laid: Spread, fixed: FloatArray, plan: FloatArray) -> tuple[Mask, IntArray]:
-    """Return which points (n,) of a triangulation stay, and the edges (k, 2) that do."""
-    place = cKDTree(plan)
-    held = np.zeros(len(plan), bool)
-    held[place.query(fixed)[1]] = True
-    paths = [place.query(piece)[1] for piece in laid.pieces]
-    return held, np.concatenate([np.empty((0, 2), np.int64), *(np.column_stack([path[:-1], path[1:]]) for path in paths)])
-
-
-def _annealed(laid: Spread, fixed: FloatArray, plan: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return a triangulation whose valences have been annealed, or the given one where that is better."""
-    from .valence_annealing import annealed
-
-    found = annealed(plan, faces, *_held(laid, fixed, plan), laid.sizes)
-    return max((plan, faces), found, key=lambda one: _quality(*one))
-
-
-def _best(made: Iterable[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
-    """Return the best triangulation of the first, and of all where none of those is good."""
-    tried: list[tuple[float, FloatArray, IntArray]] = []
-    for plan, faces in made:
-        tried.append((_quality(plan, faces), plan, faces))
-        if len(tried) % FIRST == 0 and max(quality for quality, _, _ in tried) >= GOOD:
-            break
-    return max(tried, key=lambda one: one[0])[1:]
-
-
-def _quality(plan: FloatArray, faces: IntArray) -> float:
-    """Return how good triangles are: the part of vertices with valence 6, less what the smallest angle lacks."""
-    smallest = float(np.degrees(plane_angles(plan, faces).min()))
-    inner = np.ones(len(plan), bool)
-    for loop in boundary_loops(faces):
-        inner[loop] = False
-    regular = float(np.mean(valences(len(plan), faces)[inner] == 6)) if inner.any() else 1.0
-    return regular + 0.05 * min(0.0, smallest - ENOUGH)
-
-
-def fill(areas: Sequence[Cell], seeds: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the points (n, 2) and triangles (m, 3) of areas that are triangulated one by one and share their sides."""
-    import shapely
-    from compas_cgal.triangulation import constrained_delaunay_triangulation
-
-    points, faces, count = [], [], 0
-    for area in areas:
-        own = seeds[shapely.contains_xy(area.polygon, seeds)]
-        rings = [flattened(ring[:-1]) for ring in map(shapely.get_coordinates, (area.polygon.exterior, *area.polygon.interiors))]
-        # Without points of its own the triangulation wants one of the ring's.
-        inner = flattened(own).tolist() or rings[0][:1].tolist()
-        found = constrained_delaunay_triangulation(rings[0], inner, rings[1:], [flattened(line) for line in area.loose])
-        points.append(np.asarray(found[0])[:, :2])
-        faces.append(np.asarray(found[1], dtype=np.int64) + count)
-        count += len(points[-1])
-    joined = weld(flattened(np.concatenate(points)), np.concatenate(faces), 0.0)
-    return joined.vertices[:, :2], joined.faces
 
 
 def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:

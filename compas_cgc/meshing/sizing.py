@@ -16,7 +16,6 @@ from .polyline import arc_lengths
 
 __all__ = ["SizeField", "size_field"]
 
-GRADE = 0.25  # of the distance from a small feature, by which edges grow
 TURN = 0.5  # most that a curve turns along an edge [rad]
 AROUND = 12  # edges of a closed curve without kinks at least
 KINK = np.radians(30.0)
@@ -41,13 +40,20 @@ class SizeField:
         ``(k, 2)`` places of small features [L].
     sizes
         ``(k,)`` edge lengths there [L].
+    grade
+        Part of the distance from a small feature by which edges grow.
     """
 
-    def __init__(self, edge_length: float, sources: FloatArray, sizes: FloatArray):
-        self.edge_length = edge_length
+    def __init__(self, edge_length: float, sources: FloatArray, sizes: FloatArray, grade: float):
+        self.edge_length, self._grade = edge_length, grade
         self._small = np.unique(np.column_stack([sources, sizes])[sizes < 0.95 * edge_length], axis=0)
         # Sources in the reach of smaller ones say nothing, and cost time.
         self._small = self._small[self._small[:, 2] <= self(self._small[:, :2])]
+
+    @property
+    def graded(self) -> bool:
+        """Whether edges are shorter anywhere."""
+        return len(self._small) > 0
 
     @property
     def smallest(self) -> float:
@@ -58,7 +64,7 @@ class SizeField:
         """Return the edge lengths (n,) at points (n, 2)."""
         found = np.full(len(points), self.edge_length)
         for few in np.array_split(self._small, len(self._small) // CHUNK + 1):
-            found = np.minimum(found, (few[:, 2] + GRADE * cdist(points, few[:, :2])).min(axis=1, initial=self.edge_length))
+            found = np.minimum(found, (few[:, 2] + self._grade * cdist(points, few[:, :2])).min(axis=1, initial=self.edge_length))
         return found
 
 
@@ -69,6 +75,7 @@ def size_field(
     nodes: FloatArray,
     points: FloatArray,
     edge_length: float,
+    grade: float,
 ) -> SizeField:
     """Return the size field of curves and points.
 
@@ -86,6 +93,8 @@ def size_field(
         ``(k, 2)`` places between the curves that do [L].
     edge_length
         The longest [L].
+    grade
+        Part of the distance from a small feature by which edges grow.
     """
     sources, sizes = [], []
     for line in lines:
@@ -107,6 +116,7 @@ def size_field(
         edge_length,
         np.concatenate([*sources, narrows]),
         np.concatenate([smallest, np.maximum(BASE * gaps, NARROWEST * edge_length)]),
+        grade,
     )
 
 

@@ -92,10 +92,10 @@ def mesh_face(
     try:
         import shapely
 
+        from .best_triangles import fill
         from .curve_sampling import Cell
         from .curve_sampling import cells
         from .curve_sampling import lattice
-        from .outline import fill
     except ImportError as error:
         raise MeshError(f"meshing surfaces needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     to_lengths, to_parameters = _unrolled(evaluate, np.concatenate(loops))
