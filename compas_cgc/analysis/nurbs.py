@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import spsolve
 
 from ..discrete import face_areas
@@ -24,9 +26,14 @@ from ._splines import gaussian
 from ._splines import knots_for
 from ._splines import spline_points
 
-__all__ = ["FittedSurface", "fit_overhanging", "fit_surface", "has_four_sides"]
+__all__ = ["FittedSurface", "fit_overhanging", "fit_region", "fit_surface", "has_four_sides"]
 
 LEAST, MOST = 8, 24  # control points along a side where K is fitted
+FINER = (1.0, 1.5, 2.0)  # times as many that a region may have, as far as it takes
+NEAR, OFF = 1.5, 0.01  # of the distance allowed, and of K: what is good enough
+FLAT = 0.02  # least K that errors are measured against, where the size is 1
+IN_FACE = (1.0 + 3.0 * np.eye(3)) / 6.0  # places where K is fitted in a face
+ON_CURVE = 8  # points of a cut for each edge of the mesh
 FREE = 6  # control points along a side at which vertices are met one by one, where it is not
 PER_EDGE = 0.5  # further ones for each edge along it
 CORNER = np.radians(30.0)  # turn of an edge, from which four of them are the corners of a patch
@@ -51,8 +58,50 @@ class FittedSurface(NamedTuple):
     edges: tuple[FloatArray, ...] = ()  # (k, 3) closed lines along which it is to be cut, where it overhangs [L]
 
 
+def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
+    """Fit a spline surface to a region in the way that suits it, with as many control points as it takes.
+
+    With four sides the surface is laid between them, otherwise it overhangs. Control points are added until it is near the vertices
+    and has K to a hundredth; of what was tried the best is returned.
+
+    Parameters
+    ----------
+    vertices, faces, K, within
+        As for :func:`fit_surface`.
+
+    Raises
+    ------
+    MeshError
+        If the region is closed, or has no four sides and turns away from its mean plane.
+    """
+    region = _normalised(vertices, faces)
+    reach = NEAR * (WITHIN * region.scale if within is None else within)
+
+    def lacks(fit: FittedSurface) -> float:
+        error = 0.0 if K is None else float(np.median(np.abs(fit.gaussian - K))) / max(abs(K), FLAT / region.scale**2)
+        return max(fit.deviation / reach, 1.0) * max(error / OFF, 1.0)
+
+    four = has_four_sides(vertices, faces)
+    tried: list[FittedSurface] = []
+    for finer in FINER:
+        tried.append((fit_surface if four else fit_overhanging)(vertices, faces, K=K, within=within, finer=finer))
+        if lacks(tried[-1]) <= 1.0 or min(tried[-1].control.shape[:2]) >= MOST:
+            break
+    best = min(tried, key=lacks)
+    if four and best.deviation > reach:
+        # An L has more corners than four, and may lie over a plane better.
+        with suppress(MeshError):
+            best = min(best, fit_overhanging(vertices, faces, K=K, within=within, finer=FINER[1]), key=lacks)
+    return best
+
+
 def fit_surface(
-    vertices: FloatArray, faces: IntArray, size: Optional[tuple[int, int]] = None, K: Optional[float] = None, within: Optional[float] = None
+    vertices: FloatArray,
+    faces: IntArray,
+    size: Optional[tuple[int, int]] = None,
+    K: Optional[float] = None,
+    within: Optional[float] = None,
+    finer: float = 1.0,
 ) -> FittedSurface:
     """Fit a spline surface to a region of a mesh that has one boundary loop.
 
@@ -71,6 +120,8 @@ def fit_surface(
         The K asked for, which is fitted too [1/L^2]. Default: only the points are.
     within
         Distance of the vertices that this may cost [L]. Default: 0.00004 of the region's size.
+    finer
+        Times as many control points along the sides as by default.
 
     Raises
     ------
@@ -87,7 +138,7 @@ def fit_surface(
     K = K if K is not None and np.isfinite(K) else None
     P, F, loop = region.points, region.faces, region.loops[0]
     uv, sides = _square(P, F, loop)
-    a, b = size or tuple(_count(own, K is not None) for own in sides)
+    a, b = size or tuple(_count(own, K is not None, finer) for own in sides)
     knots = knots_for(a), knots_for(b)
     control, uv = _settled(P, uv, knots, (a, b), loop)
     fit = _scaled(region, control, knots, uv, _places())
@@ -99,12 +150,14 @@ def fit_surface(
     return _better(fit, _scaled(region, control, knots, uv, _places()), K)
 
 
-def fit_overhanging(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
+def fit_overhanging(
+    vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None, finer: float = 1.0
+) -> FittedSurface:
     """Fit a spline surface over a rectangle in the mean plane of a region, which overhangs its edges: for discs, triangles and holes.
 
     Parameters
     ----------
-    vertices, faces, K, within
+    vertices, faces, K, within, finer
         As for :func:`fit_surface`.
 
     Returns
@@ -131,17 +184,37 @@ def fit_overhanging(vertices: FloatArray, faces: IntArray, K: Optional[float] = 
     low, high = plan.min(axis=0) - RIM, plan.max(axis=0) + RIM
     uv = (plan - low) / (high - low)
     edge = float(np.linalg.norm(P[F[:, 1]] - P[F[:, 0]], axis=1).mean())
-    a, b = (_count(own, K is not None) for own in ((high - low) / edge).tolist())
+    a, b = (_count(own, K is not None, finer) for own in ((high - low) / edge).tolist())
     knots, free = (knots_for(a), knots_for(b)), np.empty(0, np.int64)
     control, uv = _settled(P, uv, knots, (a, b), free)
     rim = np.zeros(len(P), bool)
     rim[np.concatenate(region.loops)] = True
     inner = F[~rim[F].any(axis=1)] if len(F) > 3 * rim.sum() else F
-    fit = _scaled(region, control, knots, uv, uv[F].mean(axis=1))
+    fit, on = _scaled(region, control, knots, uv, uv[F].mean(axis=1)), uv
     if K is not None:
-        control, uv = _curved(region, uv, control, knots, uv[inner].mean(axis=1), free, K, within)
-        fit = _better(fit, _scaled(region, control, knots, uv, uv[F].mean(axis=1)), K)
-    return fit._replace(edges=tuple(vertices[region.used][np.append(loop, loop[:1])] for loop in region.loops))
+        # K is read off at the middles of faces, so it is fitted at other places in them.
+        control, uv = _curved(region, uv, control, knots, np.einsum("pc,fcx->fpx", IN_FACE, uv[inner]).reshape(-1, 2), free, K, within)
+        curved = _better(fit, _scaled(region, control, knots, uv, uv[F].mean(axis=1)), K)
+        fit, on = (fit, on) if curved is fit else (curved, uv)
+    return fit._replace(edges=tuple(_cut(fit, on[loop], _turns(P[loop])) for loop in region.loops))
+
+
+def _cut(fit: FittedSurface, uv: FloatArray, turn: FloatArray) -> FloatArray:
+    """Return points (k, 3) on a surface along the smooth curve through parameters (n, 2), which bends sharply where it turns much (n,)."""
+    corners = np.flatnonzero(turn > CORNER)
+    first = int(corners[0]) if len(corners) else 0
+    ring = np.roll(uv, -first, axis=0)
+    ring = np.concatenate([ring, ring[:1]])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
+    stops = [*(corners - first).tolist(), len(uv)] if len(corners) else [0, len(uv)]
+    parts = []
+    for begin, end in zip(stops[:-1], stops[1:]):
+        own = slice(begin, end + 1)
+        curve = CubicSpline(along[own], ring[own], bc_type="natural" if len(corners) else "periodic")
+        places = np.interp(np.arange(ON_CURVE * (end - begin)) / ON_CURVE, np.arange(end - begin + 1), along[own])
+        parts.append(curve(places))
+    on = np.concatenate([*parts, ring[-1:]])
+    return spline_points(fit.control, (fit.knots_u, fit.knots_v), on)
 
 
 def has_four_sides(vertices: FloatArray, faces: IntArray) -> bool:
@@ -214,10 +287,10 @@ def _scaled(region: _Region, control: FloatArray, knots: Knots, uv: FloatArray, 
     return FittedSurface(control * region.scale + region.centre, *knots, gap * region.scale, K)
 
 
-def _count(edges: float, fits_K: bool) -> int:
+def _count(edges: float, fits_K: bool, finer: float) -> int:
     """Return how many control points a side of so many edges gets; without K more of them would only ripple."""
     count = edges + 1 if fits_K else min(edges + 1, FREE + PER_EDGE * max(0.0, edges + 1 - FREE))
-    return int(np.clip(round(count), LEAST if fits_K else DEGREE + 1, MOST))
+    return int(np.clip(round(finer * count), LEAST if fits_K else DEGREE + 1, MOST))
 
 
 def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tuple[float, float]]:

@@ -8,9 +8,7 @@ import numpy as np
 
 from ...analysis._splines import DEGREE
 from ...analysis.nurbs import FittedSurface
-from ...analysis.nurbs import fit_overhanging
-from ...analysis.nurbs import fit_surface
-from ...analysis.nurbs import has_four_sides
+from ...analysis.nurbs import fit_region
 from ...discrete.arrays import IntArray
 from ...errors import MeshError
 from ...model.problem import CGCProblem
@@ -32,9 +30,8 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     within = OFF * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for region in range(label.max(initial=-1) + 1):
         faces = problem.faces[label == region]
-        fitted = fit_surface if has_four_sides(problem.vertices, faces) else fit_overhanging
         try:
-            fit = fitted(problem.vertices, faces, K=_target(problem, faces), within=within)
+            fit = fit_region(problem.vertices, faces, K=_target(problem, faces), within=within)
         except MeshError as error:
             notes.append(f"region {region} was not fitted: {error}")
             continue

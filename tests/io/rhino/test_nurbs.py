@@ -14,6 +14,7 @@ from compas_cgc import solve
 from compas_cgc import write
 from compas_cgc.analysis import nurbs
 from compas_cgc.analysis.nurbs import fit_overhanging
+from compas_cgc.analysis.nurbs import fit_region
 from compas_cgc.analysis.nurbs import fit_surface
 from compas_cgc.analysis.nurbs import has_four_sides
 from compas_cgc.errors import MeshError
@@ -143,3 +144,30 @@ def test_a_fit_to_k_that_loses_both_is_not_taken(monkeypatch, deviation, K, take
     made = iter([plain, curved])
     monkeypatch.setattr(nurbs, "_scaled", lambda *_: next(made))
     assert (fit_surface(V, F, (8, 8), K=-0.02) is curved) == taken
+
+
+def test_a_coarse_saddle_gets_the_control_points_that_its_k_takes():
+    mesh = CGCMesh.from_meshgrid(dx=10.0, nx=8)
+    V, _ = mesh.arrays()
+    u, v = V[:, 0] / 10.0, V[:, 1] / 10.0
+    for vertex, height in zip(mesh.vertices(), (6.0 * (u + v - 2.0 * u * v)).tolist()):
+        mesh.vertex_attribute(vertex, "z", height)
+    mesh.set_supports("corners")
+    mesh.set_target(-0.008)
+    V, F = solve(mesh).mesh.arrays()
+    first, best = (fit(V, F, K=-0.008, within=6e-4) for fit in (fit_surface, fit_region))
+    errors = [float(np.median(np.abs(fit.gaussian / -0.008 - 1))) for fit in (first, best)]
+    assert errors[1] < min(0.05, 0.5 * errors[0]) and best.deviation < 1e-3
+
+
+def test_cuts_are_smooth_curves_on_the_surface():
+    """Straight from vertex to vertex they were 20 mm off the outer edge and 60 off the inner one."""
+    t = np.linspace(0.0, 2.0 * np.pi, 361)
+    rims = [radius * np.column_stack([np.cos(t), np.sin(t), 0.0 * t]) for radius in (6.0, 2.0)]
+    mesh = CGCMesh.from_outline(rims[0], 1.0, [rims[1]])
+    V, F = mesh.arrays()
+    V = np.column_stack([V[:, :2], np.sqrt(100.0 - V[:, 0] ** 2 - V[:, 1] ** 2)])
+    cuts = fit_region(V, F, K=0.01).edges
+    for cut, radius in zip(sorted(cuts, key=len, reverse=True), (6.0, 2.0)):
+        assert np.abs(np.hypot(*cut[:, :2].T) - radius).max() < 2e-3
+        assert np.abs(np.linalg.norm(cut, axis=1) - 10.0).max() < 2e-3
