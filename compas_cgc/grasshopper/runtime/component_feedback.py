@@ -9,6 +9,7 @@ from typing import Any
 
 from ...errors import ProblemError
 from .wires import check_wires
+from .wires import single
 
 __all__ = ["add_error", "add_remark", "add_warning", "as_list", "poll", "reports_errors", "run_again", "set_message", "unwrapped"]
 
@@ -94,7 +95,7 @@ def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
         @functools.wraps(function)
         def run(component: Any, *inputs: Any) -> Any:
             try:
-                given = [unwrapped(value) for value in inputs]
+                given = [unwrapped(single(name, value)) for name, value in zip(names, inputs)]
                 check_wires(dict(zip(names, given)))
                 return function(component, *given)
             except ProblemError as error:

@@ -17,7 +17,13 @@ from ...model.constraints import Constraint
 from ...solvers import Settings
 from .address import Address
 
-__all__ = ["check_wires"]
+__all__ = ["LISTS", "check_wires", "single"]
+
+# Names of the inputs that take lists; the others take one value.
+LISTS = frozenset(
+    ("K", "clear", "clearance", "constraints", "creases", "curves", "others", "point", "points", "region", "supports", "surfaces")
+    + ("through", "unknown")
+)
 
 
 class Wire(NamedTuple):
@@ -126,6 +132,30 @@ WIRES = {
         ("along", "column", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT
     ),
 }
+
+
+def single(name: str, value: Any) -> Any:
+    """Return the value of an input that takes one, which comes in a list where the canvas was set to list access.
+
+    Parameters
+    ----------
+    name
+        Of the input.
+    value
+        What it gets: of a list without gaps its one value, None where it is empty.
+
+    Raises
+    ------
+    CGCError
+        If there are several.
+    """
+    if name in LISTS or value is None:
+        return value
+    values = _values(value)
+    there = [one for one in values if one is not None]
+    if len(there) > 1:
+        raise CGCError(f"the input {name} gets {len(there)} values; connect one, or set the input to item access")
+    return there[0] if there else None
 
 
 def check_wires(inputs: Mapping[str, Any]) -> None:

@@ -10,6 +10,7 @@ import pytest
 from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc.grasshopper.runtime.wires import LISTS
 from compas_cgc.grasshopper.runtime.wires import WIRES
 
 from ...support.gh_stand_ins import BUNDLES
@@ -87,6 +88,19 @@ def test_a_wrong_wire_is_one_sentence(name, wire, wrong):
 
 def test_every_input_says_what_it_takes():
     assert {own.name for bundle in BUNDLES.values() for own in bundle.inputs} <= set(WIRES)
+
+
+def test_inputs_of_one_value_take_it_out_of_a_list_and_tell_of_several():
+    assert LISTS == {own.name for bundle in BUNDLES.values() for own in bundle.inputs if own.access == "list"}
+    placed = place("Regions")
+    alone, listed = (placed.run(cgc_mesh=given) for given in (dome(), [None, dome()]))
+    assert not placed.said("Error") and [value is None for value in listed.values()] == [value is None for value in alone.values()]
+    for name in ("Analyse", "Constraints", "Mould", "Regions", "Solve"):
+        placed = place(name)
+        placed.run(cgc_mesh=[dome(), dome()])
+        assert placed.said("Error") == ["the input cgc_mesh gets 2 values; connect one, or set the input to item access"]
+        placed.run(cgc_mesh=[None])
+        assert not placed.said("Error") and len(placed.said("Warning")) == 1
 
 
 # What Grasshopper's own conversion may let through, by the hint of the input.
