@@ -23,7 +23,8 @@ def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
         pivot = M[k, k] + lift * trace
         for m in range(k):
             pivot -= M[k, m] * M[k, m]
-        M[k, k] = math.sqrt(max(pivot, SOFT * trace))
+        least = SOFT * trace
+        M[k, k] = math.sqrt(pivot if pivot > least else least)
         for j in range(k + 1, n):
             for m in range(k):
                 M[j, k] -= M[j, m] * M[k, m]

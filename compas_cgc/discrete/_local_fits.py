@@ -1,6 +1,6 @@
 """Polynomial fits around vertices, many at a time, and what they say about angle defects.
 
-In NumPy: for a first solve these would take as long to compile as everything else.
+Their least squares are compiled; all else is in NumPy, as for a first solve it would take as long to compile as everything else.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from ._least_squares import CENTRED
+from ._least_squares import least_squares
 from ._memo import remembered
 from .arrays import Faces
 from .arrays import FloatArray
@@ -23,8 +25,6 @@ from .arrays import Vertices
 
 TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without the constant
 SPARE = 1.25  # points against terms below which the degree is lowered
-CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
-SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
 CHUNK = 300  # vertices that are fitted at once, as many as a cache holds
 PART = 50_000  # vertices whose rings are held at once
 SYMMETRIC = np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # of entries that stand for two, so that the norm is the matrix's
@@ -87,17 +87,9 @@ class Fit(NamedTuple):
     weighted: FloatArray  # (k, t, c) monomials times the roots of the weights, a constant last where a polynomial is not pinned
     factor: FloatArray  # (k, t, t) of the least squares, below the diagonal and on it
     heights: FloatArray  # (k, t) what the monomials are taken times
-    terms: int  # of them without the constant
-
-    @property
-    def pinned(self) -> bool:
-        """Whether the polynomials go through their vertices."""
-        return self.weighted.shape[1] == self.terms
-
-    @property
-    def lifted(self) -> FloatArray:
-        """The heights of the polynomials over the points (k, c), the constant left out."""
-        return np.asarray((self.heights[:, None, : self.terms] @ self.weighted[:, : self.terms])[:, 0] * self.unweighted, dtype=np.float64)
+    lifted: FloatArray  # (k, c) heights of the polynomials over the points, the constant left out, zero at what fills rings up
+    squares: FloatArray  # (k, 2) sums of the squares of the points' distances from the polynomials, and of their quadratic parts
+    terms: int  # of monomials without the constant
 
     @property
     def unweighted(self) -> FloatArray:
@@ -144,32 +136,19 @@ def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: I
     there = column < count[:, None]
     # What fills shorter rows up lies at the vertex itself.
     others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
-    points = (V[others] - V[rows][:, None]) @ frames.transpose(0, 2, 1)
-    scale = np.sqrt(np.einsum("kcx,kcx->kc", points, points).max(axis=1))
-    points /= np.where(scale > 0, scale, 1.0)[:, None, None]
-    places = np.ascontiguousarray(np.moveaxis(points, 2, 0))
-    u, v, w = places
-    terms = int(TERMS[degree])
-    # By the roots of their weights, so that their products are those of the least squares.
-    root = np.where(there, 1.0 / np.sqrt(u * u + v * v + CENTRED), 0.0)
-    weighted = room[: len(rows), :, : len(column)]
-    weighted[:, -1] = root
-    for k, power in enumerate(_powers(u, v, degree)):
-        np.multiply(power, root, out=weighted[:, k])
-    M = weighted @ weighted.transpose(0, 2, 1)
-    if room.shape[1] > terms:
-        M[:, terms, terms] += 1.0 / CENTRED
-    r = cholesky_solved(M, (weighted @ (w * root)[..., None])[..., 0])
-    return Fit(rows, group, around, frames, others, there, scale, places, weighted, M, r, terms)
+    k, c, t = len(rows), len(column), room.shape[1]
+    places, weighted = np.empty((3, k, c)), room[:k, :, :c]
+    factor, heights, scale = np.empty((k, t, t)), np.empty((k, t)), np.empty(k)
+    lifted, squares = np.zeros((k, c)), np.empty((k, 2))
+    found = (places, weighted, factor, heights, scale, lifted, squares)
+    least_squares(V, frames, rows, others, count, degree, *found, np.empty((t, t)), np.empty(t), np.empty(t))
+    return Fit(rows, group, around, frames, others, there, scale, places, weighted, factor, heights, lifted, squares, int(TERMS[degree]))
 
 
 def told(fit: Fit) -> FloatArray:
     """Return what fits tell (k, 12): the columns of `LocalFits`."""
     out = np.full((len(fit.rows), COLUMNS), np.nan)
     scale, terms = fit.scale, fit.terms
-    u, v, w = fit.places
-    if not fit.pinned:
-        w = w - fit.heights[:, terms, None]
     good = scale > 0
     r = fit.heights[:, :terms]
     count = np.count_nonzero(fit.there, axis=1)
@@ -178,14 +157,11 @@ def told(fit: Fit) -> FloatArray:
     g = 1.0 + a * a + b * b
     out[:, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
     out[:, 1] = -((1 + b * b) * uu - 2 * a * b * uv + (1 + a * a) * vv) / (2 * g * np.sqrt(g)) / scale
-    height = fit.lifted
-    second = (r[:, None, 2:5] @ fit.weighted[:, 2:5])[:, 0] * fit.unweighted
     enough = count >= terms + 2
-    off = np.where(fit.there, height - w, 0.0)
-    out[enough, 3] = (scale * np.sqrt((off**2).sum(axis=1) / np.maximum(count - terms, 1)))[enough]
-    out[enough, 4] = (scale * np.sqrt((second**2).sum(axis=1) / count))[enough]
+    out[enough, 3] = (scale * np.sqrt(fit.squares[:, 0] / np.maximum(count - terms, 1)))[enough]
+    out[enough, 4] = (scale * np.sqrt(fit.squares[:, 1] / count))[enough]
     out[:, 5] = scale
-    defect, area = _defects(fit.around, fit.group, np.stack([u, v, height], axis=2))
+    defect, area = _defects(fit.around, fit.group, np.stack([*fit.places[:2], fit.lifted], axis=2))
     held = area > 0
     out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
     out[:, 6:] = _tensors(fit.frames, a, b, np.stack([uu, uv, vv], axis=1) / (np.sqrt(g) * scale)[:, None])
@@ -267,31 +243,11 @@ def _powers(u: FloatArray, v: FloatArray, degree: int) -> list[FloatArray]:
     return found
 
 
-def cholesky_solved(M: FloatArray, r: FloatArray) -> FloatArray:
-    """Return the solutions (k, t) of systems (k, t, t), whose factors take their places.
-
-    Pivots are kept from vanishing where the systems determine too little.
-    """
-    n = M.shape[1]
-    L, x = M, r.copy()  # the lower triangle, column by column in the place of the system's own
-    soft = SOFT * np.trace(M, axis1=1, axis2=2)
-    for k in range(n):
-        below = M[:, k:, k] - np.einsum("ijm,im->ij", L[:, k:, :k], L[:, k, :k])
-        L[:, k, k] = np.sqrt(np.maximum(below[:, 0], soft))
-        L[:, k + 1 :, k] = below[:, 1:] / L[:, k, k, None]
-        x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k, :k], x[:, :k])) / L[:, k, k]
-    return _back(L, x)
-
-
 def substituted(L: FloatArray, r: FloatArray) -> FloatArray:
     """Return the solutions (k, t) of systems with lower triangles (k, t, t) for factors."""
     x = r.copy()
     for k in range(L.shape[1]):
         x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k, :k], x[:, :k])) / L[:, k, k]
-    return _back(L, x)
-
-
-def _back(L: FloatArray, x: FloatArray) -> FloatArray:
     for k in range(L.shape[1] - 1, -1, -1):
         x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k + 1 :, k], x[:, k + 1 :])) / L[:, k, k]
     return x

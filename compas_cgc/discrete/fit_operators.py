@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from ._local_fits import CENTRED
+from ._least_squares import CENTRED
 from ._local_fits import SPARE
 from ._local_fits import TERMS
 from ._local_fits import _frames

@@ -1,0 +1,100 @@
+"""Compiled least squares of polynomials over the tangent planes of vertices."""
+
+from __future__ import annotations
+
+import math
+
+from .._compiled import kernel
+from ._cholesky import solve_in_place
+from .arrays import FloatArray
+from .arrays import Indices
+from .arrays import IntArray
+from .arrays import Vertices
+
+__all__ = ["CENTRED", "least_squares"]
+
+CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
+
+
+@kernel()
+def least_squares(
+    V: Vertices,
+    frames: FloatArray,
+    rows: Indices,
+    others: IntArray,
+    count: IntArray,
+    degree: int,
+    places: FloatArray,
+    weighted: FloatArray,
+    factor: FloatArray,
+    heights: FloatArray,
+    scale: FloatArray,
+    lifted: FloatArray,
+    squares: FloatArray,
+    M: FloatArray,
+    r: FloatArray,
+    own: FloatArray,
+) -> None:
+    """Fit a polynomial around each of some vertices (k,), and fill the arrays from `places` (3, k, c) on as `Fit` has them.
+
+    Of the points (k, c) only the first `count` (k,) of a vertex count; where there is one unknown more than monomials, the
+    last is the height of the polynomial over the vertex. `M` (t, t), `r` (t,) and `own` (t,) are room to work in.
+    """
+    terms = degree * (degree + 3) // 2
+    unknowns = heights.shape[1]
+    for i in range(rows.shape[0]):
+        at = rows[i]
+        far = 0.0
+        for c in range(others.shape[1]):
+            j = others[i, c]
+            d0, d1, d2 = V[j, 0] - V[at, 0], V[j, 1] - V[at, 1], V[j, 2] - V[at, 2]
+            square = d0 * d0 + d1 * d1 + d2 * d2
+            far = square if square > far else far  # what max calls is compiled too
+            for axis in range(3):
+                places[axis, i, c] = d0 * frames[i, axis, 0] + d1 * frames[i, axis, 1] + d2 * frames[i, axis, 2]
+        scale[i] = math.sqrt(far)
+        size = scale[i] if far > 0.0 else 1.0
+        for k in range(unknowns):
+            r[k] = 0.0
+            for m in range(unknowns):
+                M[k, m] = 0.0
+        if unknowns > terms:
+            M[terms, terms] = 1.0 / CENTRED
+        for c in range(others.shape[1]):
+            for axis in range(3):
+                places[axis, i, c] /= size
+            u, v, w = places[0, i, c], places[1, i, c], places[2, i, c]
+            # By the roots of their weights, so that their products are those of the least squares.
+            root = 1.0 / math.sqrt(u * u + v * v + CENTRED) if c < count[i] else 0.0
+            own[unknowns - 1] = root
+            own[0], own[1] = u * root, v * root
+            first = 0
+            for d in range(2, degree + 1):
+                for m in range(d):
+                    own[first + d + m] = u * own[first + m]
+                own[first + 2 * d] = v * own[first + d - 1]
+                first += d
+            for k in range(unknowns):
+                weighted[i, k, c] = own[k]
+                r[k] += own[k] * root * w
+                for m in range(k + 1):
+                    M[k, m] += own[k] * own[m]
+        solve_in_place(M, r, unknowns, 0.0)
+        for k in range(unknowns):
+            heights[i, k] = r[k]
+            for m in range(unknowns):
+                factor[i, k, m] = M[k, m]
+        squares[i, 0] = squares[i, 1] = 0.0
+        over = r[terms] if unknowns > terms else 0.0
+        for c in range(count[i]):
+            whole = second = 0.0
+            for k in range(terms):
+                whole += r[k] * weighted[i, k, c]
+                if 2 <= k < 5:
+                    second += r[k] * weighted[i, k, c]
+            u, v, w = places[0, i, c], places[1, i, c], places[2, i, c]
+            root = math.sqrt(u * u + v * v + CENTRED)
+            lifted[i, c] = whole * root
+            off, bent = lifted[i, c] + over - w, second * root
+            squares[i, 0] += off * off
+            squares[i, 1] += bent * bent
