@@ -14,8 +14,11 @@ from .._compiled import kernel
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete._cholesky import solve_in_place
+from ..discrete._memo import remembered
+from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
+from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.arrays import PerVertex
 from ..discrete.arrays import Vectors
@@ -111,6 +114,15 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
     return out
 
 
+@remembered
+def _neighbours(F: Faces, n: int) -> tuple[IntArray, IntArray]:
+    """Return where the neighbours of every vertex begin (n + 1,), and these, in order."""
+    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
+    graph = sparse.csr_matrix((np.ones(2 * len(u)), (np.r_[u, v], np.r_[v, u])), shape=(n, n))
+    graph.sort_indices()
+    return graph.indptr.astype(np.int64), graph.indices.astype(np.int64)
+
+
 @names_what_was_meant()
 def quadric_curvatures(
     vertices: ArrayLike, faces: ArrayLike, wanted: Optional[ArrayLike] = None, through: Optional[ArrayLike] = None
@@ -149,14 +161,9 @@ def quadric_curvatures(
     True
     """
     V, F = mesh_arrays(vertices, faces)
-    n = len(V)
-    u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
-    ones = np.ones(2 * len(u))
-    graph = sparse.csr_matrix((ones, (np.r_[u, v], np.r_[v, u])), shape=(n, n))
-    graph.sort_indices()
-    everywhere = np.ones(n, bool)
+    everywhere = np.ones(len(V), bool)
     where = everywhere if wanted is None else np.asarray(wanted, dtype=bool)
     reached = everywhere if through is None else np.asarray(through, dtype=bool)
-    K, H = fit(V, vertex_normals(V, F), graph.indptr.astype(np.int64), graph.indices.astype(np.int64), reached, where).T
+    K, H = fit(V, vertex_normals(V, F), *_neighbours(F, len(V)), reached, where).T
     spread = np.sqrt(np.maximum(H * H - K, 0.0))
     return QuadricCurvatures(K, H, H + spread, H - spread)

@@ -121,6 +121,7 @@ def _rims(edges: IntArray, face_part: IntArray, count: int) -> list[IntArray]:
     return _grouped(edges, np.concatenate([here[border], there[border]]), count)
 
 
+@remembered
 def _loop(rim: IntArray) -> Optional[list[int]]:
     """Return the vertices of a rim in order, or None when it is not one simple loop."""
     following = dict(rim.tolist())

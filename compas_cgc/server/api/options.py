@@ -25,6 +25,7 @@ from ...solvers.registry import settings_for
 from ...solvers.settings import Settings
 from ..errors import Unprocessable
 from ..limits import Limits
+from .decoding import are_numbers
 from .decoding import number
 from .decoding import whole
 from .units import UNITS
@@ -169,6 +170,8 @@ def _check_targets(value: object, count: Optional[int]) -> None:
     if isinstance(value, list):
         if count is not None and len(value) != count:
             raise Unprocessable(f"'targets' has {len(value)} numbers for {count} vertices; give one each, or one number for all")
+        if are_numbers(value):
+            return
         for i, K in enumerate(value):
             if K is not None:
                 number(K, f"the target of vertex {i}")

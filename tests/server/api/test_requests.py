@@ -190,3 +190,13 @@ class Told(NamedTuple):
 
     def stop_wanted(self):
         return False
+
+
+@pytest.mark.parametrize("wrong", ["x", True, [], 1e13, -1e13, 10**20])
+def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
+    for place in (0, 20, 48):
+        targets = [0.01, None, 1] * 16 + [0.01]
+        accept(asked(targets=targets), LIMITS)
+        targets[place] = wrong
+        with pytest.raises(Unprocessable, match=f"the target of vertex {place} must be a"):
+            accept(asked(targets=targets), LIMITS)
