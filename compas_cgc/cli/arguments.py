@@ -52,7 +52,23 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 def add_supports(parser: argparse.ArgumentParser) -> None:
     """Add the argument that names what is fixed."""
     text = "fix the whole open edge, the outline of it without holes, or its corners, not the file's points"
-    parser.add_argument("--supports", choices=SUPPORT_NAMES, help=text)
+    parser.add_argument("--supports", type=_supports, choices=SUPPORT_NAMES, help=text)
+
+
+def _supports(text: str) -> str:
+    """Return the name of supports.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If it is none, which people write who mean vertices.
+    """
+    if text in SUPPORT_NAMES:
+        return text
+    points = "draw points on the layer CGC::Supports, or name vertices in a script, mesh.set_supports([...])"
+    raise argparse.ArgumentTypeError(
+        f"there are {', '.join(SUPPORT_NAMES[:-1])} and {SUPPORT_NAMES[-1]}, not {text!r}; to hold single places, {points}"
+    )
 
 
 def read_input(arguments: argparse.Namespace, *, result: bool = False) -> ReadProblem:

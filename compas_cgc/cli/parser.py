@@ -18,6 +18,10 @@ __all__ = ["Parser"]
 OTHER_WORDS = {"k": "--target", "curvature": "--target", "fix": "--supports", "fixed": "--supports", "mesh-size": "--edge-length"}
 
 
+def _listed(names: str, last: str) -> str:
+    return f"{', '.join(names.split())} and {last}"
+
+
 class Parser(argparse.ArgumentParser):
     """Refuses arguments with what is wrong, what was likely meant, and where to read on."""
 
@@ -27,6 +31,9 @@ class Parser(argparse.ArgumentParser):
         said = re.sub(r"invalid (?:int|float|_?\w+) value: (.*)", r"\1 is not understood; give a number, with a point for decimals", said)
         said = said.replace("expected one argument", "a value is missing after it")
         said = said.replace("the following arguments are required", "still needed")
+        said = re.sub(
+            r"one of the arguments (.*) (\S+) is required", lambda found: f"still needed: one of {_listed(*found.groups())}", said
+        )
         said = said.replace("unrecognized arguments", "there is no such argument")
         print(f"{self.prog}: {said}; see {self.prog} --help", file=sys.stderr)
         sys.exit(REFUSED)

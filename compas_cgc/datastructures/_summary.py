@@ -8,6 +8,7 @@ import numpy as np
 
 from ..discrete import boundary_vertices
 from ..discrete import face_normals
+from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
@@ -80,7 +81,9 @@ def _held(problem: CGCProblem) -> str:
     rim, fixed = boundary_vertices(problem.vertices, problem.faces), problem.roles == FIXED
     if rim.any() and np.array_equal(rim, fixed):
         return "held along its whole edge"
-    return f"held at {int(fixed.sum())} of {len(fixed)} vertices"
+    count = int(fixed.sum())
+    loose = " only, about which it can turn" if turns_about(problem) else ""
+    return f"held at {count} of {len(fixed)} vertices{loose}"
 
 
 def _number(value: float, size: float) -> str:

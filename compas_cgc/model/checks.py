@@ -35,7 +35,7 @@ from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
 
-__all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced"]
+__all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
 GENTLE = 0.5  # total curvature of a region that is proposed [rad]
 NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
@@ -164,11 +164,11 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     if len(loose):
         text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
         remarks.append(f"a crease ends at vertices {listed(names[loose])}, inside of a region, {text}")
-    remarks += _turns_about(problem)
+    remarks += turns_about(problem)
     return [Diagnostic(text, fatal=False) for text in remarks]
 
 
-def _turns_about(problem: CGCProblem) -> list[str]:
+def turns_about(problem: CGCProblem) -> list[str]:
     """Say what a surface can turn about that is held at one or two points."""
     count = int((problem.roles == FIXED).sum())
     if not 0 < count < 3 or problem.constraints or not len(boundary_loops(problem.faces)):

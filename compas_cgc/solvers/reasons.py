@@ -22,6 +22,7 @@ from ..model.goals.wholes import Whole
 from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from .half_sphere import cap_of_the_rise
 from .limits import raised
 from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
@@ -62,13 +63,15 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
         return Why()  # The message blames the mesh: the supports may carry it.
     if problem.constraints and not whole:
         return _first(columns) or _carried(problem, cold)
-    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold)
+    # That there is none with such a goal has been said, and how much of it can be had.
+    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold, None if whole else "")
 
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
     asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold, NOTHING if asking else "", LAYOUT)
+    told = _first(partial(_contradiction, problem), columns) or _first(partial(cap_of_the_rise, problem))
+    return told or _carried(problem, cold, NOTHING if asking else "", LAYOUT)
 
 
 def _first(*told: Callable[[], str]) -> Optional[Why]:
@@ -86,8 +89,10 @@ def _contradiction(problem: CGCProblem) -> str:
     return next(iter(two_sided_supports(real) or inward_edges(real)), "")
 
 
-def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: str = "", enough: str = "") -> Why:
+def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] = "", enough: str = "") -> Why:
     """Return the sentence on the largest targets that are carried, where that is found soon; others where none are, or what is asked.
+
+    Where none are and None is to be said of that, nothing is.
 
     Where these are what is asked on the mesh itself, that surface is returned.
     """
@@ -105,7 +110,7 @@ def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: str = "", enoug
         return Why()
     limit = found.limit
     if limit.status == "none":
-        return _after(nothing or limit.message)
+        return Why() if nothing is None else _after(nothing or limit.message)
     if not limit.carries_what_is_asked:
         return _after(limit.message)
     if problem.real_faces.all() and found.surface is not None:

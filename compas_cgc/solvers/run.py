@@ -33,6 +33,7 @@ from ..model.result import Solution
 from ..model.result import SolveState
 from ..model.roles import DUMMY
 from .continued import solved_on
+from .half_sphere import with_half_a_sphere
 from .registry import METHODS
 from .registry import method_of
 from .registry import options
@@ -189,7 +190,7 @@ def _check_constraints(method: str, problem: CGCProblem) -> None:
 def _run(method: str, problem: CGCProblem, settings: Optional[Settings], callback: Callback) -> Solution:
     if method == "auto":
         return run_auto(problem, settings=settings, callback=callback)
-    return run_method(METHODS[method], problem, settings=settings, callback=callback)
+    return with_half_a_sphere(problem, run_method(METHODS[method], problem, settings=settings, callback=callback))
 
 
 class _RealOnly:

@@ -27,6 +27,7 @@ from .allowance import Allowance
 from .anew import solved_anew
 from .columns import Attempt
 from .columns import column_advice
+from .half_sphere import with_half_a_sphere
 from .method import Method
 from .reasons import why_not_found
 from .reasons import why_rough
@@ -197,7 +198,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         why = why_not_found(problem, best.status, partial(_columns, problem, best), _attempt)
     if why.surface is not None and settings is None:
         return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
-    return _told(best, choice, tried, why.text)
+    return _told(best if why.text else with_half_a_sphere(problem, best), choice, tried, why.text)
 
 
 def _is_due(choice: Choice, rough: bool) -> bool:

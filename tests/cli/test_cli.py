@@ -414,6 +414,15 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, 
     [
         (["solv", "roof.3dm"], "there is no command 'solv'; did you mean solve?"),
         (["solve", "roof.3dm"], "compas-cgc solve: still needed: -o/--output; see compas-cgc solve --help"),
+        (
+            ["mould", "roof.3dm", "-o", "moulds.3dm"],
+            "compas-cgc mould: still needed: one of --size, --count and --curves; see compas-cgc mould --help",
+        ),
+        (
+            ["solve", "roof.3dm", "-o", "out.3dm", "--supports", "0,99"],
+            "compas-cgc solve: --supports: there are boundary, outline and corners, not '0,99'; to hold single places, draw points on the "
+            "layer CGC::Supports, or name vertices in a script, mesh.set_supports([...]); see compas-cgc solve --help",
+        ),
         (["solve", "roof.3dm", "-o", "a.3dm", "--edge_length", "1"], "there is no argument --edge_length, did you mean --edge-length?"),
         (["solve", "roof.3dm", "-o", "a.3dm", "--K", "0.01"], "there is no argument --K, did you mean --target?"),
         (["check", "roof.3dm", "--curvature", "0.01"], "there is no argument --curvature"),

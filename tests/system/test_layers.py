@@ -30,7 +30,7 @@ PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which 
 INSIDE = {
     "solvers": [
         {"settings"},
-        {"allowance", "method", "carried", "coarse"},
+        {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "projection"},
         {"rising", "one_sided"},
         {"anew", "smoothed", "turned_edges", "columns", "flow", "limits"},

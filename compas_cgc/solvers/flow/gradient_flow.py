@@ -19,6 +19,7 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.roles import CREASE
+from ..half_sphere import rounder_than_half_a_sphere
 from .filter import GradientFilter
 from .linesearch import armijo_line_search
 from .settings import FlowSettings
@@ -196,9 +197,14 @@ def _message(status: str, step: int, error: float, goal: float, problem: CGCProb
         return f"not converged in {step} steps: {reached}, asked for {goal:.3g}; allow more steps, or raise filter_radius"
     if radius == 0:
         return f"diverged at step {step} without a filter: short waves grow; set filter_radius to a few edge lengths"
+    sphere = rounder_than_half_a_sphere(problem)
     cause = (
-        "the target may be more than the boundary can carry (try a smaller K̄, or creases from concave corners), "
-        "or the steps too long (try a smaller mu0 or a larger q)"
+        f"the target is more than the boundary can carry: {sphere}"
+        if sphere
+        else (
+            "the target may be more than the boundary can carry (try a smaller K̄, or creases from concave corners), "
+            "or the steps too long (try a smaller mu0 or a larger q)"
+        )
     )
     if (problem.targets[problem.asked] < 0).any():
         cause = "the flow is unstable where K̄ < 0; use another method there"

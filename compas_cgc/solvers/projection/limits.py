@@ -9,7 +9,10 @@ from dataclasses import replace
 from typing import Any
 from typing import Optional
 
+import numpy as np
+
 from ...discrete.arrays import FloatArray
+from ...errors import ProblemError
 from ...model.constraints import CROWN
 from ...model.constraints import AtHeight
 from ...model.constraints import Constraint
@@ -61,6 +64,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     if free.status != "converged":
         return f"without {goal_name(goal)} the rest cannot be met either"
     had = _had(problem, goal, free)
+    other_K = _carrying(problem, goal, had)
     met, most = had, float(getattr(goal, number))
     for _ in range(HALVINGS):
         middle = _between(met, most)
@@ -69,12 +73,24 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
         tried[missed] = replace(goal, **changed)
         asked = problem.with_constraints(tried, add=False)
         # What has no good start of its own is led up to.
-        other = next((one for one in (solve(asked, start) for start in (None, found.vertices)) if one.status == "converged"), None)
+        try:
+            other = next((one for one in (solve(asked, start) for start in (None, found.vertices)) if one.status == "converged"), None)
+        except ProblemError:  # So little is no goal.
+            break
         if other is not None:
             met, found = middle, other
         else:
             most = middle
-    return f"of {goal_name(goal)} about {met:.4g} can be had"
+    return f"of {goal_name(goal)} about {met:.4g} can be had{other_K}"
+
+
+def _carrying(problem: CGCProblem, goal: Constraint, had: float) -> str:
+    """Return which K > 0 a surface of one K rises with as high as asked, from how high it is without the goal: h^2 goes with K."""
+    targets = problem.targets[problem.asked]
+    K = float(targets.min(initial=np.inf))
+    if not isinstance(goal, Rise) or not 0.0 < K == float(targets.max(initial=0.0)) < np.inf or not had > 0.0 < goal.rise:
+        return ""
+    return f" with K = {K:.4g}, which rises {had:.4g} by itself; K near {K * (goal.rise / had) ** 2:.2g} rises {goal.rise:.4g}"
 
 
 def _between(met: float, most: float) -> float:
