@@ -98,11 +98,13 @@ class Fit(NamedTuple):
         return np.where(self.there, np.sqrt(u * u + v * v + CENTRED), 0.0)
 
 
-def fitted(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool) -> FloatArray:
+def fitted(
+    V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool, layout: bool = True
+) -> FloatArray:
     """Return what polynomials around the wanted vertices tell (n, 12), else NaN: the columns of `LocalFits`."""
     out = np.full((len(V), COLUMNS), np.nan)
     for fit in fits_around(V, N, F, through, wanted, degree, rings, pinned):
-        out[fit.rows] = told(fit)
+        out[fit.rows] = told(fit, layout)
     return out
 
 
@@ -145,8 +147,8 @@ def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: I
     return Fit(rows, group, around, frames, others, there, scale, places, weighted, factor, heights, lifted, squares, int(TERMS[degree]))
 
 
-def told(fit: Fit) -> FloatArray:
-    """Return what fits tell (k, 12): the columns of `LocalFits`."""
+def told(fit: Fit, layout: bool = True) -> FloatArray:
+    """Return what fits tell (k, 12): the columns of `LocalFits`, with or without what they tell of the layout of the mesh."""
     out = np.full((len(fit.rows), COLUMNS), np.nan)
     scale, terms = fit.scale, fit.terms
     good = scale > 0
@@ -161,9 +163,10 @@ def told(fit: Fit) -> FloatArray:
     out[enough, 3] = (scale * np.sqrt(fit.squares[:, 0] / np.maximum(count - terms, 1)))[enough]
     out[enough, 4] = (scale * np.sqrt(fit.squares[:, 1] / count))[enough]
     out[:, 5] = scale
-    defect, area = _defects(fit.around, fit.group, np.stack([*fit.places[:2], fit.lifted], axis=2))
-    held = area > 0
-    out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
+    if layout:
+        defect, area = _defects(fit.around, fit.group, np.stack([*fit.places[:2], fit.lifted], axis=2))
+        held = area > 0
+        out[held, 2] = defect[held] / area[held] / scale[held] ** 2 - out[held, 0]
     out[:, 6:] = _tensors(fit.frames, a, b, np.stack([uu, uv, vv], axis=1) / (np.sqrt(g) * scale)[:, None])
     out[~good] = np.nan
     return out

@@ -37,6 +37,7 @@ def local_fits(
     degree: int = 3,
     rings: int = 2,
     pinned: bool = True,
+    layout: bool = True,
 ) -> LocalFits:
     """Fit polynomials to the rings around vertices, as heights over their tangent planes.
 
@@ -61,6 +62,8 @@ def local_fits(
     pinned
         Let the polynomials go through their vertices. Else a vertex is but one of the points, and moving it alone changes
         little.
+    layout
+        Tell the truncation, which is a quarter of the work; else it is NaN.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def local_fits(
     closed = closed_vertices(V, F)
     where = closed if wanted is None else closed & np.asarray(wanted, dtype=bool)
     open_to = np.ones(n, bool) if through is None else np.ascontiguousarray(through, dtype=bool)
-    return as_local_fits(_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned))
+    return as_local_fits(_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned, layout))
 
 
 def as_local_fits(told: FloatArray) -> LocalFits:

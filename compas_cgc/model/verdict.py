@@ -152,7 +152,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     else:
         problem = problem.without_dummies()
     V, F = problem.vertices, problem.faces
-    fits = local_fits(V, F, problem.asked, problem.asked)
+    fits = local_fits(V, F, problem.asked, problem.asked, layout=False)
     error, own = _errors(problem, fits)
     wave = _waves(fits)
     other = _bulging_otherwise(problem, fits)
@@ -165,7 +165,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
 
     if _is_off(error - own):
         # What cubic polynomials miss on stretched or coarse triangles those of higher degree tell, over more of them.
-        finer = local_fits(V, F, problem.asked, problem.asked, DEGREE, RINGS, pinned=False).gaussian
+        finer = local_fits(V, F, problem.asked, problem.asked, DEGREE, RINGS, pinned=False, layout=False).gaussian
         closer = _against(problem, fits, np.where(np.isfinite(error) & np.isfinite(finer), finer, fits.gaussian), np.isfinite(error))
         error = error if _is_off(closer - own) else closer
     median, most = _percentiles(error, 50, 90)

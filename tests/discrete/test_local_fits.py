@@ -79,3 +79,11 @@ def test_fits_are_made_inside_only_and_do_not_look_across_a_crease():
     inner = (vertices[:, :2] > 0.01).all(axis=1) & (vertices[:, :2] < 0.99).all(axis=1)
     assert np.array_equal(np.isfinite(fits.gaussian), inner & ~ridge)
     assert np.nanmax(np.abs(fits.mean)) < 1e-9, "both sides are flat"
+
+
+def test_without_the_layout_all_else_is_told():
+    vertices, faces = shapes.grid(8, 4.0)
+    vertices[:, 2] = 0.1 * vertices[:, 0] ** 2
+    whole, less = local_fits(vertices, faces), local_fits(vertices, faces, layout=False)
+    assert np.isnan(less.truncation).all() and not np.isnan(whole.truncation).all()
+    assert all(np.array_equal(one, other, equal_nan=True) for one, other in zip(whole, less._replace(truncation=whole.truncation)))

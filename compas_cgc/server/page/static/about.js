@@ -16,7 +16,9 @@ export function showTitle(room, model) {
   ];
   const name = document.createElement('strong');
   name.textContent = model.name;
-  room.replaceChildren(name, ` · ${facts.join(' · ')}`);
+  const more = document.createElement('span');
+  more.textContent = ` · ${facts.join(' · ')}`;
+  room.replaceChildren(name, more);
   document.title = `${model.name} – compas_cgc`;
 }
 

@@ -104,7 +104,10 @@ function figures(result, model) {
 function details(result) {
   const box = document.createElement('details');
   const how = `By the method ${result.method}, in ${result.iterations === 1 ? 'one step' : `${result.iterations} steps`}.`;
-  box.append(element('summary', 'What the solver says'), element('p', how), element('p', capital(result.ending)));
+  box.append(element('summary', 'What the solver says'));
+  // Where the solve has chosen it, the sentence itself ends with the method.
+  if (!result.ending.includes('by the method')) box.append(element('p', how));
+  box.append(element('p', capital(result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
   return box;
 }
