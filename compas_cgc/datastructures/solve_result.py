@@ -55,7 +55,7 @@ class _Settings(Protocol):
 
 
 @names_what_was_meant()
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SolveResult:
     """What :func:`compas_cgc.solve` returns.
 
@@ -198,6 +198,9 @@ class SolveResult:
     def faces(self) -> IntArray:
         """Its faces (m, 3)."""
         return self.problem.faces
+
+    def __repr__(self) -> str:
+        return f"<SolveResult of {self.problem!r}: {self.ending}>"
 
     def __post_init__(self) -> None:
         if self.drawn is not None:

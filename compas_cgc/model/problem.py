@@ -105,7 +105,7 @@ def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
 
 
 @names_what_was_meant()
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CGCProblem:
     """A triangle mesh with what is asked of it.
 
@@ -184,6 +184,12 @@ class CGCProblem:
         put("constraints", as_constraints(self.constraints))
         check_indices(self.constraints, n)
         put("names", Names(np.arange(n), np.arange(len(F))) if self.names is None else _checked_names(self.names, n, len(F)))
+
+    def __repr__(self) -> str:
+        # The arrays would fill the screen.
+        mesh = f"{len(self.vertices)} vertices, {len(self.faces)} faces"
+        asked = f"{len(self.supports)} supports, {len(self.creases)} crease edges, {len(self.constraints)} constraints and goals"
+        return f"<CGCProblem {self.drawing.name!r}: {mesh}, {asked}>"
 
     @classmethod
     def from_mesh(cls, mesh: PosesProblem) -> CGCProblem:

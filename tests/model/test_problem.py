@@ -121,3 +121,12 @@ def test_over_an_edge_without_area_nothing_is_refused():
     vertices = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, 0], [1, 0.2, -1]]
     problem = CGCProblem(vertices, [[i, (i + 1) % 4, 4] for i in range(4)]).with_supports("boundary").with_targets(0.1)
     assert not any("is more than" in text for text in check(problem))
+
+
+def test_a_prompt_shows_problems_and_results_in_one_line():
+    import compas_cgc
+
+    result = compas_cgc.solve(compas_cgc.read(compas_cgc.get("cushion.3dm")))
+    told = repr(result)
+    assert "\n" not in told and repr(result.problem) in told and told.endswith(f"{result.ending}>")
+    assert "247 vertices, 432 faces" in told
