@@ -112,6 +112,6 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     say(str(report))
     for output in arguments.output:
         with parts.part(f"writing {output}"):
-            write_build(output, task, problem, report, nodes=settings.get("nodes", True))
-        say(f"wrote {output}")
+            written = write_build(output, task, problem, report, settings)
+        say("\n".join(f"wrote {path}" for path in written))
     return DONE

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 from .._lazy import attach
 
 if TYPE_CHECKING:
+    from .assembly import draw_plan
     from .curves import CurveNet
     from .curves import curve_net
+    from .cut_list import cut_list
     from .development import Development
     from .development import develop
     from .development import lay_out
@@ -38,7 +40,9 @@ _HOMES = {
     "Panel": ".panelling",
     "Patterns": ".patterns",
     "curve_net": ".curves",
+    "cut_list": ".cut_list",
     "develop": ".development",
+    "draw_plan": ".assembly",
     "draw_sheets": ".drawing",
     "flatten": ".flattening",
     "lay_out": ".development",
@@ -60,7 +64,9 @@ __all__ = [
     "Panel",
     "Patterns",
     "curve_net",
+    "cut_list",
     "develop",
+    "draw_plan",
     "draw_sheets",
     "flatten",
     "lay_out",

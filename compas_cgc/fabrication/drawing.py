@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 from typing import Optional
 
@@ -9,21 +10,23 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import names_what_was_meant
+from .figures import in_mm
 from .outlines import Loop
 from .outlines import Seam
 from .patchwork import EDGE
 from .patterns import Patterns
-from .patterns import Piece
 from .rulings import STRAIGHT
 
-__all__ = ["LAYERS", "Drawing", "Line", "Text", "draw_sheets"]
+__all__ = ["LAYERS", "Drawing", "Line", "Text", "clearance", "draw_sheets", "folded", "roomiest"]
 
 # Layers with their colours, red, green and blue.
 LAYERS = {
     "SHEET": (150, 150, 150),
     "OUTLINE": (200, 30, 30),
+    "ALLOWANCE": (20, 130, 140),
     "FOLD_UP": (30, 80, 200),
     "FOLD_DOWN": (150, 40, 160),
     "RULING": (40, 150, 70),
@@ -36,6 +39,7 @@ GAP = 0.1  # between sheets, of a sheet's length
 MARK = 0.012  # length of a mark, of a sheet's length
 FOLD = np.radians(1.0)  # angle from which on an edge is drawn as a fold
 LETTER = 0.8  # width of a letter, of its height
+NEARLY = 0.9  # of the most room that there is for a name, which will do
 READABLE = 0.2  # of the height of texts, below which numbers of nodes are left off
 
 
@@ -67,8 +71,8 @@ class Drawing(NamedTuple):
 
 
 @names_what_was_meant()
-def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> Drawing:
-    """Draw patterns: outlines, folds, rulings, marks, labels and node numbers of all sheets in a grid.
+def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True, sheet: Optional[int] = None) -> Drawing:
+    """Draw patterns: outlines, allowances, folds, rulings, marks, labels and node numbers of all sheets in a grid, or of one.
 
     Parameters
     ----------
@@ -78,11 +82,18 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         Angle between two faces from which on their edge is drawn as a fold [rad].
     nodes
         Whether the nodes along outlines are numbered.
+    sheet
+        The one to draw, from 0. Default: all of them.
 
     Returns
     -------
     Drawing
-        Lines and texts by layer, all sheets in a grid [L].
+        Lines and texts by layer, all sheets in a grid [L], or one at the origin.
+
+    Raises
+    ------
+    CGCError
+        If these are no patterns, or there is no such sheet.
 
     Examples
     --------
@@ -94,15 +105,19 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
     """
     if not hasattr(patterns, "sheets"):
         raise CGCError(f"sheets are drawn of patterns: draw_sheets(unroll(surface)), not of {patterns!r:.60}")
+    if sheet is not None and sheet not in range(patterns.sheets):
+        raise CGCError(f"there is no sheet {sheet!r}; the patterns lie on {patterns.sheets}, numbered from 0")
     length, width = patterns.sheet or _extent(patterns)
     step = (1.0 + GAP) * np.array([length, width])
-    across = max(1, int(np.ceil(np.sqrt(patterns.sheets * width / length))))
-    rows = -(-patterns.sheets // across)
+    drawn = range(patterns.sheets) if sheet is None else [int(sheet)]
+    across = max(1, int(np.ceil(np.sqrt(len(drawn) * width / length))))
+    rows = -(-len(drawn) // across)
     # The first sheet at the upper left.
-    origins = np.array([[k % across, rows - 1 - k // across] for k in range(patterns.sheets)]) * step
+    origins = {own: np.array([k % across, rows - 1 - k // across]) * step for k, own in enumerate(drawn)}
     mark, height = MARK * length, 0.5 * MARK * length
-    lines, texts = [], []
-    for number, origin in enumerate(origins):
+    lines: list[Line] = []
+    texts: list[Text] = []
+    for number, origin in origins.items():
         if patterns.sheet is not None:
             corners = np.array([[0, 0], [length, 0], [length, width], [0, width]], dtype=np.float64)
             lines.append(Line("SHEET", corners + origin, True))
@@ -113,17 +128,24 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
         for side in seam.pieces:
             ticked[side].update(seam.nodes[_marks_of(seam, mark).nodes].tolist())
     for number, piece in enumerate(patterns.pieces):
+        if piece.sheet not in origins:
+            continue
         origin = origins[piece.sheet]
         lines += [Line("OUTLINE", loop.points + origin, True) for loop in piece.loops]
+        lines += [Line("ALLOWANCE", loop + origin, True) for loop in piece.allowance]
         lines += _fold_lines(patterns, number, fold, origin)
-        place, room = _roomiest(patterns, number, piece)
+        own = patterns.patchwork
+        place, room = roomiest(own.plane[own.piece == number].mean(axis=1), [loop.points for loop in piece.loops])
         texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.6 * room))))
         if nodes:
             texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
     for ruling in patterns.rulings:
-        lines.append(Line("RULING", ruling.points + origins[patterns.pieces[ruling.piece].sheet]))
+        if patterns.pieces[ruling.piece].sheet in origins:
+            lines.append(Line("RULING", ruling.points + origins[patterns.pieces[ruling.piece].sheet]))
     for seam in patterns.seams:
         for side in (0, 1):
+            if patterns.pieces[seam.pieces[side]].sheet not in origins:
+                continue
             origin = origins[patterns.pieces[seam.pieces[side]].sheet]
             mate = patterns.pieces[seam.pieces[1 - side]].label
             marks, text = _seam_marks(seam, side, mate, mark, height)
@@ -135,22 +157,27 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True) -> D
 
 def _title(patterns: Patterns, number: int) -> str:
     """Return what stands over a sheet: which it is, its size, the pieces on it, and which side of them is up."""
-    length, width = patterns.sheet or _extent(patterns)
-    units = (patterns.problem.drawing.units or "").lower()
+    size = in_mm(patterns.sheet or _extent(patterns), patterns.problem.drawing.units)
     labels = ", ".join(piece.label for piece in patterns.pieces if piece.sheet == number)
-    return f"sheet {number + 1} of {patterns.sheets}, {length:g} x {width:g} {units}".rstrip() + f": {labels}; seen from outside"
+    return f"sheet {number + 1} of {patterns.sheets}, {size}: {labels}; seen from outside"
+
+
+def folded(patterns: Patterns, fold: float = FOLD) -> Mask:
+    """Tell over which sides of faces (m, 3) a piece is folded by an angle or more; where it is rolled or pressed it is not."""
+    rolled = [region for region, own in patterns.straightness.items() if own.median <= STRAIGHT]
+    flat = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
+    return np.isin(patterns.patchwork.region, flat)[:, None] & (np.abs(patterns.folds) >= fold)
 
 
 def _hidden(patterns: Patterns, fold: float) -> tuple[str, ...]:
     """Return the layers of folds where they are of the mesh only: the surface is rolled along its rulings, or pressed."""
-    rolled = [region for region, own in patterns.straightness.items() if own.median <= STRAIGHT]
-    folded = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
-    shown = np.isin(patterns.patchwork.region, folded)[:, None] & (np.abs(patterns.folds) >= fold)
-    return () if shown.any() else ("FOLD_UP", "FOLD_DOWN")
+    return () if folded(patterns, fold).any() else ("FOLD_UP", "FOLD_DOWN")
 
 
 def _extent(patterns: Patterns) -> tuple[float, float]:
-    high = patterns.patchwork.plane.max(axis=(0, 1))
+    """Return the length and width that pieces and their allowances reach where there is no end of a sheet [L]."""
+    edges = [loop for piece in patterns.pieces for loop in piece.allowance or [own.points for own in piece.loops]]
+    high = np.concatenate(edges).max(axis=0) + patterns.stock.margin
     return float(high[0]), float(high[1])
 
 
@@ -165,18 +192,17 @@ def _fold_lines(patterns: Patterns, piece: int, fold: float, origin: FloatArray)
     return [Line(str(layer), np.array([a, b]) + origin) for layer, a, b in zip(layers, start, end)]
 
 
-def _roomiest(patterns: Patterns, number: int, piece: Piece) -> tuple[FloatArray, float]:
-    """Return the middle of a face farthest from the outline of its piece, and how far that is [L]."""
-    own = patterns.patchwork
-    centres = own.plane[own.piece == number].mean(axis=1)
+def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArray, float]:
+    """Return the one of the centres (k, 2) of faces far from the outlines of their piece and nearest to its middle, and how far [L]."""
     centres = centres[:: max(1, len(centres) // 200)]
-    start = np.concatenate([loop.points for loop in piece.loops])
-    end = np.concatenate([np.roll(loop.points, -1, axis=0) for loop in piece.loops])
+    start = np.concatenate(loops)
+    end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
     along = end - start
     from_start = centres[:, None] - start
     share = np.einsum("pkj,kj->pk", from_start, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
     away = np.linalg.norm(from_start - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2).min(axis=1)
-    best = int(np.argmax(away))
+    off = np.linalg.norm(centres - 0.5 * (start.min(axis=0) + start.max(axis=0)), axis=1)
+    best = int(np.argmin(np.where(away >= NEARLY * away.max(), off, np.inf)))
     return centres[best], float(away[best])
 
 
@@ -192,12 +218,12 @@ def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, he
         size = float(min(0.7 * height, 0.3 * room))
         if size >= READABLE * height:
             text = str(names[node])
-            away = _clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
+            away = clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
             texts.append(Text("NODE", text, point + away * direction + origin, size))
     return texts
 
 
-def _clearance(text: str, size: float, direction: FloatArray) -> float:
+def clearance(text: str, size: float, direction: FloatArray) -> float:
     """Return how far off a line across a direction the middle of a text stands, so that it keeps clear of it [L]."""
     return 0.5 * LETTER * size * len(text) * abs(float(direction[0])) + 0.5 * size * abs(float(direction[1])) + 0.4 * size
 
@@ -237,7 +263,7 @@ def _seam_marks(seam: Seam, side: int, mate: str, mark: float, height: float) ->
     text, inward = f"{seam.number}/{mate}", along[edge] @ turn
     size = float(min(height, 0.25 * seam.length, length[edge] / (LETTER * len(text))))
     # Beyond a mark in the middle, else beside it.
-    away = _clearance(text, size, inward) + (mark if where.middle == edge else 0.0)
+    away = clearance(text, size, inward) + (mark if where.middle == edge else 0.0)
     return ticks, Text("SEAM", text, 0.5 * (points[edge] + points[edge + 1]) + away * inward, size)
 
 

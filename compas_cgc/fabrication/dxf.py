@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Union
+import io
 
-from .._atomic_write import replacing
 from ..errors import CGCError
 from .drawing import LAYERS
 from .drawing import Drawing
 
-__all__ = ["write_dxf"]
+__all__ = ["dxf_text"]
 
 _UNITS = {"Inches": 1, "Feet": 2, "Millimeters": 4, "Centimeters": 5, "Meters": 6, "Kilometers": 7, "Yards": 10}  # $INSUNITS
 DARK = 64  # of 255
 
 
-def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
-    """Write a drawing as DXF R2010: closed outlines as LWPOLYLINE on the layer OUTLINE, anticlockwise, holes clockwise.
+def dxf_text(drawing: Drawing) -> str:
+    """Return a drawing as DXF R2010: closed outlines as LWPOLYLINE on the layer OUTLINE, anticlockwise, holes clockwise.
 
     Parameters
     ----------
-    path
-        The file; an older one is replaced when the new one is complete.
     drawing
         What :func:`compas_cgc.fabrication.drawing.draw_sheets` gave.
 
     Raises
     ------
     CGCError
-        If ezdxf is not installed, or finds a fault in what is written.
+        If ezdxf is not installed, or finds a fault in the drawing.
     """
     try:
         from ezdxf import colors
@@ -53,5 +49,6 @@ def write_dxf(path: Union[str, Path], drawing: Drawing) -> None:
     faults = document.audit().errors
     if faults:
         raise CGCError(f"the DXF would have {len(faults)} faults, the first: {faults[0].message}")
-    with replacing(path) as temporary:
-        document.saveas(temporary)
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue()

@@ -12,6 +12,10 @@ from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..model.problem import CGCProblem
+from .allowance import widened
+from .figures import in_mm
+from .figures import in_square_metres
+from .materials import METRES
 from .outlines import Loop
 from .outlines import Seam
 from .outlines import outline_loops
@@ -24,6 +28,7 @@ from .patchwork import outline_sides
 from .piece_strains import strains_of
 from .rulings import Ruling
 from .rulings import Straightness
+from .stock import Stock
 
 __all__ = ["Patterns", "Piece", "Unrolling", "patterns_of"]
 
@@ -49,6 +54,7 @@ class Piece(NamedTuple):
     area: float  # in the plane [L^2]
     area_in_space: float  # [L^2]
     strain: float  # largest, 0 up to rounding where K is 0
+    allowance: list[FloatArray]  # outline with the strip around it, and holes (k, 2) [L]; empty where there is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +83,8 @@ class Patterns:
         Where a region is ruled.
     straightness
         Of the rulings, by region.
-    sheet
-        Length and width [L]; None where there is no end of it.
+    stock
+        Length and width of sheets, and what stays free on them.
 
     Examples
     --------
@@ -98,7 +104,12 @@ class Patterns:
     folds: FloatArray  # (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0
     rulings: list[Ruling]  # where a region is ruled
     straightness: dict[int, Straightness]  # of the rulings, by region
-    sheet: Optional[tuple[float, float]]  # length and width [L]; None where there is no end of it
+    stock: Stock  # sheets, and what stays free on them
+
+    @property
+    def sheet(self) -> Optional[tuple[float, float]]:
+        """Length and width of the sheets [L]; None where there is no end of it."""
+        return self.stock.sheet
 
     @property
     def sheets(self) -> int:
@@ -127,13 +138,20 @@ class Patterns:
 
     def summary(self) -> str:
         """Return what was made, in lines."""
-        count = len(self.pieces)
-        area = f"area {self.area:.8g} (in space {self.area_in_space:.8g})"
-        lines = [f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, {area}"]
+        count, units = len(self.pieces), self.problem.drawing.units
+        area, in_space = (in_square_metres(area, units) for area in (self.area, self.area_in_space))
+        lines = [
+            f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, "
+            f"area {area} m2, in space {in_space} m2 (to {abs(self.area / self.area_in_space - 1.0):.1e})"
+        ]
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
-            lines.append(f"{self.sheets} sheets of {self.sheet[0]:g} x {self.sheet[1]:g}, {100 * used:.0f} % used")
-        lines.append(f"the two sides of every seam agree to {self.seam_mismatch:.2g}, in units of the model")
+            many = "" if self.sheets == 1 else "s"
+            lines.append(f"{self.sheets} sheet{many} of {in_mm(self.sheet, units)}, {100 * used:.0f} % used")
+        free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
+        lines.append("left free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
+        mismatch = 1000.0 * METRES.get(units or "Meters", 1.0) * self.seam_mismatch
+        lines.append(f"the two sides of every seam agree to {mismatch:.2g} mm")
         for own in self.unrollings:
             if own.unrolled:
                 lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")
@@ -156,7 +174,7 @@ def patterns_of(
     own: Patchwork,
     on_sheet: list[int],
     unrollings: list[Unrolling],
-    sheet: Optional[tuple[float, float]],
+    stock: Stock,
     rulings: list[Ruling],
     straightness: dict[int, Straightness],
 ) -> Patterns:
@@ -173,9 +191,10 @@ def patterns_of(
         within[region] = within.get(region, 0) + 1
         area = sum(signed_area(loop.points) for loop in loops[piece])
         label = f"{_letters(region)}{within[region]}"
-        pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece])))
+        strip = widened([loop.points for loop in loops[piece]], stock.allowance)
+        pieces.append(Piece(label, region, on_sheet[piece], loops[piece], area, float(in_space[piece]), float(largest[piece]), strip))
     seams, folds = seams_between(own), _folds(problem, own)
-    return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, sheet)
+    return Patterns(problem, own, pieces, seams, unrollings, strains, folds, rulings, straightness, stock)
 
 
 def _folds(problem: CGCProblem, own: Patchwork) -> FloatArray:

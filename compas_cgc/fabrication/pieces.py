@@ -53,6 +53,7 @@ def cut_to_fit(
     sheet: tuple[float, float],
     flattened: Optional[Callable[[Patchwork, int], Patchwork]] = None,
     too_wide: Optional[Callable[[Patchwork, int], bool]] = None,
+    taken: Optional[Callable[[Patchwork, int], FloatArray]] = None,
 ) -> Patchwork:
     """Cut pieces by straight lines until each lies within a sheet, and does not lie over itself.
 
@@ -66,6 +67,8 @@ def cut_to_fit(
         Lays a piece into the plane anew before it is looked at. Default: pieces keep their places.
     too_wide
         Tells of a piece that fits whether it has to be cut all the same.
+    taken
+        Points (k, 2) around what a piece takes of a sheet. Default: its corners.
 
     Returns
     -------
@@ -89,7 +92,7 @@ def cut_to_fit(
         for piece in open_:
             if flattened is not None:
                 own = flattened(own, piece)
-            box = best_box(own.plane[own.piece == piece].reshape(-1, 2), sheet)
+            box = best_box(own.plane[own.piece == piece].reshape(-1, 2) if taken is None else taken(own, piece), sheet)
             if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(own, piece)):
                 done.add(piece)
                 continue

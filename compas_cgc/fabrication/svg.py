@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Union
-
-from .._atomic_write import write_text
 from .drawing import LAYERS
 from .drawing import Drawing
 
-__all__ = ["svg_text", "write_svg"]
+__all__ = ["svg_text"]
 
 _UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Inches": "in"}
 _LETTERS = 100
 _IN_MM = {"Meters": 1000.0, "Kilometers": 1e6, "Feet": 304.8, "Yards": 914.4}
-
-
-def write_svg(path: Union[str, Path], drawing: Drawing) -> None:
-    """Write a drawing as SVG, in the place of an older file when it is complete."""
-    write_text(path, svg_text(drawing))
 
 
 def svg_text(drawing: Drawing) -> str:

@@ -4,30 +4,34 @@ from __future__ import annotations
 
 import csv
 import io
-from pathlib import Path
-from typing import Union
+from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 
-from .._atomic_write import write_text
 from .patchwork import NONE
 from .patchwork import SIDES
 from .patchwork import mates
 from .patchwork import outline_sides
 from .patterns import Patterns
 
-__all__ = ["edge_table", "write_edge_table"]
+__all__ = ["csv_text", "edge_table", "edge_table_text"]
 
 _HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
 
 
-def write_edge_table(path: Union[str, Path], patterns: Patterns) -> None:
-    """Write :func:`edge_table` as CSV, in the place of an older file when it is complete."""
+def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(_HEAD)
-    writer.writerows(edge_table(patterns))
-    write_text(path, text.getvalue())
+    writer.writerow(head)
+    writer.writerows(rows)
+    return text.getvalue()
+
+
+def edge_table_text(patterns: Patterns) -> str:
+    """Return :func:`edge_table` as CSV."""
+    return csv_text(_HEAD, edge_table(patterns))
 
 
 def edge_table(patterns: Patterns) -> list[tuple]:

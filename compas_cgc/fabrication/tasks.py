@@ -13,7 +13,7 @@ from ..model.problem import PosesProblem
 from . import option_values as values
 from .materials import MATERIALS
 
-__all__ = ["TASKS", "BuildOption", "Task", "build", "read_settings"]
+__all__ = ["TASKS", "BuildOption", "Task", "build", "file_options", "read_settings"]
 
 
 class BuildOption(NamedTuple):
@@ -162,13 +162,33 @@ TASKS: dict[str, Task] = {
                     many=True,
                 ),
                 _REGIONS,
-                BuildOption("spacing", "distance between pieces on a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"),
+                BuildOption(
+                    "spacing",
+                    "distance between pieces on a sheet, 0 for edge to edge (default: a hundredth of its width, room for a saw or router)",
+                    values.number,
+                    _LENGTH,
+                    "D",
+                ),
                 BuildOption(
                     "margin", "what is left free along the edges of a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"
+                ),
+                BuildOption(
+                    "allowance",
+                    "width of a strip around every piece, for seams to be welded or sewn (default 0)",
+                    values.number,
+                    {**_LENGTH, "default": 0.0},
+                    "D",
                 ),
                 BuildOption("rulings", "distance between the rulings drawn, 0 for none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "nodes", "number the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
+                ),
+                BuildOption(
+                    "per_sheet",
+                    "write a .dxf or .svg for each sheet, numbered before the suffix (default: all sheets in one)",
+                    values.truth,
+                    {"type": "boolean", "default": False},
+                    file=True,
                 ),
                 _ROUGH,
             ),
@@ -288,6 +308,18 @@ def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
     CGCError
         If there is no such thing, in a sentence.
     """
-    own = TASKS[task]
-    passed = {option.name for option in own.options if option.file}
-    return own.run(surface, {name: value for name, value in settings.items() if name not in passed})
+    files = file_options(task, settings)
+    return TASKS[task].run(surface, {name: value for name, value in settings.items() if name not in files})
+
+
+def file_options(task: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return those of the options of a task that change what is written only, as its writers take them.
+
+    Parameters
+    ----------
+    task
+        One of :data:`TASKS`.
+    settings
+        Of :func:`read_settings`.
+    """
+    return {own.name: settings[own.name] for own in TASKS[task].options if own.file and own.name in settings}

@@ -20,18 +20,19 @@ from ..model.problem import PosesProblem
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
-from .nesting import nest
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
 from .patterns import patterns_of
 from .piece_strains import strains_of
-from .pieces import best_box
 from .pieces import cut_to_fit
+from .placing import extent
+from .placing import on_sheets
 from .regions_in_plane import developed
 from .rulings import rulings_of
 from .solved import chosen_regions
 from .solved import solved_problem
+from .stock import stock_of
 
 __all__ = ["unroll"]
 
@@ -47,8 +48,9 @@ def unroll(
     strain: Optional[float] = None,
     seams: Optional[Iterable[Sequence[int]]] = None,
     regions: Optional[Sequence[int]] = None,
-    spacing: float = 0.0,
+    spacing: Optional[float] = None,
     margin: float = 0.0,
+    allowance: float = 0.0,
     rulings: Optional[float] = None,
     rough: bool = False,
 ) -> Patterns:
@@ -69,9 +71,13 @@ def unroll(
     regions
         Which to take. Default: all.
     spacing
-        Distance between pieces on a sheet [L].
+        Distance between pieces on a sheet [L], 0 for edge to edge. Default: a hundredth of the width of the sheets, or without
+        sheets of the largest piece, room for a saw or a router.
     margin
         What is left free along the edges of a sheet [L].
+    allowance
+        Width of a strip around every piece, for seams to be welded or sewn [L]. It has an outline of its own, for which sheets
+        have room.
     rulings
         Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size, a quarter of the width of
         sheets at most.
@@ -95,12 +101,8 @@ def unroll(
     (18, 18)
     """
     problem = solved_problem(surface, rough)
-    sheet = _checked_sheet(sheet)
-    _check_scale(problem, sheet)
-    spacing = checked_number(spacing, "spacing")
-    if spacing < 0:
-        raise CGCError(f"the spacing between pieces must be 0 or more, not {spacing:g}")
-    inside = _within(sheet, checked_number(margin, "margin"))
+    stock = stock_of(sheet, spacing, margin, allowance)
+    _check_scale(problem, stock.sheet)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be more than 0, or 0 for none, not {rulings:g}")
     paths: object = seams
@@ -124,38 +126,17 @@ def unroll(
             _check_fineness(problem, own, faces, strain, worst)
         return worst > strain
 
-    limits = (np.inf, np.inf) if inside is None else (inside[0] * (1 - ROOM), inside[1] * (1 - ROOM))
+    def taken(own: Patchwork, piece: int) -> np.ndarray:
+        return extent(own, piece, stock.allowance)
+
     try:
-        cut = cut_to_fit(flat, limits, flattened, too_wide)
+        cut = cut_to_fit(flat, (stock.room[0] * (1 - ROOM), stock.room[1] * (1 - ROOM)), flattened, too_wide, taken)
     except ValueError as error:
         raise CGCError(str(error)) from None
-    placed, on_sheet = _on_sheets(cut, inside, spacing, margin)
+    placed, on_sheet, stock = on_sheets(cut, stock)
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
-    lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if sheet is None else 0.25 * sheet[1])
-    return patterns_of(problem, placed, on_sheet, unrollings, sheet, lines, straightness)
-
-
-def _checked_sheet(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
-    if sheet is None:
-        return None
-    try:
-        length, width = (float(x) for x in sheet)
-    except (TypeError, ValueError):
-        raise CGCError(f"a sheet must have a length and a width, such as (3.0, 1.5), not {sheet!r}") from None
-    if not (np.isfinite([length, width]).all() and min(length, width) > 0):
-        raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
-    return max(length, width), min(length, width)
-
-
-def _within(sheet: Optional[tuple[float, float]], margin: float) -> Optional[tuple[float, float]]:
-    """Return the length and width of a sheet inside of its margins."""
-    if margin < 0:
-        raise CGCError(f"the margin at the edges of a sheet must be 0 or more, not {margin:g}")
-    if sheet is not None and not 2 * margin < min(sheet):
-        raise CGCError(
-            f"margins of {margin:g} leave nothing of a sheet of {sheet[0]:g} x {sheet[1]:g}; they are in the units of the drawing"
-        )
-    return None if sheet is None else (sheet[0] - 2 * margin, sheet[1] - 2 * margin)
+    lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
+    return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness)
 
 
 def _check_scale(problem: CGCProblem, sheet: Optional[tuple[float, float]]) -> None:
@@ -208,32 +189,3 @@ def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, stra
             f"region {own.region[faces][0]} would be cut into pieces smaller than the edges of its mesh, {edge:.2g}, for a strain of "
             f"{100 * strain:.2g} %; allow more than {100 * worst:.2g} %, or solve a finer mesh"
         )
-
-
-def _on_sheets(own: Patchwork, sheet: Optional[tuple[float, float]], spacing: float, margin: float) -> tuple[Patchwork, list[int]]:
-    """Turn and shift the pieces to their places inside of the margins, and return the sheet of each."""
-    count = int(own.piece.max()) + 1
-    limits = (np.inf, np.inf) if sheet is None else sheet
-    turned, sizes = [], []
-    for piece in range(count):
-        corners = own.plane[own.piece == piece]
-        box = best_box(corners.reshape(-1, 2), limits)
-        along = corners @ np.column_stack([box.along, [-box.along[1], box.along[0]]])
-        turned.append(along - along.min(axis=(0, 1)))
-        sizes.append(tuple(np.ptp(along.reshape(-1, 2), axis=0).tolist()))
-    room = sheet or _roll(sizes, spacing)
-    places = nest(sizes, room, spacing)
-    plane = np.empty_like(own.plane)
-    for piece, place in enumerate(places):
-        corners = turned[piece]
-        if place.turned:
-            corners = corners @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-            corners = corners - corners.min(axis=(0, 1))
-        plane[own.piece == piece] = corners + [place.x + margin, place.y + margin]
-    return replace(own, plane=plane), [place.sheet for place in places]
-
-
-def _roll(sizes: list[tuple[float, float]], spacing: float) -> tuple[float, float]:
-    """Return a sheet that has room for all pieces, about square [L]."""
-    side = max(max(max(size) for size in sizes), 1.2 * float(np.sqrt(sum(length * width for length, width in sizes))))
-    return side, sum(max(size) + spacing for size in sizes)

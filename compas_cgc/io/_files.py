@@ -81,8 +81,16 @@ def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
 
 
 def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:
-    """Return the suffix of a file in small letters if it is among others."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in suffixes:
-        raise FileError(f"{path}: {what} are written to {', '.join(suffixes)}, not to {suffix or 'a file without suffix'!r}")
-    return suffix
+    """Return the suffix of a file in small letters if it is among others, the longest of these, such as ``.plan.svg``.
+
+    Raises
+    ------
+    FileError
+        If it is not.
+    """
+    name = Path(path).name.lower()
+    found = [suffix for suffix in suffixes if name.endswith(suffix) and name != suffix]
+    if not found:
+        own = Path(path).suffix.lower() or "a file without suffix"
+        raise FileError(f"{path}: {what} are written to {', '.join(suffixes)}, not to {own!r}")
+    return max(found, key=len)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import csv
 import io
 import os
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 from typing import Union
 
 from ..fabrication.mould_report import MouldReport
+from ..fabrication.tasks import file_options
 from ..model.problem import CGCProblem
 from ._files import suffix_among
 from ._files import written
@@ -42,7 +45,7 @@ def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
     return suffix_among(path, BUILD_SUFFIXES[task], _WHAT[task])
 
 
-def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, report: Any, *, nodes: bool = True) -> None:
+def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, report: Any, settings: Mapping[str, Any]) -> list[Path]:
     """Write what a task has made in the format of the suffix, whole or not at all.
 
     Parameters
@@ -55,8 +58,13 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
         The surface that it was made of.
     report
         What was made.
-    nodes
-        Whether the nodes along the outlines of patterns are numbered.
+    settings
+        Options of the task, of which those that change files are taken.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
 
     Raises
     ------
@@ -67,8 +75,8 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     """
     suffix = build_suffix(task, path)
     if task == "unroll":
-        write_patterns(path, report, nodes=nodes)
-    elif task == "membrane":
+        return write_patterns(path, report, **file_options(task, settings))
+    if task == "membrane":
         write_forces(path, report)
     elif task == "net":
         write_net(path, report)
@@ -79,6 +87,7 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     else:
         with written(path) as temporary:
             temporary.write_bytes(_panel_table(report).encode("utf-8"))
+    return [Path(path)]
 
 
 def _panel_table(report: MouldReport) -> str:

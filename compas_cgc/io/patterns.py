@@ -1,21 +1,29 @@
-"""Patterns as files: sheets to cut from, tables, and the pieces in place."""
+"""Patterns as files: sheets to cut from, tables, the plan, and the pieces in place."""
 
 from __future__ import annotations
 
+import io
 import os
+import zipfile
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Union
 
+from ..fabrication.assembly import draw_plan
+from ..fabrication.cut_list import cut_list_text
 from ..fabrication.drawing import draw_sheets
-from ..fabrication.dxf import write_dxf
+from ..fabrication.dxf import dxf_text
 from ..fabrication.patterns import Patterns
-from ..fabrication.svg import write_svg
-from ..fabrication.tables import write_edge_table
+from ..fabrication.svg import svg_text
+from ..fabrication.tables import edge_table_text
 from ._files import suffix_among
 from ._files import written
 
 __all__ = ["PATTERN_SUFFIXES", "pattern_suffix", "write_patterns"]
 
-PATTERN_SUFFIXES = (".dxf", ".svg", ".csv", ".3dm")
+PATTERN_SUFFIXES = (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip")
+_TEXT = {".dxf": dxf_text, ".svg": svg_text}
+_MADE = (1980, 1, 1, 0, 0, 0)  # the date of files in an archive, so that the same patterns give the same archive
 
 
 def pattern_suffix(path: Union[str, os.PathLike]) -> str:
@@ -29,17 +37,25 @@ def pattern_suffix(path: Union[str, os.PathLike]) -> str:
     return suffix_among(path, PATTERN_SUFFIXES, "patterns")
 
 
-def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: bool = True) -> None:
+def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: bool = True, per_sheet: bool = False) -> list[Path]:
     """Write patterns in the format of the suffix, whole or not at all.
 
     Parameters
     ----------
     path
-        A .dxf or .svg with all sheets, a .csv with all edges, or a .3dm with the sheets and the pieces in place.
+        A .dxf or .svg with all sheets, a .csv with all edges, a .list.csv with a row for every piece, a .plan.dxf or .plan.svg with
+        the surface in plan, a .3dm with the sheets and the pieces in place, or a .zip with a .dxf for each sheet, list and plan.
     patterns
         What :func:`compas_cgc.fabrication.unroll` gave.
     nodes
         Whether the nodes along outlines are numbered.
+    per_sheet
+        Write a .dxf or .svg for each sheet, numbered before the suffix from 1.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
 
     Raises
     ------
@@ -48,16 +64,46 @@ def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: 
     CGCError
         If a package is missing that the format needs.
     """
-    suffix = pattern_suffix(path)
+    suffix, path = pattern_suffix(path), Path(path)
     if suffix == ".3dm":
         from .rhino.patterns import write_pattern_layers
 
         write_pattern_layers(path, patterns, nodes)
-        return
-    with written(path) as temporary:
-        if suffix == ".csv":
-            write_edge_table(temporary, patterns)
-        elif suffix == ".svg":
-            write_svg(temporary, draw_sheets(patterns, nodes=nodes))
-        else:
-            write_dxf(temporary, draw_sheets(patterns, nodes=nodes))
+        return [path]
+    # All is drawn before a folder or a file comes about.
+    if per_sheet and suffix in _TEXT:
+        contents = {path.with_name(name): text for name, text in _by_sheet(path.stem, suffix, patterns, nodes).items()}
+    else:
+        contents = {path: _content(path, suffix, patterns, nodes)}
+    with ExitStack() as files:
+        for name, content in contents.items():
+            files.enter_context(written(name)).write_bytes(content)
+    return list(contents)
+
+
+def _content(path: Path, suffix: str, patterns: Patterns, nodes: bool) -> bytes:
+    if suffix == ".zip":
+        stem = path.stem
+        packed = {
+            **_by_sheet(stem, ".dxf", patterns, nodes),
+            **{f"{stem}{own}": _content(path, own, patterns, nodes) for own in (".list.csv", ".plan.dxf")},
+        }
+        return _archive(packed)
+    if suffix.endswith(".csv"):
+        return (cut_list_text if suffix == ".list.csv" else edge_table_text)(patterns).encode("utf-8")
+    drawing = draw_plan(patterns) if suffix.startswith(".plan") else draw_sheets(patterns, nodes=nodes)
+    return _TEXT[Path(suffix).suffix or suffix](drawing).encode("utf-8")
+
+
+def _by_sheet(stem: str, suffix: str, patterns: Patterns, nodes: bool) -> dict[str, bytes]:
+    digits = len(str(patterns.sheets))
+    drawn = (draw_sheets(patterns, nodes=nodes, sheet=sheet) for sheet in range(patterns.sheets))
+    return {f"{stem}-{number:0{digits}d}{suffix}": _TEXT[suffix](drawing).encode("utf-8") for number, drawing in enumerate(drawn, 1)}
+
+
+def _archive(files: dict[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(zipfile.ZipInfo(name, _MADE), content, zipfile.ZIP_DEFLATED)
+    return packed.getvalue()

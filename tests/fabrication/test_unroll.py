@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import xml.etree.ElementTree as ElementTree
+import zipfile
 
 import numpy as np
 import pytest
@@ -17,6 +18,11 @@ from compas_cgc.fabrication import flatten
 from compas_cgc.fabrication import unfold
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication import widest_panel
+from compas_cgc.fabrication.allowance import reach
+from compas_cgc.fabrication.allowance import widened
+from compas_cgc.fabrication.assembly import draw_plan
+from compas_cgc.fabrication.figures import in_mm
+from compas_cgc.fabrication.figures import in_square_metres
 from compas_cgc.fabrication.flattening import flattening_constant
 from compas_cgc.fabrication.flattening import strain_of_width
 from compas_cgc.fabrication.nesting import nest
@@ -121,7 +127,7 @@ def test_pieces_keep_area_lie_within_their_sheet_and_fit_each_other(cut):
 
 
 def test_margins_of_a_sheet_stay_free():
-    cut = unroll(vault(), SHEET, rough=True, margin=0.05, spacing=0.02)
+    cut = unroll(vault(), SHEET[::-1], rough=True, margin=0.05, spacing=0.02)
     points = np.concatenate([loop.points for piece in cut.pieces for loop in piece.loops])
     assert points.min() >= 0.05 - 1e-12 and (points.max(axis=0) <= np.array(SHEET) - 0.05 + 1e-12).all()
     assert points.min() == pytest.approx(0.05)
@@ -130,6 +136,122 @@ def test_margins_of_a_sheet_stay_free():
         unroll(vault(), SHEET, rough=True, margin=0.8)
     with pytest.raises(CGCError, match="margin at the edges of a sheet must be 0 or more"):
         unroll(vault(), SHEET, rough=True, margin=-0.1)
+
+
+def test_pieces_are_a_hundredth_of_a_sheets_width_apart_unless_told():
+    shapely = pytest.importorskip("shapely")
+    for given, apart in ((None, 0.03), (0.1, 0.1), (0.0, 0.0)):
+        cut = unroll(vault(), (6.0, 3.0), rough=True, spacing=given, rulings=0)
+        assert cut.stock.spacing == pytest.approx(apart) and cut.sheets < len(cut.pieces)
+        shapes = [(piece.sheet, shapely.Polygon(piece.loops[0].points)) for piece in cut.pieces]
+        gaps = [a.distance(b) for i, (sheet, a) in enumerate(shapes) for other, b in shapes[:i] if sheet == other]
+        assert min(gaps) >= apart - 1e-12
+    # Without sheets they are as far apart as the largest piece asks.
+    assert unroll(vault(), rough=True, rulings=0).stock.spacing > 0
+
+
+def test_allowances_stand_off_every_edge_and_have_room_on_sheets(cut):
+    shapely = pytest.importorskip("shapely")
+    own = unroll(vault(), SHEET, rough=True, margin=0.05, allowance=0.03, spacing=0.01)
+    assert own.area == pytest.approx(cut.area, rel=1e-12) and own.seam_mismatch < 1e-12
+    strips = []
+    for piece in own.pieces:
+        inner, outer = shapely.Polygon(piece.loops[0].points), shapely.Polygon(piece.allowance[0])
+        assert len(piece.allowance) == 1 and signed_area(piece.allowance[0]) > piece.area and outer.contains(inner)
+        away = shapely.distance(inner, shapely.points(piece.allowance[0]))
+        assert away.min() >= 0.03 - 1e-12 and away.max() <= 4 * 0.03 / np.cos(np.arcsin(0.25)) + 1e-12
+        # Every edge but those short ones at inward corners has its parallel.
+        assert inner.exterior.distance(outer.exterior) == pytest.approx(0.03, rel=1e-9)
+        assert piece.allowance[0].min() >= 0.05 - 1e-12 and (piece.allowance[0].max(axis=0) <= np.array(SHEET) - 0.05 + 1e-12).all()
+        # Rhino takes no curve with a point twice.
+        assert np.linalg.norm(piece.allowance[0] - np.roll(piece.allowance[0], 1, axis=0), axis=1).min() > 1e-10
+        strips.append((piece.sheet, outer))
+    gaps = [a.distance(b) for i, (sheet, a) in enumerate(strips) for other, b in strips[:i] if sheet == other]
+    assert not gaps or min(gaps) >= 0.01 - 1e-12
+    lines = [line.points for line in draw_sheets(own).lines if line.layer == "ALLOWANCE"]
+    assert len(lines) == len(own.pieces) and not any(line.layer == "ALLOWANCE" for line in draw_sheets(cut).lines)
+    with pytest.raises(CGCError, match="an allowance of 0.2 leaves no room for pieces on a sheet of 3 x 1.5; take less than 0.188"):
+        unroll(vault(), SHEET, rough=True, allowance=0.2)
+
+
+def test_allowances_are_mitred():
+    pytest.importorskip("shapely")
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    (around,) = widened([square], 0.1)
+    assert signed_area(around) == pytest.approx(1.44, rel=1e-14)
+    corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]])
+    assert signed_area(widened([corner], 0.1)[0]) == pytest.approx(2.2 * 2.2 - 1.0, rel=1e-14)
+    # A hole gets smaller, and one narrower than two strips is none any more.
+    outer, hole = widened([4.0 * square - 1.0, square[::-1]], 0.1)
+    assert signed_area(outer) == pytest.approx(4.2**2) and signed_area(hole) == pytest.approx(-(0.8**2))
+    assert len(widened([4.0 * square - 1.0, 0.1 * square[::-1]], 0.1)) == 1
+    # A long mitre is cut off square, four widths from its corner.
+    needle = np.array([[0.0, 0.0], [3.0, -0.2], [3.0, 0.2]])
+    (strip,) = widened([needle], 0.1)
+    assert strip[:, 0].min() == pytest.approx(-0.4, rel=1e-12) and np.sum(np.isclose(strip[:, 0], -0.4)) == 2
+    # An edge shorter than a strip at an inward corner: its own crosses the next one's, and the point where they do is one.
+    step = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.05, 1.0], [1.05, 1.0 + 1e-12], [1.0, 1.0 + 1e-12], [1.0, 2.0], [0.0, 2.0]])
+    (around,) = widened([step], 0.1)
+    assert np.linalg.norm(around - np.roll(around, 1, axis=0), axis=1).min() > 1e-10 and signed_area(around) == pytest.approx(3.84)
+    assert np.allclose(reach([needle], 0.1).min(axis=0), strip.min(axis=0)) and widened([square], 0.0) == []
+
+
+def test_the_cut_list_says_what_a_workshop_asks(cut, tmp_path):
+    (path,) = write_patterns(tmp_path / "cut.list.csv", cut)
+    rows = list(csv.DictReader(path.open()))
+    assert {row["piece"]: int(row["sheet"]) - 1 for row in rows} == {piece.label: piece.sheet for piece in cut.pieces}
+    assert sum(float(row["area in m2"]) for row in rows) == pytest.approx(cut.area, abs=1e-3 * len(rows))
+    for row, piece in ((row, piece) for row in rows for piece in cut.pieces if piece.label == row["piece"]):
+        points = piece.loops[0].points
+        around = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1).sum()
+        assert float(row["perimeter in mm"]) == pytest.approx(1000 * around, abs=0.06) and row["mould"] == ""
+        assert [float(row[name]) for name in ("length in mm", "width in mm")] == pytest.approx(
+            sorted(1000 * np.ptp(points, axis=0), reverse=True), abs=0.06
+        )
+    beside = {row["piece"]: set(row["neighbours"].split()) for row in rows}
+    assert all(one in beside[other] for one, others in beside.items() for other in others)
+    seams = {frozenset(cut.pieces[k].label for k in seam.pieces) for seam in cut.seams}
+    assert seams == {frozenset((one, other)) for one, others in beside.items() for other in others}
+    # The vault stands on its edge; what does not touch it comes later.
+    course = {row["piece"]: int(row["course"]) for row in rows}
+    held = cut.problem.vertices[cut.problem.supports]
+    for number, piece in enumerate(cut.pieces):
+        nodes = cut.patchwork.space[cut.patchwork.faces[cut.patchwork.piece == number]].reshape(-1, 3)
+        stands = (np.linalg.norm(nodes[:, None] - held, axis=2) < 1e-12).any()
+        assert (course[piece.label] == 1) == stands
+        assert stands or min(course[label] for label in beside[piece.label]) == course[piece.label] - 1
+
+
+def test_the_plan_has_every_piece_in_its_place(cut):
+    drawing = draw_plan(cut)
+    outlines = [line.points for line in drawing.lines if line.layer == "OUTLINE"]
+    # A vault covers its plan once.
+    assert sum(map(signed_area, outlines)) == pytest.approx(64.0, rel=1e-12) and drawing.size == pytest.approx((8.0, 8.0))
+    assert {text.text.split()[0] for text in drawing.texts if text.layer == "LABEL"} == {piece.label for piece in cut.pieces}
+    assert {text.text for text in drawing.texts if text.layer == "SEAM"} == {str(seam.number) for seam in cut.seams}
+    with pytest.raises(CGCError, match="a plan is drawn of patterns"):
+        draw_plan(cut.problem)
+
+
+def test_there_may_be_a_file_for_each_sheet(cut, tmp_path):
+    paths = write_patterns(tmp_path / "cut.dxf", cut, per_sheet=True)
+    assert len(paths) == cut.sheets == len(list(tmp_path.iterdir())) and paths[0].name == "cut-01.dxf"
+    for sheet, path in enumerate(paths):
+        outlines, texts = read_dxf(path)
+        here = [piece for piece in cut.pieces if piece.sheet == sheet]
+        assert sum(map(signed_area, outlines)) == pytest.approx(sum(piece.area for piece in here), rel=1e-12)
+        assert np.concatenate(outlines).min() >= 0 and (np.concatenate(outlines).max(axis=0) <= SHEET).all()
+        assert {piece.label for piece in here} <= set(texts)
+    (packed,) = write_patterns(tmp_path / "cut.zip", cut)
+    with zipfile.ZipFile(packed) as archive:
+        assert sorted(archive.namelist()) == sorted([*(path.name for path in paths), "cut.list.csv", "cut.plan.dxf"])
+    with pytest.raises(CGCError, match="there is no sheet 99"):
+        draw_sheets(cut, sheet=99)
+
+
+def test_lengths_are_millimetres_in_any_unit():
+    assert in_mm((3.0, 1.5), None) == in_mm((3000.0, 1500.0), "Millimeters") == "3000 x 1500 mm"
+    assert in_mm([1.0], "Inches") == "25.4 mm" and in_square_metres(1e4, "Centimeters") == "1.000"
 
 
 def test_pieces_on_a_sheet_do_not_overlap(cut):
@@ -284,7 +406,7 @@ def test_sheets_say_what_lies_on_them_and_labels_stand_out(cut, tmp_path):
     write_patterns(tmp_path / "cut.dxf", cut)
     document = ezdxf.readfile(tmp_path / "cut.dxf")
     titles = [text.dxf.text for text in document.modelspace().query('TEXT[layer=="SHEET"]')]
-    assert len(titles) == cut.sheets and titles[0].startswith(f"sheet 1 of {cut.sheets}, 3 x 1.5")
+    assert len(titles) == cut.sheets and titles[0].startswith(f"sheet 1 of {cut.sheets}, 3000 x 1500 mm: ")
     told = [label for title in titles for label in title.split(": ")[1].split(";")[0].split(", ")]
     assert sorted(told) == sorted(piece.label for piece in cut.pieces)
     # Black on black: on dark screens nobody saw the labels.

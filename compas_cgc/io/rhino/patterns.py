@@ -10,6 +10,7 @@ import numpy as np
 from ...discrete.plan import flattened
 from ...fabrication.drawing import LAYERS
 from ...fabrication.drawing import draw_sheets
+from ...fabrication.drawing import roomiest
 from ...fabrication.patterns import Patterns
 from .archive import write_archive
 from .meshes import mesh_from_arrays
@@ -43,9 +44,13 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     for text in drawing.texts:
         writer.dot(text.text, flattened(text.place[None])[0] + beside, writer.attributes(layers[text.layer]))
     in_place = writer.layer(f"{PATTERNS}::In place", (140, 110, 60), visible=False)
+    named = writer.attributes(writer.layer(f"{PATTERNS}::Names in place", LAYERS["LABEL"], visible=False))
     own = patterns.patchwork
     for number, piece in enumerate(patterns.pieces):
         used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
+        faces = own.space[own.faces[own.piece == number]]
+        place, _ = roomiest(faces[..., :2].mean(axis=1), [own.space[loop.nodes, :2] for loop in piece.loops])
+        writer.dot(piece.label, faces.mean(axis=1)[np.argmin(np.linalg.norm(faces[..., :2].mean(axis=1) - place, axis=1))], named)
         figures = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
         attributes = writer.attributes(in_place, piece.label, {**figures, "largest strain": repr(piece.strain)})
         writer.mesh(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)), attributes)

@@ -38,6 +38,10 @@ BUILD_FORMATS = {
     "dxf": "image/vnd.dxf",
     "svg": "image/svg+xml",
     "csv": "text/csv",
+    "list.csv": "text/csv",
+    "plan.dxf": "image/vnd.dxf",
+    "plan.svg": "image/svg+xml",
+    "zip": "application/zip",
     "inp": "text/plain",
 }
 _MARK = b"CGC build\n"
@@ -117,7 +121,7 @@ def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[
         return limit.message, _archive({"arrays": _encoded(told)})
     made = build(task, problem, settings)
     report({"task": task, "stage": "write", "step": 2, "steps": _STAGES})
-    files = _files(task, problem, made, settings.get("nodes", True))
+    files = _files(task, problem, made, settings)
     formats = ["arrays", *(name for name in files if not name.endswith(".refused"))]
     told = {**build_data(task, problem, made), "notes": notes, "task": task, "formats": formats}
     return str(made).splitlines()[0], _archive({"arrays": _encoded(told), **files})
@@ -127,15 +131,17 @@ def _encoded(told: dict) -> bytes:
     return json.dumps(told, ensure_ascii=False, allow_nan=False).encode("utf-8")
 
 
-def _files(task: str, problem: CGCProblem, made: Any, nodes: bool) -> dict[str, bytes]:
+def _files(task: str, problem: CGCProblem, made: Any, settings: Mapping[str, Any]) -> dict[str, bytes]:
     """Return what was made in every format of the task, or the sentence that says why there is none."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in BUILD_SUFFIXES[task]:
             path = Path(folder) / f"{task}{suffix}"
             try:
-                write_build(path, task, problem, made, nodes=nodes)
-                found[suffix[1:]] = path.read_bytes()
+                written = write_build(path, task, problem, made, settings)
+                if len(written) > 1:
+                    raise CGCError(f"{len(written)} files are no one answer; those of all sheets are in the format zip")
+                found[suffix[1:]] = written[0].read_bytes()
             except CGCError as error:
                 found[f"{suffix[1:]}.refused"] = str(error).encode("utf-8")
     return found

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import time
+import zipfile
 
 import numpy as np
 import pytest
@@ -27,7 +29,15 @@ from ...support.server_process import running_server
 from ...support.shapes import grid
 
 KEY = "a-key-for-builds"
-HEADS = {"3dm": b"3D Geometry File Format ", "dxf": b"  0\nSECTION", "svg": b"<svg ", "csv": b"p", "inp": b"*", "json": b"{"}
+HEADS = {
+    **{"list.csv": b"sheet,piece", "plan.dxf": b"  0\nSECTION", "plan.svg": b"<svg ", "zip": b"PK"},
+    "3dm": b"3D Geometry File Format ",
+    "dxf": b"  0\nSECTION",
+    "svg": b"<svg ",
+    "csv": b"p",
+    "inp": b"*",
+    "json": b"{",
+}
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +107,20 @@ def test_what_is_drawn_is_the_surface(client):
     assert np.shape(told["crosses"]["lines"])[0::3] == (2, 3) and set(told["line_loads"]["kind"]) == {"support"}
 
 
+def test_sheets_have_margins_allowances_and_files_of_their_own(client):
+    pytest.importorskip("shapely")
+    vertices, faces, options = asked(CONE)
+    given = {"sheet": [3, 1.5], "spacing": 0, "margin": 0.02, "allowance": 0.03, "per_sheet": True}
+    told = client.build("unroll", vertices, faces, settings=given, **options)
+    made = unroll(problem(CONE), (3.0, 1.5), spacing=0.0, margin=0.02, allowance=0.03)
+    assert told["text"] == str(made) and "dxf" not in told["formats"]
+    assert sum(line["layer"] == "ALLOWANCE" for line in told["lines"]) == len(made.pieces)
+    with zipfile.ZipFile(io.BytesIO(client.result(told["id"], "zip"))) as archive:
+        assert len(archive.namelist()) == made.sheets + 2
+    with pytest.raises(Refused, match="those of all sheets are in the format zip"):
+        client.result(told["id"], "dxf")
+
+
 def test_the_result_of_a_job_a_file_and_a_compas_mesh_are_taken(client, server, tmp_path):
     vertices, faces = grid(8)
     solved = client.solve(vertices, faces, supports="boundary", targets=0.3, method="newton", settings={"measure": "exact"})
@@ -124,7 +148,9 @@ def test_the_list_of_tasks_is_the_table(client):
     found = {own["name"]: own for own in client.tasks()}
     assert set(found) == {"mould", "unroll", "membrane", "net", "limits"}
     along = next(own for own in found["mould"]["options"] if own["name"] == "along")
-    assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == ["arrays", "dxf", "svg", "csv", "3dm"]
+    assert along["enum"] == list(ALONG) and found["unroll"]["formats"] == [
+        *("arrays", "dxf", "svg", "csv", "3dm", "list.csv", "plan.dxf", "plan.svg", "zip")
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,95 @@
+"""Allowances: a strip of even width around the outline of a piece, mitred at its corners."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..errors import CGCError
+from .outlines import signed_area
+from .stock import LIMIT
+
+__all__ = ["reach", "widened"]
+
+SAME = 1e-9  # of the width of a strip, up to which two points are one
+
+
+class _Strip(NamedTuple):
+    """The strip along a closed outline (k, 2), edge by edge."""
+
+    before: FloatArray  # (k, 2) where the strip of the edge before a point ends, beside it [L]
+    after: FloatArray  # (k, 2) where that of the edge after it begins; the same at a mitre [L]
+
+
+def reach(loops: Sequence[FloatArray], width: float) -> FloatArray:
+    """Return points (n, 2) whose convex hull is that of a piece and the strip around it [L].
+
+    Parameters
+    ----------
+    loops
+        Closed outlines ``(k, 2)`` with the piece to their left, the outer one first [L].
+    width
+        Of the strip [L].
+    """
+    strips = [_strip(loop, width) for loop in loops]
+    return np.concatenate([*loops, *(side for strip in strips for side in strip)])
+
+
+def widened(loops: Sequence[FloatArray], width: float) -> list[FloatArray]:
+    """Return the outlines of a piece with a strip around it: the outer one anticlockwise, holes clockwise.
+
+    Every edge is moved outwards by the width, and neighbours are mitred; mitres longer than four widths are cut off square.
+
+    Parameters
+    ----------
+    loops
+        Closed outlines ``(k, 2)`` with the piece to their left, the outer one first [L].
+    width
+        Of the strip [L]; nothing comes of 0.
+
+    Raises
+    ------
+    CGCError
+        If shapely is not installed.
+    """
+    if not width:
+        return []
+    try:
+        import shapely
+    except ImportError:
+        raise CGCError("an allowance needs shapely; install compas_cgc[fabrication]") from None
+    pieces = [np.array([shapely.make_valid(shapely.Polygon(loops[0], loops[1:]))])]
+    for loop in loops:
+        before, after = _strip(loop, width)
+        edges = np.stack([loop, np.roll(loop, -1, axis=0), np.roll(before, -1, axis=0), after], axis=1)
+        pieces += [np.asarray(shapely.polygons(own)) for own in (edges, np.stack([loop, before, after], axis=1))]
+    parts = np.concatenate(pieces)
+    whole = shapely.union_all(parts[shapely.area(parts) > 0])
+    rings = [shapely.get_coordinates(ring)[:-1] for ring in np.atleast_1d(shapely.get_rings(whole))]
+    return [_cleaned(ring, width) if (signed_area(ring) > 0) == (k == 0) else _cleaned(ring[::-1], width) for k, ring in enumerate(rings)]
+
+
+def _cleaned(ring: FloatArray, width: float) -> FloatArray:
+    """Leave off points that are those before them but for rounding, where parts of a strip cross: Rhino refuses such curves."""
+    return ring[np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1) > SAME * width]
+
+
+def _strip(loop: FloatArray, width: float) -> _Strip:
+    ahead = np.roll(loop, -1, axis=0) - loop
+    along = ahead / np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), np.finfo(float).tiny)
+    back = np.roll(along, 1, axis=0)
+    out = np.array([[0.0, -1.0], [1.0, 0.0]])  # to the right of a direction, away from the piece
+    cosine = np.clip(np.einsum("ij,ij->i", back, along), -1.0, 1.0)
+    left = back[:, 0] * along[:, 1] - back[:, 1] * along[:, 0] > 0
+    # Half of the turn at a corner: a mitre ends where both edges meet, a longer one at its limit across the bisector.
+    c, s = np.sqrt(0.5 * (1.0 + cosine)), np.sqrt(0.5 * (1.0 - cosine))
+    mitred = left & (LIMIT * c >= 1.0)
+    square = left & ~mitred
+    longer = np.where(square, (LIMIT - c) / np.maximum(s, 0.5), 0.0)[:, None]
+    tip = loop + width * ((back + along) @ out) / np.maximum(1.0 + cosine, 1e-3)[:, None]
+    before = np.where(mitred[:, None], tip, loop + width * (back @ out + longer * back))
+    after = np.where(mitred[:, None], tip, loop + width * (along @ out - longer * along))
+    return _Strip(before, after)

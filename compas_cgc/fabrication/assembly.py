@@ -1,0 +1,107 @@
+"""Assembly: which pieces meet, in which order they go up, and the surface in plan with their names."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..discrete.arrays import IntArray
+from ..errors import CGCError
+from ..errors import names_what_was_meant
+from .drawing import MARK
+from .drawing import Drawing
+from .drawing import Line
+from .drawing import Text
+from .drawing import clearance
+from .drawing import roomiest
+from .patterns import Patterns
+
+__all__ = ["courses", "draw_plan", "neighbours"]
+
+
+def neighbours(patterns: Patterns) -> list[list[int]]:
+    """Return for every piece the numbers of those that it shares a seam with."""
+    beside: list[set[int]] = [set() for _ in patterns.pieces]
+    for one, other in (seam.pieces for seam in patterns.seams):
+        if one != other:
+            beside[one].add(other)
+            beside[other].add(one)
+    return [sorted(own) for own in beside]
+
+
+def courses(patterns: Patterns) -> list[int]:
+    """Return the course of every piece: 1 for those that stand on supports, 2 for those beside them, and so on.
+
+    Where nothing is supported, or a part of the surface is not, its lowest piece is the first.
+    """
+    own = patterns.patchwork
+    held = np.isin(own.names, patterns.problem.names.vertices[patterns.problem.supports])
+    count = len(patterns.pieces)
+    stands = np.bincount(own.piece, held[own.faces].any(axis=1), count) > 0
+    lowest = np.full(count, np.inf)
+    np.minimum.at(lowest, own.piece, own.space[own.faces][..., 2].min(axis=1))
+    beside = neighbours(patterns)
+    found = np.zeros(count, np.int64)
+    front = np.flatnonzero(stands).tolist()
+    while (found == 0).any():
+        if not front:
+            front = [int(np.argmin(np.where(found == 0, lowest, np.inf)))]
+        front = _numbered(found, front, beside)
+    return found.tolist()
+
+
+def _numbered(found: IntArray, front: list[int], beside: list[list[int]]) -> list[int]:
+    """Number a front of pieces and all that are reached from it, in place, and return no front."""
+    course = 1
+    while front:
+        found[front] = course
+        front = sorted({near for piece in front for near in beside[piece] if found[near] == 0})
+        course += 1
+    return front
+
+
+@names_what_was_meant()
+def draw_plan(patterns: Patterns) -> Drawing:
+    """Draw the surface in plan: outlines of pieces with their names and courses, and the numbers of the seams between them.
+
+    Parameters
+    ----------
+    patterns
+        What :func:`compas_cgc.fabrication.unroll` gave.
+
+    Returns
+    -------
+    Drawing
+        Seen from above [L]; pieces that stand upright are lines.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import unroll
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> [text.text for text in draw_plan(patterns).texts if text.layer == "LABEL"][:2]
+    ['A1 (1)', 'A2 (1)']
+    """
+    if not hasattr(patterns, "sheets"):
+        raise CGCError(f"a plan is drawn of patterns: draw_plan(unroll(surface)), not of {patterns!r:.60}")
+    own = patterns.patchwork
+    low, high = own.space[:, :2].min(axis=0), own.space[:, :2].max(axis=0)
+    plan = own.space[:, :2] - low
+    size = (float(high[0] - low[0]), float(high[1] - low[1]))
+    height = 1.5 * MARK * max(size)
+    lines, texts = [], []
+    for number, (piece, course) in enumerate(zip(patterns.pieces, courses(patterns))):
+        loops = [plan[loop.nodes] for loop in piece.loops]
+        lines += [Line("OUTLINE", loop, True) for loop in loops]
+        place, room = roomiest(plan[own.faces[own.piece == number]].mean(axis=1), loops)
+        texts.append(Text("LABEL", f"{piece.label} ({course})", place, float(min(height, 0.6 * room))))
+    for seam in patterns.seams:
+        along = plan[seam.nodes]
+        length = np.linalg.norm(np.diff(along, axis=0), axis=1)
+        edge = int(np.argmax(length))
+        ahead = (along[edge + 1] - along[edge]) / max(length[edge], np.finfo(float).tiny)
+        aside, text, size_of_text = np.array([-ahead[1], ahead[0]]), str(seam.number), 0.6 * height
+        place = 0.5 * (along[edge] + along[edge + 1]) + clearance(text, size_of_text, aside) * aside
+        texts.append(Text("SEAM", text, place, size_of_text))
+    title = f"plan of {len(patterns.pieces)} pieces, in brackets their courses from the supports on; numbers of seams between them"
+    texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
+    return Drawing(lines, texts, size, patterns.problem.drawing.units)

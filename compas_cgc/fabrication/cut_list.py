@@ -1,0 +1,87 @@
+"""Cut list: a row for every piece, as a workshop reads it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import CGCError
+from ..errors import names_what_was_meant
+from .assembly import courses
+from .assembly import neighbours
+from .drawing import folded
+from .figures import in_mm
+from .figures import in_square_metres
+from .patterns import Patterns
+from .tables import csv_text
+
+__all__ = ["cut_list", "cut_list_text"]
+
+_HEAD = (
+    "sheet",
+    "piece",
+    "region",
+    "area in m2",
+    "length in mm",
+    "width in mm",
+    "perimeter in mm",
+    "folds",
+    "neighbours",
+    "course",
+    "mould",
+)
+
+
+def cut_list_text(patterns: Patterns) -> str:
+    """Return :func:`cut_list` as CSV."""
+    return csv_text(_HEAD, cut_list(patterns))
+
+
+@names_what_was_meant()
+def cut_list(patterns: Patterns) -> list[tuple]:
+    """Return a row for every piece, in the order of the sheets.
+
+    Parameters
+    ----------
+    patterns
+        What :func:`compas_cgc.fabrication.unroll` gave.
+
+    Returns
+    -------
+    list of tuple
+        Number of the sheet, from 1; name and region of the piece; area without allowance [m2], three digits after the point; length
+        and width of the rectangle along the sheet around the line to be cut, and the length of that line with holes [mm], one digit;
+        edges to be folded; names of the pieces that it is joined to; its course from the supports on; the mould that it is pressed
+        on, nothing where K = 0.
+
+    Examples
+    --------
+    >>> import compas_cgc
+    >>> from compas_cgc.fabrication import unroll
+    >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
+    >>> len(cut_list(patterns)) == len(patterns.pieces)
+    True
+    """
+    if not hasattr(patterns, "sheets"):
+        raise CGCError(f"a cut list is made of patterns: cut_list(unroll(surface)), not of {patterns!r:.60}")
+    units = patterns.problem.drawing.units
+    own = patterns.patchwork
+    # Both faces beside an edge have it.
+    folds = np.bincount(own.piece, folded(patterns).sum(axis=1), len(patterns.pieces)) / 2
+    rows = []
+    for number, (piece, beside, course) in enumerate(zip(patterns.pieces, neighbours(patterns), courses(patterns))):
+        loops = piece.allowance or [loop.points for loop in piece.loops]
+        sides = np.ptp(loops[0], axis=0)
+        around = sum(float(np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1).sum()) for loop in loops)
+        lengths = [in_mm([length], units).removesuffix(" mm") for length in (max(sides), min(sides), around)]
+        labels = " ".join(patterns.pieces[k].label for k in beside)
+        area = in_square_metres(piece.area, units)
+        mould = _mould(patterns, piece.region)
+        rows.append((piece.sheet + 1, piece.label, piece.region, area, *lengths, round(folds[number]), labels, course, mould))
+    return sorted(rows, key=lambda row: row[0])
+
+
+def _mould(patterns: Patterns, region: int) -> str:
+    target = next(own.target for own in patterns.unrollings if own.region == region)
+    if not target:
+        return "" if target == 0 else "of several K"
+    return f"{'sphere' if target > 0 else 'pseudosphere'} of radius {in_mm([abs(target) ** -0.5], patterns.problem.drawing.units)}"

@@ -1,0 +1,21 @@
+"""Figures as a workshop reads them: lengths in millimetres, areas in square metres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Optional
+
+from .materials import METRES
+
+__all__ = ["in_mm", "in_square_metres"]
+
+
+def in_mm(lengths: Sequence[float], units: Optional[str]) -> str:
+    """Return lengths of a drawing, in metres where it has no units, such as ``3000 x 1500 mm``."""
+    scale = 1000.0 * METRES.get(units or "Meters", 1.0)
+    return " x ".join(f"{length * scale:.1f}".removesuffix(".0") for length in lengths) + " mm"
+
+
+def in_square_metres(area: float, units: Optional[str]) -> str:
+    """Return an area of a drawing with three digits after the point, such as ``4.125``."""
+    return f"{area * METRES.get(units or 'Meters', 1.0) ** 2:.3f}"
