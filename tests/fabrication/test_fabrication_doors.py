@@ -58,6 +58,22 @@ def test_commands_write_what_python_gives(files, tmp_path, capsys):
     assert not any(capsys.readouterr()) and (tmp_path / "quiet.svg").exists()
 
 
+def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
+    pytest.importorskip("shapely")
+    words = ["unroll", str(files / "cone.3dm"), "--sheet", "3x1.5", "--margin", ".02", "--spacing", ".03", "--allowance", ".04"]
+    out = ["-o", str(tmp_path / "cut.svg"), "-o", str(tmp_path / "cut.list.csv"), "-o", str(tmp_path / "cut.plan.svg"), "--per-sheet"]
+    assert main([*words, *out]) == 0
+    made = unroll(
+        CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5), margin=0.02, spacing=0.03, allowance=0.04
+    )
+    said = capsys.readouterr().out
+    assert made.summary() in said and "left free: 30 mm between pieces, 20 mm along edges, 40 mm around pieces" in said
+    digits = len(str(made.sheets))
+    sheets = {f"cut-{number:0{digits}d}.svg" for number in range(1, made.sheets + 1)}
+    assert {path.name for path in tmp_path.iterdir()} == {*sheets, "cut.list.csv", "cut.plan.svg"}
+    assert said.count("wrote ") == made.sheets + 2
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -67,6 +83,9 @@ def test_commands_write_what_python_gives(files, tmp_path, capsys):
         (("unroll", "cone.3dm", "-o", "out.dxf", "--strain", "much"), "--strain must be a number"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "no seam opens"),
         (("unroll", "cone.3dm", "-o", "out.pdf"), "patterns are written to .dxf"),
+        (("unroll", "cone.3dm", "-o", "new/out.dxf", "--sheet", "3x1.5", "--margin", ".8"), "margins of 0.8 leave nothing of a sheet"),
+        (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--allowance", ".5"), "an allowance of 0.5 leaves no room"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--allowance", "-1"), "allowance around pieces must be 0 or more"),
         (("membrane", "dome.3dm", "-o", "out.3dm"), "there is no load"),
         (("membrane", "cone.3dm", "-o", "out.3dm", "--pressure", "1"), "has K = 0"),
         (("net", "saddle.3dm", "-o", "out.3dm", "--through", "1,2"), "--through must be X,Y,Z"),
@@ -125,7 +144,19 @@ def test_the_component_unroll(tmp_path):
     patterns = unroll(mesh, (3.0, 1.5))
     assert out["labels"] == [piece.label for piece in patterns.pieces]
     assert len(out["pieces"]) == len(out["places"]) == len(patterns.pieces) == len(out["outlines"])
-    assert out["report"] == patterns.summary() and path.exists()
+    assert out["report"] == patterns.summary() and path.exists() and out["allowances"] == []
+    assert len(out["cut_list"]) == 1 + len(patterns.pieces) and out["cut_list"][0].startswith("sheet,piece,region,area in m2")
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_unroll_leaves_margins_and_allowances_free(tmp_path):
+    pytest.importorskip("shapely")
+    mesh = solved(cone(6, 24), 0.0)
+    given = {"margin": 0.02, "allowance": 0.03, "spacing": 0.0}
+    out = place("Unroll").run(cgc_mesh=mesh, length=3.0, width=1.5, **given, path=str(tmp_path / "cut.dxf"), write=True, per_sheet=True)
+    patterns = unroll(mesh, (3.0, 1.5), **given)
+    assert out["report"] == patterns.summary() and len(out["allowances"]) == len(out["outlines"]) == len(patterns.pieces)
+    assert len(list(tmp_path.iterdir())) == patterns.sheets > 1
 
 
 @pytest.mark.usefixtures("rhino")

@@ -11,6 +11,7 @@ import numpy as np
 from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication import unroll as unroll_surface
+from ...fabrication.cut_list import cut_list_text
 from ...io.patterns import write_patterns
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import points_to_rhino
@@ -34,6 +35,8 @@ class UnrollOutputs(NamedTuple):
     places: Any
     pieces: Any
     report: Optional[str]
+    allowances: Any
+    cut_list: Optional[list[str]]
 
 
 @reports_errors(UnrollOutputs)
@@ -46,13 +49,16 @@ def unroll(
     spacing: Optional[float],
     path: Optional[str],
     write: Optional[bool],
+    margin: Optional[float] = None,
+    allowance: Optional[float] = None,
+    per_sheet: Optional[bool] = None,
 ) -> UnrollOutputs:
     """Lay a solved surface out on sheets, and write it when it is told to."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh that has been solved")
         return UnrollOutputs(*[None] * len(UnrollOutputs._fields))
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    patterns = unroll_surface(cgc_mesh, sheet, strain=strain or None, spacing=spacing or 0.0)
+    patterns = unroll_surface(cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0)
     drawing = draw_sheets(patterns, nodes=False)
     lines: dict[str, list] = {}
     for line in drawing.lines:
@@ -60,7 +66,7 @@ def unroll(
         lines.setdefault(line.layer, []).append(polyline_to_rhino(flattened(points)))
     labels = [text for text in drawing.texts if text.layer == "LABEL"]
     if path and write:
-        write_patterns(path.strip(), patterns)
+        write_patterns(path.strip(), patterns, per_sheet=bool(per_sheet))
     set_message(component, f"{len(patterns.pieces)} pieces on {patterns.sheets} sheets{', written' if path and write else ''}")
     own = patterns.patchwork
     pieces = []
@@ -77,4 +83,6 @@ def unroll(
         places=points_to_rhino(flattened(np.array([text.place for text in labels]))),
         pieces=pieces,
         report=patterns.summary(),
+        allowances=lines.get("ALLOWANCE", []),
+        cut_list=cut_list_text(patterns).splitlines(),
     )

@@ -85,20 +85,9 @@ _TEXT = Wire(_is_text, "a text, from a panel or a value list")
 _NUMBER = Wire(_is_number, "a number")
 
 _AMOUNTS = (
-    *(
-        "area",
-        "aside",
-        "below",
-        "clearance",
-        "crease_stiffness",
-        "edge_length",
-        "filter_radius",
-        "height",
-        "length",
-        "nearness",
-        "pressure",
-    ),
-    *("rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance", "volume", "weight", "width"),
+    *("allowance", "area", "aside", "below", "clearance", "crease_stiffness", "edge_length", "filter_radius", "height", "length"),
+    *("margin", "nearness", "pressure", "rise", "s", "size", "smoothness", "spacing", "strain", "thickness", "tolerance"),
+    *("volume", "weight", "width"),
 )
 
 # By the names of inputs, which mean the same on every component.
@@ -127,7 +116,7 @@ WIRES = {
     "unknown": Wire(_is_whole, "numbers of regions, counted from 0"),
     **dict.fromkeys(_AMOUNTS, _NUMBER),
     **dict.fromkeys(("count", "delay", "number", "steps"), Wire(_is_whole, "a whole number")),
-    **dict.fromkeys(("bake", "flip", "keep_edges", "level_edges", "reset", "rough", "run", "split", "write"), _SWITCH),
+    **dict.fromkeys(("bake", "flip", "keep_edges", "level_edges", "per_sheet", "reset", "rough", "run", "split", "write"), _SWITCH),
     **dict.fromkeys(
         ("along", "column", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT
     ),

@@ -65,7 +65,23 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Input(
                     "Strain", "E", "Number", "Largest strain of flattened pieces, such as 0.002. Defaults to 0, any.", default=0.0, low=0.0
                 ),
-                Input("Spacing", "D", "Number", "Distance between pieces on a sheet. Defaults to 0.", default=0.0, low=0.0),
+                Input(
+                    "Spacing",
+                    "D",
+                    "Number",
+                    "Distance between pieces on a sheet. Defaults to 0, which is a hundredth of its width.",
+                    default=0.0,
+                    low=0.0,
+                ),
+                Input("Margin", "Ma", "Number", "What is left free along the edges of a sheet. Defaults to 0.", default=0.0, low=0.0),
+                Input(
+                    "Allowance",
+                    "Al",
+                    "Number",
+                    "Width of a strip around every piece, for seams to be welded or sewn. Defaults to 0.",
+                    default=0.0,
+                    low=0.0,
+                ),
             ),
             (
                 Output("Outlines", "O", "Curve", "Closed outlines to be cut, holes after them."),
@@ -77,6 +93,9 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                 Output("Places", "Pl", "Point", "Places of the names."),
                 Output("Pieces", "P", "Mesh", "The pieces in place, in the order of the names."),
                 Output("Strains", "E", "Number", "Largest strain of every piece."),
+                Output("Allowances", "Al", "Curve", "Closed outlines with the allowance around them, holes after them."),
+                Output("Sheet", "Si", "Integer", "Number of the sheet of every piece, from 0."),
+                Output("CutList", "C", "Text", "Rows of the cut list: sheet, piece, region, area, size, folds, neighbours, course, mould."),
                 info,
             ),
         ),

@@ -11,6 +11,7 @@ import numpy as np
 from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication.crosses import crosses
+from ...fabrication.cut_list import cut_list_text
 from ...fabrication.membrane_state import forces_at_vertices
 from ...fabrication.mould_surface import cap_mesh
 from ...fabrication.tasks import build
@@ -27,7 +28,7 @@ __all__ = ["BUILD_FUNCTIONS"]
 
 # Inputs by the name of the option; zero and nothing stand for the default.
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
-UNROLL = {"Strain": "strain", "Spacing": "spacing"}
+UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance"}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}
 NET = {"Spacing": "spacing", "Through": "through"}
 
@@ -105,6 +106,9 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
         entry("Places", "Point", flattened(np.array([text.place for text in labels])).tolist()),
         entry("Pieces", "Mesh", pieces),
         entry("Strains", "Number", [piece.strain for piece in patterns.pieces]),
+        entry("Allowances", "Curve", lines.get("ALLOWANCE", [])),
+        entry("Sheet", "Integer", [piece.sheet for piece in patterns.pieces]),
+        entry("CutList", "Text", cut_list_text(patterns).splitlines()),
     ]
 
 

@@ -13,6 +13,30 @@ from compas_cgc.grasshopper.components.unroll import unroll
 
 
 class Unroll(Grasshopper.Kernel.GH_ScriptInstance):
-    def RunScript(self, cgc_mesh, length: float, width: float, strain: float, spacing: float, path: str, write: bool):
-        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write)  # noqa: F821
-        return out.outlines, out.folds, out.rulings, out.marks, out.sheets, out.labels, out.places, out.pieces, out.report
+    def RunScript(
+        self,
+        cgc_mesh,
+        length: float,
+        width: float,
+        strain: float,
+        spacing: float,
+        path: str,
+        write: bool,
+        margin: float,
+        allowance: float,
+        per_sheet: bool,
+    ):
+        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write, margin, allowance, per_sheet)  # noqa: F821
+        return (
+            out.outlines,
+            out.folds,
+            out.rulings,
+            out.marks,
+            out.sheets,
+            out.labels,
+            out.places,
+            out.pieces,
+            out.report,
+            out.allowances,
+            out.cut_list,
+        )

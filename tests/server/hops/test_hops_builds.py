@@ -60,6 +60,18 @@ def test_a_cone_is_laid_out_on_sheets(hops, generation, comma):
     assert area == pytest.approx(patterns.pieces[0].area)
 
 
+def test_sheets_have_margins_and_allowances(hops):
+    pytest.importorskip("shapely")
+    shape = cone(6, 24)
+    given = {"Mesh": mesh_from_arrays(*shape), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    status, outputs, errors, _ = hops("unroll").solve(**given, Margin=0.02, Allowance=0.03)
+    patterns = unroll(problem(shape, 0.0), (3.0, 1.5), margin=0.02, allowance=0.03)
+    assert (status, errors) == (200, []) and patterns.summary() in outputs["Info"][0]
+    around = [np.linalg.norm(own - np.roll(own, 1, axis=0), axis=1).sum() for piece in patterns.pieces for own in piece.allowance]
+    assert np.allclose(lengths(outputs["Allowances"]), around, rtol=1e-9)
+    assert outputs["Sheet"] == [piece.sheet for piece in patterns.pieces] and len(outputs["CutList"]) == 1 + len(patterns.pieces)
+
+
 def test_forces_of_a_dome(hops):
     shape = revolved_patch(8, 0.02)
     status, outputs, errors, warnings = hops("membrane", comma=True).solve(Mesh=mesh_from_arrays(*shape), K=[0.02], Pressure=2.0)
