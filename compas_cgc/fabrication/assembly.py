@@ -7,6 +7,7 @@ import numpy as np
 from ..discrete.arrays import IntArray
 from ..errors import CGCError
 from ..errors import names_what_was_meant
+from .drawing import LETTER
 from .drawing import MARK
 from .drawing import Drawing
 from .drawing import Line
@@ -93,15 +94,15 @@ def draw_plan(patterns: Patterns) -> Drawing:
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
         place, room = roomiest(plan[own.faces[own.piece == number]].mean(axis=1), loops)
-        texts.append(Text("LABEL", f"{piece.label} ({course})", place, float(min(height, 0.6 * room))))
+        name = f"{piece.label} ({course})"
+        texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER * len(name))))))
     for seam in patterns.seams:
         along = plan[seam.nodes]
         length = np.linalg.norm(np.diff(along, axis=0), axis=1)
         edge = int(np.argmax(length))
         ahead = (along[edge + 1] - along[edge]) / max(length[edge], np.finfo(float).tiny)
-        aside, text, size_of_text = np.array([-ahead[1], ahead[0]]), str(seam.number), 0.6 * height
-        place = 0.5 * (along[edge] + along[edge + 1]) + clearance(text, size_of_text, aside) * aside
-        texts.append(Text("SEAM", text, place, size_of_text))
+        aside, text, small = np.array([-ahead[1], ahead[0]]), str(seam.number), float(min(0.5 * height, 0.5 * length[edge]))
+        texts.append(Text("SEAM", text, 0.5 * (along[edge] + along[edge + 1]) + clearance(text, small, aside) * aside, small))
     title = f"plan of {len(patterns.pieces)} pieces, in brackets their courses from the supports on; numbers of seams between them"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     return Drawing(lines, texts, size, patterns.problem.drawing.units)

@@ -229,6 +229,11 @@ def test_the_plan_has_every_piece_in_its_place(cut):
     assert sum(map(signed_area, outlines)) == pytest.approx(64.0, rel=1e-12) and drawing.size == pytest.approx((8.0, 8.0))
     assert {text.text.split()[0] for text in drawing.texts if text.layer == "LABEL"} == {piece.label for piece in cut.pieces}
     assert {text.text for text in drawing.texts if text.layer == "SEAM"} == {str(seam.number) for seam in cut.seams}
+    shapely = pytest.importorskip("shapely")
+    places = {piece.label: shapely.Polygon(points) for piece, points in zip(cut.pieces, outlines)}
+    for text in (text for text in drawing.texts if text.layer == "LABEL"):
+        x, y = 0.5 * text.height * np.array([0.7 * len(text.text), 1.0])
+        assert places[text.text.split()[0]].contains(shapely.box(*(text.place - [x, y]), *(text.place + [x, y])))
     with pytest.raises(CGCError, match="a plan is drawn of patterns"):
         draw_plan(cut.problem)
 
