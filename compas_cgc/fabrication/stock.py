@@ -60,6 +60,11 @@ def stock_of(sheet: Optional[tuple[float, float]], spacing: Optional[float], mar
             raise CGCError(f"the {what} must be 0 or more, not {length:g}")
     if size is not None and not 2 * margin < size[1]:
         raise CGCError(f"margins of {margin:g} leave nothing of a sheet of {size[0]:g} x {size[1]:g}; they are in the units of the drawing")
+    if size is not None and spacing is not None and not spacing < size[1]:
+        raise CGCError(
+            f"a spacing of {spacing:g} is as wide as a sheet of {size[0]:g} x {size[1]:g}; it is in the units of the drawing, such as "
+            f"{KERF * size[1]:g}"
+        )
     # Room for the mitres of the smallest piece, so that cutting comes to an end.
     if size is not None and not 2 * margin + 2 * LIMIT * allowance < size[1]:
         raise CGCError(

@@ -32,6 +32,7 @@ from .regions_in_plane import developed
 from .rulings import rulings_of
 from .solved import chosen_regions
 from .solved import solved_problem
+from .stock import Stock
 from .stock import stock_of
 
 __all__ = ["unroll"]
@@ -102,7 +103,7 @@ def unroll(
     """
     problem = solved_problem(surface, rough)
     stock = stock_of(sheet, spacing, margin, allowance)
-    _check_scale(problem, stock.sheet)
+    _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
         raise CGCError(f"the distance between rulings must be more than 0, or 0 for none, not {rulings:g}")
     paths: object = seams
@@ -139,15 +140,20 @@ def unroll(
     return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness)
 
 
-def _check_scale(problem: CGCProblem, sheet: Optional[tuple[float, float]]) -> None:
-    """Refuse a sheet that is so much larger than the surface that it must be in other units."""
+def _check_scale(problem: CGCProblem, stock: Stock) -> None:
+    """Refuse a sheet that is so much larger than the surface that it must be in other units, and so what stays free on it."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    units = (problem.drawing.units or "units of the model").lower()
+    sheet = stock.sheet
     if sheet is not None and sheet[1] > VAST * size:
-        units = (problem.drawing.units or "units of the model").lower()
         raise CGCError(
             f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is out of scale with a surface {size:.3g} across; say in which unit it is, "
             f"such as {sheet[0]:g}x{sheet[1]:g}mm"
         )
+    for what in ("spacing", "margin", "allowance"):
+        length = getattr(stock, what) or 0.0
+        if length > size:
+            raise CGCError(f"the {what} of {length:g} {units} is wider than the surface, {size:.3g} across; give it in {units}")
 
 
 def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
