@@ -127,7 +127,7 @@ def test_pieces_keep_area_lie_within_their_sheet_and_fit_each_other(cut):
 
 
 def test_margins_of_a_sheet_stay_free():
-    cut = unroll(vault(), SHEET[::-1], rough=True, margin=0.05, spacing=0.02)
+    cut = unroll(vault(), (1.5, 3.0), rough=True, margin=0.05, spacing=0.02)
     points = np.concatenate([loop.points for piece in cut.pieces for loop in piece.loops])
     assert points.min() >= 0.05 - 1e-12 and (points.max(axis=0) <= np.array(SHEET) - 0.05 + 1e-12).all()
     assert points.min() == pytest.approx(0.05)
@@ -147,7 +147,7 @@ def test_pieces_are_a_hundredth_of_a_sheets_width_apart_unless_told():
         gaps = [a.distance(b) for i, (sheet, a) in enumerate(shapes) for other, b in shapes[:i] if sheet == other]
         assert min(gaps) >= apart - 1e-12
     # Without sheets they are as far apart as the largest piece asks.
-    assert unroll(vault(), rough=True, rulings=0).stock.spacing > 0
+    assert unroll(vault(), rough=True, rulings=0).stock.spacing
 
 
 def test_allowances_stand_off_every_edge_and_have_room_on_sheets(cut):
