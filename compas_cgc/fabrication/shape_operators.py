@@ -13,7 +13,7 @@ from ..discrete import boundary_vertices
 from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete._cholesky import solve_in_place
-from ..discrete._local_fits import CENTRED
+from ..discrete._least_squares import CENTRED
 from ..discrete._local_fits import SPARE
 from ..discrete._local_fits import TERMS
 from ..discrete._rings import MOST

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import logging
 import threading
-from collections import deque
 from typing import Any
+
+from waitress.task import ThreadedTaskDispatcher
 
 __all__ = ["Threads"]
 
-_log = logging.getLogger("waitress")
 
-
-class Threads:
+class Threads(ThreadedTaskDispatcher):
     """In the place of waitress's threads, which live as long as the server.
 
     The C library keeps small blocks that a thread freed for that thread, hundreds of kilobytes each, until it ends: the memory
@@ -25,47 +23,44 @@ class Threads:
     """
 
     def __init__(self, most: int):
+        super().__init__()
         self._most = most
-        self._tasks: deque[Any] = deque()
-        self._running = 0
-        self._lock = threading.Lock()
-        self._ended = threading.Condition(self._lock)
 
     def add_task(self, task: Any) -> None:
         """Serve a request, or have it wait for a thread."""
-        with self._lock:
-            self._tasks.append(task)
-            if self._running == self._most:
+        with self.lock:
+            self.queue.append(task)
+            if self.active_count == self._most:
                 return
-            self._running += 1
+            self.active_count += 1
         try:
             threading.Thread(target=self._serve, name="request", daemon=True).start()
         except RuntimeError:
             # The system gives no more threads; the request is served after another, or after the next that gets one.
-            with self._lock:
-                self._running -= 1
-            _log.exception("no thread for %r", task)
+            with self.lock:
+                self.active_count -= 1
+            self.logger.exception("no thread for %r", task)
 
     def _serve(self) -> None:
         while True:
-            with self._lock:
-                if not self._tasks:
-                    self._running -= 1
-                    self._ended.notify()
+            with self.lock:
+                if not self.queue:
+                    self.active_count -= 1
+                    self.thread_exit_cv.notify()
                     return
-                task = self._tasks.popleft()
+                task = self.queue.popleft()
             try:
                 task.service()
             except BaseException:
-                _log.exception("a request ended with %r", task)
+                self.logger.exception("a request ended with %r", task)
 
     def shutdown(self, cancel_pending: bool = True, timeout: float = 5.0) -> bool:
         """Drop what waits, and give what is being served some seconds; tell whether anything was dropped."""
-        with self._lock:
-            dropped = list(self._tasks) if cancel_pending else []
+        with self.lock:
+            dropped: list[Any] = list(self.queue) if cancel_pending else []
             if cancel_pending:
-                self._tasks.clear()
-            self._ended.wait_for(lambda: not self._running, timeout)
+                self.queue.clear()
+            self.thread_exit_cv.wait_for(lambda: not self.active_count, timeout)
         for task in dropped:
             task.cancel()
         return bool(dropped)
