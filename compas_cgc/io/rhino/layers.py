@@ -229,8 +229,9 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
         closed = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)
         outlines = closed[-1:]
         creases = [item for item in creases if item not in outlines]
-        if closed[:-1]:
-            taken = "1 closed curve within it as a crease" if len(closed) == 2 else f"{len(closed) - 1} closed curves within it as creases"
+        within = [item for item in closed[:-1] if _overlap(item, closed[-1])]
+        if within:
+            taken = "1 closed curve within it as a crease" if len(within) == 1 else f"{len(within)} closed curves within it as creases"
             more.append(
                 f"{closed[-1].label} is taken as the outline and {taken}; for holes draw them and the outline on the layer CGC::Mesh"
             )
@@ -240,6 +241,12 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
 def _reach(item: Item) -> float:
     box = item.geometry.GetBoundingBox()
     return (box.Max.X - box.Min.X) * (box.Max.Y - box.Min.Y)
+
+
+def _overlap(item: Item, other: Item) -> bool:
+    """Tell whether the boxes around two curves overlap in plan."""
+    a, b = item.geometry.GetBoundingBox(), other.geometry.GetBoundingBox()
+    return all(getattr(a.Min, k) < getattr(b.Max, k) and getattr(b.Min, k) < getattr(a.Max, k) for k in "XY")
 
 
 def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:

@@ -49,6 +49,8 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
         mend = "make one with Rhino's command Mesh or QuadRemesh, and save the file again"
         if found.outlines:
             mend += "; or give an edge length (--edge-length) to mesh the outline"
+        elif found.creases:
+            mend += "; or close an outline (Rhino: Join, CloseCrv) and give an edge length (--edge-length)"
         raise FileError(f"there is no mesh in the file; {mend}")
     fine = 0.25 * tolerance if tolerance > 0 else 1e-4 * edge_length
     outlines = [(f"outline {item.label}", curve_points(item.geometry, fine)) for item in found.outlines]
@@ -98,7 +100,16 @@ def outlined(
     within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
     note = f"one with edges of about {edge_length:g} was made in an outline{within}"
     twice = ["outlines that are drawn twice were taken once"] if len(rings) < len(outlines) else []
-    return MeshedSurface(Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {}), _pieces(made, lines), [note, *twice])
+    beside = [f"{crease.label} lies outside of the outline and was left out" for crease in lines if _is_beside(boundary, crease.points)]
+    part = Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {})
+    return MeshedSurface(part, _pieces(made, lines), [note, *twice, *beside])
+
+
+def _is_beside(boundary: FloatArray, points: FloatArray) -> bool:
+    """Tell whether nothing of a curve (k, 3) lies within a boundary (k, 3) in plan."""
+    import shapely
+
+    return not shapely.Polygon(boundary[:, :2]).intersects(shapely.LineString(points[:, :2]))
 
 
 def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[FloatArray]:

@@ -124,3 +124,16 @@ def test_a_hole_in_a_hole_is_named_by_its_place(mesher):
     holes = [0.2 * size * (SQUARE - 5) + 5 for size in (3, 1)]
     with pytest.raises(MeshError, match=r"the hole at \(4, 4\) lies in another hole"):
         mesher(SQUARE, holes, [], 1.0, 1e-6)
+
+
+def test_curves_beside_the_outline_are_named_and_open_ones_are_told_to_be_closed(mesher, tmp_path):
+    sketch = Sketch()
+    sketch.curve(SQUARE)
+    sketch.curve(0.5 * SQUARE + [20, 0, 0])
+    model = read_3dm(sketch.save(tmp_path / "two.3dm"), edge_length=2.0)
+    assert [note for note in model.notes if "lies outside of the outline and was left out" in note]
+    assert not [note for note in model.notes if "within it" in note]
+    sketch = Sketch()
+    sketch.curve(SQUARE[:4])
+    with pytest.raises(FileError, match=r"or close an outline \(Rhino: Join, CloseCrv\) and give an edge length"):
+        read_3dm(sketch.save(tmp_path / "open.3dm"), edge_length=2.0)
