@@ -36,6 +36,7 @@ from .balance import in_balance
 from .balance import mean_size
 from .balance import pull_of
 from .closing import closed
+from .closing import closed_anew
 from .layout import among
 from .loads import nodal_load
 from .materials import metres_per_unit
@@ -179,6 +180,7 @@ def membrane(
     close
         Whether vertices inside of regions are slid along the surface where edge forces by the formula are far from balance under
         pressure, as on irregular meshes: until the triangles close as with the measure exact. How far is said.
+        Where they leave no room for it edges inside of regions are turned too, and the state is of a mesh of other faces.
     rough
         Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
@@ -207,25 +209,37 @@ def membrane(
     state = _state(problem, pressure, weight, edge_beams)
     if not (close and state.correction > NEAR):
         return state
-    nearby = closed(problem)
-    if nearby is None or not (rough or verdict(nearby).fair):
-        return state
-    exact = _state(nearby, pressure, weight, edge_beams)
-    return state if exact.correction > BETTER * state.correction else _slid(exact, state)
+    for close_triangles in (closed, closed_anew):
+        nearby = close_triangles(problem)
+        if nearby is not None and (rough or verdict(nearby).fair):
+            exact = _state(nearby, pressure, weight, edge_beams)
+            if exact.correction <= BETTER * state.correction:
+                return _slid(exact, state)
+    return state
 
 
 def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
     """Return a state of vertices that were slid, with a sentence that says so."""
     problem = state.problem
-    move = exact.problem.vertices - problem.vertices
-    off = np.abs(np.einsum("ij,ij->i", move, vertex_normals(problem.vertices, problem.faces)))
+    slid = exact.problem
+    move = slid.vertices - problem.vertices
+    # Between the normals at both ends, as a move along a bend leaves the plane at either.
+    normals = vertex_normals(problem.vertices, problem.faces) + vertex_normals(slid.vertices, slid.faces)
+    off = 0.5 * np.abs(np.einsum("ij,ij->i", move, normals))
     unit = 1e3 * metres_per_unit(problem.drawing.units)
     far, away = float(np.linalg.norm(move, axis=1).max()), float(off.max())
     said = (
         f"vertices were slid along the surface, by up to {unit * far:.3g} mm and off it by up to {unit * away:.2g} mm, until triangles "
-        f"close as with the measure exact; before, edge forces had to be {100 * state.correction:.3g} % off the formula for balance"
+        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; before, edge forces had to be "
+        f"{100 * state.correction:.3g} % off the formula for balance"
     )
     return replace(exact, moved=far, remarks=(said, *exact.remarks))
+
+
+def _turned(before: Faces, after: Faces) -> str:
+    """Return what is said where triangles were laid out anew."""
+    count = int((np.sort(before, axis=1) != np.sort(after, axis=1)).any(axis=1).sum())
+    return f", on triangles of which {count} of {len(after)} were laid out anew" if count else ""
 
 
 def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool) -> MembraneState:
