@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
@@ -110,13 +111,22 @@ def test_vertices_of_irregular_meshes_are_slid_until_the_formula_is_balanced(K):
     assert np.median(slid.forces, axis=0) == pytest.approx(np.median(still.forces, axis=0), rel=0.02)
 
 
+def shaken_saddle(n, shake, K=-0.02) -> CGCProblem:
+    """Return a patch of a pseudosphere in closed form, of `n` rows of points shaken along it, held at its edge."""
+    plan = shaken_square(n, K, shake=shake, width=8.0)
+    s, turn = plan.vertices[:, 0] - 4.0, (plan.vertices[:, 1] - 4.0) / 4.0
+    a, fine = (-K) ** 0.5, np.linspace(-4.0, 4.0, 20_001)
+    x = np.interp(s, fine, cumulative_trapezoid(np.sqrt(1.0 - (4.0 * a * np.sinh(a * fine)) ** 2), fine, initial=0))
+    r = 4.0 * np.cosh(a * s)
+    return plan.with_vertices(np.column_stack([x, r * np.sin(turn), r * np.cos(turn)])).with_supports("boundary")
+
+
 def test_where_slender_triangles_leave_no_room_others_are_laid_out():
-    """A saddle with two fifths of its triangles obtuse: edge forces were 189 % off and stayed so."""
-    result = solve(shaken_square(40, -0.01, shake=0.45), method="projection")
-    assert result.verdict.fair and obtuse_share(result.vertices, result.problem.faces) > 0.37
-    assert closed(result.problem) is None
-    still, slid = (membrane(result, pressure=1.0, close=close) for close in (False, True))
-    assert still.correction > 1.0 and slid.correction < 0.001 and slid.imbalance < 1e-12
+    """A saddle with two fifths of its triangles obtuse: edge forces were 132 % off and stayed so."""
+    saddle = shaken_saddle(20, 0.7)
+    assert verdict(saddle).fair and obtuse_share(saddle.vertices, saddle.faces) > 0.4 and closed(saddle) is None
+    still, slid = (membrane(saddle, pressure=1.0, close=close) for close in (False, True))
+    assert still.correction > 1.0 and slid.correction < 0.005 and slid.imbalance < 1e-12
     here, there = still.problem, slid.problem
     assert obtuse_share(there.vertices, there.faces) < 0.1 and verdict(there).fair
     assert np.array_equal(here.vertices[~here.asked], there.vertices[~there.asked]) and (here.roles == there.roles).all()
