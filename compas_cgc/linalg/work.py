@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Optional
 from typing import TypeVar
 
 __all__ = ["Work", "is_spent", "spend", "until_spent"]
@@ -35,8 +34,8 @@ class Work:
 
     @contextmanager
     def counted(self) -> Iterator[None]:
-        """Count the work within this context."""
-        token = _COUNTED.set(self)
+        """Count the work within this context, besides that of the contexts around it."""
+        token = _COUNTED.set((*_COUNTED.get(), self))
         try:
             yield
         finally:
@@ -47,29 +46,31 @@ class _Spent(Exception):
     """The work is used up."""
 
 
-_COUNTED: ContextVar[Optional[Work]] = ContextVar("work", default=None)
+_COUNTED: ContextVar[tuple[Work, ...]] = ContextVar("work", default=())
 
 
 def spend(amount: float) -> None:
-    """Take an amount off what is left, where it is counted; the first that is too much ends the steps that it is for."""
-    work = _COUNTED.get()
-    if work is None:
-        return
-    before = work.left
-    work.left = before - amount
-    if before >= 0.0 > work.left:
+    """Take an amount off what is left, wherever it is counted; the first that is too much ends the steps that it is for."""
+    enough = not is_spent()
+    for work in _COUNTED.get():
+        work.left -= amount
+    if enough and is_spent():
         raise _Spent
 
 
 def is_spent() -> bool:
-    """Return whether the work that is counted is used up."""
-    work = _COUNTED.get()
-    return work is not None and work.spent
+    """Return whether work that is counted is used up."""
+    return any(work.spent for work in _COUNTED.get())
 
 
 def until_spent(steps: Iterator[T]) -> Iterator[T]:
-    """Pass on steps until the work that is counted is used up."""
+    """Pass on steps until the work that is counted is used up, be it by another search that they wait for."""
+    if is_spent():
+        return
     try:
-        yield from steps
+        for step in steps:
+            yield step
+            if is_spent():
+                return
     except _Spent:
         return

@@ -247,7 +247,7 @@ class Projector:
         system = self._keeping(kept)
         equations = system.equations(local.targets)
         best = symmetric_start(system, equations, reached.vertices)
-        polishing = islice(made_symmetric(system, equations, reached.vertices), POLISHING)
+        polishing = until_spent(islice(made_symmetric(system, equations, reached.vertices), POLISHING))
         while not best.fulfils(goal, CLOSE * system.floor):
             taken = next(polishing, None)
             if taken is None:
