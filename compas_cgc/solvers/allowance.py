@@ -15,6 +15,7 @@ __all__ = ["Allowance"]
 
 # Right sides solved for, with all coordinates unknown; a thousand take 0.6 s for 1,000 vertices.
 EACH, ALL = 12_500, 15_500
+REASONS = 4000  # more of them for a search for why there is none
 SMALLEST = 400  # vertices, of which smaller problems are taken to have as many
 FLOW_STEP = 25  # right sides that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
@@ -26,7 +27,7 @@ class Allowance:
     Parameters
     ----------
     problem
-        Goals may take their time, and are not counted.
+        By its vertices work is counted; goals have no more of it.
     settings
         Steps that are given are bound enough.
     """
@@ -34,7 +35,7 @@ class Allowance:
     def __init__(self, problem: CGCProblem, settings: Optional[Settings]):
         given = settings is not None and settings.to_dict().get("steps") is not None
         self._unit = 3.0 * max(SMALLEST, len(problem.vertices))
-        self._left = math.inf if problem.constraints or given else ALL * self._unit
+        self._left = math.inf if given else ALL * self._unit
         self._dearest = 0.0
 
     def flow_steps(self, most: int) -> int:
@@ -45,6 +46,10 @@ class Allowance:
     def as_much_again(self) -> bool:
         """Whether as much is left as the dearest run has taken so far: what starts from nothing may take that again."""
         return self._left >= self._dearest
+
+    def for_reasons(self) -> Work:
+        """Return the work that a search for why there is no fair surface may take: what is left, and what is kept for that."""
+        return Work(max(0.0, self._left) + REASONS * self._unit)
 
     @property
     def spent(self) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..linalg.work import Work
+from ..linalg.work import is_spent
 from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
@@ -188,14 +189,18 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
                 rough.append((judged.roughness, solution, choice))
         elif solution.status in OVER:
             if not rough:
-                return _told(solution, choice, tried, why_not_found(problem, solution.status, cold=_attempt).text)
+                with allowed.for_reasons().counted():
+                    why = why_not_found(problem, solution.status, cold=_attempt)
+                return _told(solution, choice, tried, why.text)
             break
     if rough:
         _, best, choice = min(rough, key=lambda one: one[0])
-        why = why_rough(problem, partial(_columns, problem, best), _attempt)
+        reasons = partial(why_rough, problem)
     else:
         best, choice = min(tried, key=lambda pair: pair[0].max_error)
-        why = why_not_found(problem, best.status, partial(_columns, problem, best), _attempt)
+        reasons = partial(why_not_found, problem, best.status)
+    with allowed.for_reasons().counted():
+        why = reasons(partial(_columns, problem, best), _attempt)
     if why.surface is not None and settings is None:
         return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
     return _told(best if why.text else with_half_a_sphere(problem, best), choice, tried, why.text)
@@ -226,6 +231,8 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     """Return the first fair surface that the methods arrive at, else the last that they do."""
     found: Optional[Attempt] = None
     for choice in choose(problem):
+        if is_spent():
+            break
         if choice.options is FLOW.options or choice.start != "drawn" or (choice.second and found is None):
             continue
         try:

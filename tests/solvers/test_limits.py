@@ -20,6 +20,7 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.verdict import verdict
+from compas_cgc.solvers.allowance import SMALLEST
 from compas_cgc.solvers.limits import largest_target
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.run import solve
@@ -133,6 +134,17 @@ def test_a_solve_is_given_up_after_a_count_of_work_and_ends_at_the_same_place_ea
     assert first.status == again.status == "stalled" and first.iterations == again.iterations < whole.iterations
     assert "given up for the time it takes" in first.message and "given up" not in whole.message
     np.testing.assert_array_equal(first.vertices, again.vertices)
+
+
+@pytest.mark.parametrize("goals", [[], [{"kind": "rise", "rise": 3.0}]])
+def test_a_failure_takes_no_more_work_than_there_is_with_what_is_said_of_it(monkeypatch, goals):
+    most, work, problem = 400.0, Work(1e9), roof(-30.0)
+    monkeypatch.setattr("compas_cgc.solvers.allowance.ALL", 300)
+    monkeypatch.setattr("compas_cgc.solvers.allowance.REASONS", 100)
+    with work.counted():
+        result = solve(problem, goals=goals)
+    assert not (result.converged and result.verdict.fair)
+    assert 0.0 < 1e9 - work.left <= 1.1 * most * 3.0 * max(SMALLEST, len(problem.vertices))
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
