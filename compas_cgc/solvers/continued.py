@@ -38,8 +38,10 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     Returns
     -------
     Solution or None
-        None where it leads to no fair one, or another method than the projection suits the drawing.
+        None where it leads to no fair one, where K changes its sign, or where another method than the projection suits the drawing.
     """
+    if problem.origin is not None and (problem.origin.drawn.targets * problem.targets < 0.0).any():
+        return None  # From a dome no way leads to a saddle: what is come upon is wavy, even if it is fair.
     if choose(drawn, settings)[0].method != "projection" or tears_faces(drawn):
         return None
     own = settings_of(METHODS["projection"], settings)
