@@ -49,9 +49,9 @@ def _meant(package: str, name: str, homes: Mapping[str, str]) -> str:
     # The import system itself asks modules for ``__path__``, which those that are no packages do not have.
     if name.startswith("_"):
         return ""
-    from difflib import get_close_matches
     from pkgutil import iter_modules
 
+    from .errors import did_you_mean
+
     parts = (part.name for part in iter_modules(vars(sys.modules[package]).get("__path__", [])) if part.ispkg)
-    near = get_close_matches(name, [*homes, *parts], 1)
-    return f"; did you mean {near[0]!r}?" if near else ""
+    return did_you_mean(name, [*homes, *parts])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..discrete.arrays import IntArray
-from ..errors import CGCError
 from ..errors import names_what_was_meant
 from .drawing import LETTER
 from .drawing import MARK
@@ -15,6 +14,7 @@ from .drawing import Text
 from .drawing import clearance
 from .drawing import roomiest
 from .patterns import Patterns
+from .patterns import refuse_others
 
 __all__ = ["courses", "draw_plan", "neighbours"]
 
@@ -84,8 +84,7 @@ def draw_plan(patterns: Patterns) -> Drawing:
     >>> sum(text.layer == "LABEL" for text in draw_plan(patterns).texts) == len(patterns.pieces)
     True
     """
-    if not hasattr(patterns, "sheets"):
-        raise CGCError(f"a plan is drawn of patterns: draw_plan(unroll(surface)), not of {patterns!r:.60}")
+    refuse_others(patterns, "a plan is drawn", "draw_plan")
     own = patterns.patchwork
     low, high = own.space[:, :2].min(axis=0), own.space[:, :2].max(axis=0)
     plan = own.space[:, :2] - low

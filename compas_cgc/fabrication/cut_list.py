@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import CGCError
 from ..errors import names_what_was_meant
 from .assembly import courses
 from .assembly import neighbours
@@ -12,6 +11,7 @@ from .drawing import folded
 from .figures import in_mm
 from .figures import in_square_metres
 from .patterns import Patterns
+from .patterns import refuse_others
 from .tables import csv_text
 
 __all__ = ["cut_list", "cut_list_text"]
@@ -61,8 +61,7 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     >>> len(cut_list(patterns)) == len(patterns.pieces)
     True
     """
-    if not hasattr(patterns, "sheets"):
-        raise CGCError(f"a cut list is made of patterns: cut_list(unroll(surface)), not of {patterns!r:.60}")
+    refuse_others(patterns, "a cut list is made", "cut_list")
     units = patterns.problem.drawing.units
     own = patterns.patchwork
     # Both faces beside an edge have it.

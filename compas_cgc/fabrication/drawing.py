@@ -18,6 +18,7 @@ from .outlines import Loop
 from .outlines import Seam
 from .patchwork import EDGE
 from .patterns import Patterns
+from .patterns import refuse_others
 from .rulings import STRAIGHT
 
 __all__ = ["LAYERS", "Drawing", "Line", "Text", "clearance", "draw_sheets", "folded", "roomiest"]
@@ -103,8 +104,7 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True, shee
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
     ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
     """
-    if not hasattr(patterns, "sheets"):
-        raise CGCError(f"sheets are drawn of patterns: draw_sheets(unroll(surface)), not of {patterns!r:.60}")
+    refuse_others(patterns, "sheets are drawn", "draw_sheets")
     if sheet is not None and sheet not in range(patterns.sheets):
         raise CGCError(f"there is no sheet {sheet!r}; the patterns lie on {patterns.sheets}, numbered from 0")
     length, width = patterns.sheet or _extent(patterns)

@@ -11,11 +11,12 @@ import numpy as np
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
+from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .allowance import widened
 from .figures import in_mm
 from .figures import in_square_metres
-from .materials import METRES
+from .figures import metres
 from .outlines import Loop
 from .outlines import Seam
 from .outlines import outline_loops
@@ -30,7 +31,7 @@ from .rulings import Ruling
 from .rulings import Straightness
 from .stock import Stock
 
-__all__ = ["Patterns", "Piece", "Unrolling", "patterns_of"]
+__all__ = ["Patterns", "Piece", "Unrolling", "patterns_of", "refuse_others"]
 
 
 class Unrolling(NamedTuple):
@@ -150,8 +151,7 @@ class Patterns:
             lines.append(f"{self.sheets} sheet{many} of {in_mm(self.sheet, units)}, {100 * used:.0f} % used")
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
         lines.append("left free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
-        mismatch = 1000.0 * METRES.get(units or "Meters", 1.0) * self.seam_mismatch
-        lines.append(f"the two sides of every seam agree to {mismatch:.2g} mm")
+        lines.append(f"the two sides of every seam agree to {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
         for own in self.unrollings:
             if own.unrolled:
                 lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")
@@ -167,6 +167,12 @@ class Patterns:
         if found is None:
             return ""
         return f", rulings off their chords by {100 * found.median:.2g} % (median), {100 * found.largest:.2g} % at most"
+
+
+def refuse_others(patterns: object, what: str, call: str) -> None:
+    """Refuse what is no patterns with a sentence that says what is done of them, by which call."""
+    if not hasattr(patterns, "sheets"):
+        raise CGCError(f"{what} of patterns: {call}(unroll(surface)), not of {patterns!r:.60}")
 
 
 def patterns_of(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import Any
 from typing import Union
 
 from ..fabrication.mould_report import MouldReport
+from ..fabrication.tables import csv_text
 from ..fabrication.tasks import file_options
 from ..model.problem import CGCProblem
 from ._files import suffix_among
@@ -93,8 +92,4 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
 def _panel_table(report: MouldReport) -> str:
     """Return a row for every panel with its figures, as CSV."""
     rows = [own.to_dict() for own in report.panels]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
+    return csv_text(list(rows[0]), [list(row.values()) for row in rows])

@@ -87,7 +87,11 @@ class Rising:
     @property
     def over(self) -> bool:
         """Whether nothing more is to be tried."""
-        return self.count >= self._solves or self._work.spent or is_spent()
+        return self.count >= self._solves or self._is_spent
+
+    @property
+    def _is_spent(self) -> bool:
+        return self._work.spent or is_spent()
 
     def tried(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
         """Return the fair surface for a factor, from a shape (n, 3) if there is one; None without any."""
@@ -107,7 +111,7 @@ class Rising:
         return Carried(factor, solution.vertices, judged, solution._replace(verdict=judged)) if judged.fair else None
 
     def _found(self, factor: float) -> Optional[Carried]:
-        if self._cold is None or factor >= self._most or self._work.spent or is_spent():
+        if self._cold is None or factor >= self._most or self._is_spent:
             return None
         with self._work.counted():
             found = self._cold(replace(self.problem, targets=factor * self.problem.targets))
@@ -144,7 +148,7 @@ class Rising:
                 break
             factor = min(self._most, growth * carried.factor) if beyond is None else 0.5 * (carried.factor + beyond)
             found = self.tried(factor, carried.vertices)
-            if found is None and (self._work.spent or is_spent()):
+            if found is None and self._is_spent:
                 break  # It was cut short, which tells nothing of the supports.
             carried, beyond = (found, beyond) if found is not None else (carried, factor)
             growth = min(GROWTH, growth**2)

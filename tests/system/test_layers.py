@@ -11,8 +11,8 @@ PACKAGE = Path(__file__).parents[2] / "compas_cgc"
 
 # From the bottom: a part imports from layers below its own.
 LAYERS = [
-    {"_version", "_lazy", "errors", "client"},
-    {"_atomic_write", "_compiled", "_samples", "execution"},
+    {"_version", "errors", "client"},
+    {"_lazy", "_atomic_write", "_compiled", "_samples", "execution"},
     {"discrete"},
     {"linalg", "meshing"},
     {"model"},

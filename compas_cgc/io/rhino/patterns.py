@@ -47,10 +47,11 @@ def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, node
     named = writer.attributes(writer.layer(f"{PATTERNS}::Names in place", LAYERS["LABEL"], visible=False))
     own = patterns.patchwork
     for number, piece in enumerate(patterns.pieces):
-        used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
-        faces = own.space[own.faces[own.piece == number]]
-        place, _ = roomiest(faces[..., :2].mean(axis=1), [own.space[loop.nodes, :2] for loop in piece.loops])
-        writer.dot(piece.label, faces.mean(axis=1)[np.argmin(np.linalg.norm(faces[..., :2].mean(axis=1) - place, axis=1))], named)
+        faces = own.faces[own.piece == number]
+        used, corners = np.unique(faces, return_inverse=True)
+        middles = own.space[faces].mean(axis=1)
+        place, _ = roomiest(middles[:, :2], [own.space[loop.nodes, :2] for loop in piece.loops])
+        writer.dot(piece.label, middles[np.argmin(np.linalg.norm(middles[:, :2] - place, axis=1))], named)
         figures = {"piece": piece.label, "region": str(piece.region), "sheet": str(piece.sheet + 1), "area": repr(piece.area)}
         attributes = writer.attributes(in_place, piece.label, {**figures, "largest strain": repr(piece.strain)})
         writer.mesh(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)), attributes)
