@@ -35,6 +35,7 @@ __all__ = ["Client"]
 
 API = 1
 LONGEST_PAUSE = 30.0  # seconds that a server may ask for before the next try
+UNWATCHED = 1.0  # seconds between two looks that nobody is told of; Ctrl-C may have to wait for one
 LOST = (OSError, http.client.HTTPException)
 # A proxy of the system between this program and its own machine would only be in the way.
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
@@ -103,7 +104,7 @@ class Client:
         cancel
             Asked at every look; True stops the solve.
         interval
-            Seconds between two looks; less where `cancel` is asked.
+            Seconds between two looks; less where `cancel` is asked, more where nobody is told of them.
         id
             Of the job. Default: a new one.
         options
@@ -138,9 +139,11 @@ class Client:
         self, id: str, on_progress: Optional[Callable[[dict], object]], cancel: Optional[Callable[[], bool]], interval: float
     ) -> dict:
         pause = interval if cancel is None else min(interval, 0.05)
+        # The end of the job is told at once; to look before is for who is told of it.
+        wait = pause if on_progress or cancel else max(interval, UNWATCHED)
         while True:
             looked = time.monotonic()
-            status = self.poll(id, wait=pause)
+            status = self.poll(id, wait=wait)
             if on_progress is not None:
                 on_progress(status)
             if status["state"] == "succeeded":
