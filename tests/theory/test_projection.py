@@ -160,7 +160,23 @@ def test_linear_moves_bend_nothing_and_creases_fold_for_less():
     assert abs(linear @ bending @ linear) < 1e-9
     assert bend @ bending @ bend > 1
     stiff = bending_matrix(vertices, faces, np.zeros(len(vertices), bool), 1.0)
-    assert fold @ bending @ fold == pytest.approx(0.25 * (fold @ stiff @ fold))
+    across, wide = 0.25, 0.15 * 4.0 / (2.0 + 2.0)  # of the triangles beside the crease, and of a strip as soft as a crease of stiffness 1/2
+    part = 0.25 * across / (0.25 * across + 0.75 * wide)
+    assert fold @ bending @ fold == pytest.approx(part * (fold @ stiff @ fold))
+
+
+@pytest.mark.parametrize(("stiffness", "limit"), [(0.1, 1 / 9), (0.5, 1.0), (0.8, 4.0)])
+def test_a_fold_costs_the_same_on_finer_and_finer_meshes(stiffness, limit):
+    """As a spring along the crease does: 3 s / (1 - s) times the square of its angle for a width of the sheet."""
+    side, wide, costs = 2.0, 0.15, []
+    for n in (16, 64, 128):
+        vertices, faces = shapes.grid(n, side)
+        fold = np.abs(vertices[:, 0] - 1.0) / 2.0  # the slope jumps by one
+        costs.append(fold @ bending_matrix(vertices, faces, vertices[:, 0] == 1.0, stiffness) @ fold)
+    spring = 3 * side * limit / wide
+    assert 1 / np.array(costs) - 1 / spring == pytest.approx(side / np.array([16, 64, 128]) / (3 * side))
+    free = bending_matrix(vertices, faces, vertices[:, 0] == 1.0, 0.0)
+    assert fold @ free @ fold < 1e-9
 
 
 def test_a_free_edge_turns_freely():

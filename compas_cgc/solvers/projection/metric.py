@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ...discrete import edge_faces
+from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...linalg import factorise
 
 __all__ = ["Metric", "bending_matrix"]
 
+WIDE = 0.15  # width of a sheet that bends as easily as a crease of stiffness 1/2 folds, against the distance of creases and edge
 SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean counts as if they were larger
 
 
@@ -36,7 +38,8 @@ def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bo
     creases
         ``(n,)`` vertices on creases; an edge between two of them is a crease.
     crease_stiffness
-        Factor on the hinges of creases.
+        Of creases, from 0, which fold freely, to 1, which are as stiff as the sheet beside them; between these a crease is a spring
+        of the same stiffness per length on every mesh.
 
     Returns
     -------
@@ -57,7 +60,12 @@ def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bo
     double_q, cot_uq, cot_vq = _cotangents(vertices, along, u, v, q)
     area = 0.5 * (double_p + double_q)
     area = np.maximum(area, SLENDER * area.mean()) if len(area) else area
-    stiffness = np.where(creases[u] & creases[v], crease_stiffness, 1.0)
+    # A spring along the crease, one behind the other with the sheet beside it: so a fold costs the same on every mesh.
+    crease = creases[u] & creases[v]
+    lengths, total = np.linalg.norm(along[crease], axis=1), face_areas(vertices, faces).sum()
+    across, wide = crease_stiffness * area[crease] / lengths, WIDE * total / (np.sqrt(total) + lengths.sum())
+    stiffness = np.ones(len(u))
+    stiffness[crease] = across / (across + (1.0 - crease_stiffness) * wide)
     weight = np.sqrt(3.0 * stiffness / area)
     values = weight * np.array([cot_vp + cot_vq, cot_up + cot_uq, -(cot_up + cot_vp), -(cot_uq + cot_vq)])
     rows = np.tile(np.arange(len(u)), 4)

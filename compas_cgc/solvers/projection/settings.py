@@ -57,7 +57,8 @@ class ProjectionSettings(Settings):
     )
     crease_stiffness: float = option(
         0.1,
-        "Bending stiffness across creases, as a part of that elsewhere. Zero lets them fold freely, one takes no notice of them.",
+        "Stiffness of creases, the same on coarse and fine meshes: zero lets them fold freely, one half as easily as a strip bends that "
+        "is a seventh of the distance between them wide, one takes no notice of them.",
         float,
         low=0,
         high=1,

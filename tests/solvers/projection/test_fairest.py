@@ -14,6 +14,7 @@ from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
+from compas_cgc.model.roles import roles_by_place
 from compas_cgc.solvers.projection import ProjectionSettings
 from compas_cgc.solvers.projection import Projector
 from compas_cgc.solvers.projection import project
@@ -109,6 +110,31 @@ def test_cold_and_warm_starts_agree(target):
 def test_the_number_of_steps_hardly_grows_with_the_mesh(target):
     steps = [project(on_corners(target, n)).iterations for n in (12, 24, 48)]
     assert max(steps) <= min(steps) + 6, steps
+
+
+@pytest.mark.parametrize("centre", [1.0, 4.0])
+def test_a_folded_roof_is_as_high_on_a_fine_mesh_as_on_a_coarse_one(centre):
+    """Nine squares between creases on four corners: the error of the height falls with the mesh, as that of a spring's place does."""
+    heights = []
+    for n in (12, 24, 48):
+        problem = on_corners(1.0, n)
+        place = np.arange(len(problem.vertices)).reshape(n + 1, n + 1)
+        lines = [line for k in (n // 3, 2 * n // 3) for line in (place[k], place[:, k])]
+        x, y, _ = problem.vertices.T
+        inside = (np.abs(x - 0.5) < 1 / 6 - 1e-9) & (np.abs(y - 0.5) < 1 / 6 - 1e-9)
+        roof = CGCProblem(
+            problem.vertices,
+            problem.faces,
+            roles_by_place(problem.vertices, problem.faces, problem.roles, creases := np.vstack([np.c_[a[:-1], a[1:]] for a in lines])),
+            np.where(inside, centre, 1.0),
+            creases=creases,
+        )
+        found = project(roof)
+        assert found.status == "converged" and verdict(replace(roof, vertices=found.vertices), roof.vertices).fair
+        heights.append(np.ptp(found.vertices[:, 2]))
+    first, second = np.diff(heights)
+    assert 0 < second < 0.6 * first, heights
+    assert heights[2] + second < 1.15 * heights[1], "where halving the error goes on to"
 
 
 def test_what_is_kept_of_the_drawing_is_the_designers():
