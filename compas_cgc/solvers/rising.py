@@ -155,12 +155,12 @@ class Rising:
         return Bracket(carried, beyond)
 
 
-def is_held_all_round(problem: CGCProblem) -> bool:
-    """Return whether the whole rim is fixed, there are no creases, and all targets are positive."""
+def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
+    """Return whether the whole rim is fixed, all targets are positive, and there are creases or, as it should be, none."""
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
     targets = problem.targets[problem.asked]
-    return held and not bool((problem.roles == CREASE).any()) and bool(len(targets) and (targets > 0).all())
+    return held and bool((problem.roles == CREASE).any()) is folded and bool(len(targets) and (targets > 0).all())
 
 
 def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:

@@ -28,8 +28,10 @@ from .allowance import Allowance
 from .anew import solved_anew
 from .columns import Attempt
 from .columns import column_advice
+from .domed import solved_from_dome
 from .half_sphere import with_half_a_sphere
 from .method import Method
+from .projection import ProjectionSettings
 from .reasons import why_not_found
 from .reasons import why_rough
 from .registry import METHODS
@@ -55,8 +57,8 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    # Or "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned; or "smoothed" or "turned", from what
-    # was found so far.
+    # Or "domed", from a dome without folds; "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned; or
+    # "smoothed" or "turned", from what was found so far.
     start: str = "drawn"
 
 
@@ -78,6 +80,7 @@ EDGES_FREE = Choice(
     MappingProxyType({"keep": "nothing", "retry": False}),
     "edges",
 )
+DOMED = Choice("projection", "it finds the fairest surface, with creases, on from a dome without them", start="domed")
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
@@ -119,7 +122,8 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             Choice("projection", "it moves vertices sideways too"),
             FLOW,
         ]
-    return [Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄"), STALLED, *SECOND, FLOW]
+    fairest = Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄")
+    return [*([DOMED] if is_held_all_round(problem, folded=True) else []), fairest, STALLED, *SECOND, FLOW]
 
 
 def run_method(
@@ -131,10 +135,15 @@ def run_method(
     callback: Callback = None,
 ) -> Solution:
     """Solve a problem by one method, see :class:`Method`, with some options other than the defaults where the settings leave them open."""
+    return method.solve(problem, _own_settings(method, settings, options), callback)._replace(method=method.name)
+
+
+def _own_settings(method: Method, settings: Optional[Settings], options: Mapping[str, Any]) -> Any:
+    """Return the settings of a method, with some options other than the defaults where the settings leave them open."""
     own = settings_of(method, settings)
     given = settings.to_dict() if settings is not None and method_of(settings) == "auto" else {}
     options = {name: value for name, value in options.items() if given.get(name) is None}
-    return method.solve(problem, replace(own, **options) if options else own, callback)._replace(method=method.name)
+    return replace(own, **options) if options else own
 
 
 def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callback: Callback = None) -> Solution:
@@ -161,7 +170,9 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
-        if choice.start == "anew":
+        if choice.start == "domed":
+            found = allowed.solved(partial(solved_from_dome, problem, _own_settings(METHODS[choice.method], settings, options), callback))
+        elif choice.start == "anew":
             found = allowed.solved(partial(solved_anew, problem, run, callback))
         elif choice.start == "edges":
             found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
@@ -233,13 +244,16 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     for choice in choose(problem):
         if is_spent():
             break
-        if choice.options is FLOW.options or choice.start != "drawn" or (choice.second and found is None):
+        if choice.options is FLOW.options or choice.start not in ("domed", "drawn") or (choice.second and found is None):
             continue
         try:
-            solution = run_method(METHODS[choice.method], problem, options=choice.options)
+            if choice.start == "domed":
+                solution = solved_from_dome(problem, ProjectionSettings())
+            else:
+                solution = run_method(METHODS[choice.method], problem, options=choice.options)
         except CGCError:  # Goals that name what is there no more.
             return None
-        if solution.status == "converged":
+        if solution is not None and solution.status == "converged":
             found = Attempt(solution.vertices, verdict(problem.with_vertices(solution.vertices), problem.vertices))
             if found.judged.fair:
                 break

@@ -33,7 +33,7 @@ INSIDE = {
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "projection"},
         {"rising", "one_sided"},
-        {"anew", "smoothed", "turned_edges", "columns", "flow", "limits"},
+        {"anew", "domed", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},
         {"continued"},
