@@ -7,8 +7,8 @@ import numpy as np
 from compas_cgc import CGCMesh
 
 
-def nine_regions(cells: int = 36, K: float = 0.006, centre: float = 0.03) -> CGCMesh:
-    """A roof on four corners: nine regions between creases, five times the curvature in the centre."""
+def nine_regions(cells: int = 36, K: float = 0.01, centre: float = 0.04) -> CGCMesh:
+    """A roof on four corners: nine regions between creases, four times the curvature in the centre."""
     mesh = CGCMesh.from_meshgrid(dx=15.0, nx=cells)
     mesh.set_supports("corners")
     row = cells + 1
