@@ -50,7 +50,9 @@ def add_outputs(parser: argparse.ArgumentParser, kinds: str) -> None:
 def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:
     help = own.text.replace("%", "%%")
     flag = (own.flag or own.name).replace("_", "-")
-    if own.schema.get("type") == "boolean":
+    if own.schema == {"type": "boolean"}:
+        parser.add_argument(f"--{flag}", dest=own.name, default=None, action=argparse.BooleanOptionalAction, help=help)
+    elif own.schema.get("type") == "boolean":
         wanted = not own.schema["default"]
         parser.add_argument(
             f"--{flag}" if wanted else f"--no-{flag}", dest=own.name, default=None, action="store_const", const=wanted, help=_switch(own)

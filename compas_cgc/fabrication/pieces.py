@@ -54,6 +54,7 @@ def cut_to_fit(
     flattened: Optional[Callable[[Patchwork, int], Patchwork]] = None,
     too_wide: Optional[Callable[[Patchwork, int], bool]] = None,
     taken: Optional[Callable[[Patchwork, int], FloatArray]] = None,
+    before_cut: Optional[Callable[[Patchwork, int, Box], None]] = None,
 ) -> Patchwork:
     """Cut pieces by straight lines until each lies within a sheet, and does not lie over itself.
 
@@ -69,6 +70,8 @@ def cut_to_fit(
         Tells of a piece that fits whether it has to be cut all the same.
     taken
         Points (k, 2) around what a piece takes of a sheet. Default: its corners.
+    before_cut
+        Looks at a piece that would be cut, with the rectangle around it; what it raises is the end. Default: all may be cut.
 
     Returns
     -------
@@ -96,6 +99,8 @@ def cut_to_fit(
             if box.parts <= 1 and not overlaps(own, piece) and not (too_wide is not None and too_wide(own, piece)):
                 done.add(piece)
                 continue
+            if before_cut is not None:
+                before_cut(own, piece, box)
             if own.piece.max() > MOST_PIECES:
                 raise ValueError(too_many)
             own = _parted(_halved(own, piece, box, sheet), piece)

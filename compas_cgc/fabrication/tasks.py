@@ -181,6 +181,12 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption("rulings", "distance between the rulings drawn, 0 for none", values.number, _LENGTH, "D"),
                 BuildOption(
+                    "whole",
+                    "keep what creases and seams part whole: what is larger than a sheet is refused (default: where seams are given)",
+                    values.truth,
+                    {"type": "boolean"},
+                ),
+                BuildOption(
                     "nodes", "number the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
                 ),
                 BuildOption(

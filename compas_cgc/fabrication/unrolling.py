@@ -17,14 +17,17 @@ from ..meshing import path_edges
 from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from .figures import in_mm
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
+from .option_values import truth
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
 from .patterns import patterns_of
 from .piece_strains import strains_of
+from .pieces import Box
 from .pieces import cut_to_fit
 from .placing import extent
 from .placing import on_sheets
@@ -53,6 +56,7 @@ def unroll(
     margin: float = 0.0,
     allowance: float = 0.0,
     rulings: Optional[float] = None,
+    whole: Optional[bool] = None,
     rough: bool = False,
 ) -> Patterns:
     """Lay a surface out as flat pieces, each within a sheet.
@@ -82,6 +86,9 @@ def unroll(
     rulings
         Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size, a quarter of the width of
         sheets at most.
+    whole
+        Whether what creases and seams part is kept whole, so that a panel that no sheet has room for is refused instead of cut.
+        Default: where seams are given, as panels are drawn then.
     rough
         Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
 
@@ -92,7 +99,8 @@ def unroll(
     Raises
     ------
     CGCError
-        If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, or the sheet is no sheet.
+        If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, the sheet is no
+        sheet, or a panel that is kept whole is larger.
 
     Examples
     --------
@@ -101,6 +109,7 @@ def unroll(
     >>> len(patterns.pieces), patterns.sheets
     (18, 18)
     """
+    kept = seams is not None if whole is None else truth(whole, "whole")
     problem = solved_problem(surface, rough)
     stock = stock_of(sheet, spacing, margin, allowance)
     _check_scale(problem, stock)
@@ -130,8 +139,12 @@ def unroll(
     def taken(own: Patchwork, piece: int) -> np.ndarray:
         return extent(own, piece, stock.allowance)
 
+    def refuse(own: Patchwork, piece: int, box: Box) -> None:
+        if kept:
+            _refuse_to_cut(problem, stock, own, piece, box)
+
     try:
-        cut = cut_to_fit(flat, (stock.room[0] * (1 - ROOM), stock.room[1] * (1 - ROOM)), flattened, too_wide, taken)
+        cut = cut_to_fit(flat, (stock.room[0] * (1 - ROOM), stock.room[1] * (1 - ROOM)), flattened, too_wide, taken, refuse)
     except ValueError as error:
         raise CGCError(str(error)) from None
     placed, on_sheet, stock = on_sheets(cut, stock)
@@ -178,6 +191,24 @@ def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> 
     plane = own.plane.copy()
     plane[faces] = np.einsum("fcw,fwk->fck", weights.reshape(-1, 3, 3), corners[position])
     return replace(own, plane=plane)
+
+
+def _refuse_to_cut(problem: CGCProblem, stock: Stock, own: Patchwork, piece: int, box: Box) -> None:
+    """Refuse to cut a panel that is kept whole.
+
+    Raises
+    ------
+    ValueError
+        With its size, that of the sheets, and what would help.
+    """
+    faces, units = own.piece == piece, problem.drawing.units
+    panel = f"the panel of region {own.region[faces][0]} at vertex {own.names[own.faces[faces][0, 0]]}"
+    if stock.sheet is not None and box.parts > 1:
+        free = "" if stock.room == stock.sheet else f", with room for {in_mm(stock.room, units)}"
+        why = f"takes {in_mm((box.length, box.width), units)}, more than a sheet of {in_mm(stock.sheet, units)}{free}; take larger sheets,"
+    else:
+        why = "lies over itself in the plane, or is strained by more than is allowed;"
+    raise ValueError(f"{panel} {why} divide it by a crease or a seam, or do not keep panels whole")
 
 
 def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, strain: float, worst: float) -> None:

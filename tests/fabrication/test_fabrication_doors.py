@@ -86,6 +86,7 @@ def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
         (("unroll", "cone.3dm", "-o", "new/out.dxf", "--sheet", "3x1.5", "--margin", ".8"), "margins of 0.8 leave nothing of a sheet"),
         (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--allowance", ".5"), "an allowance of 0.5 leaves no room"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--allowance", "-1"), "allowance around pieces must be 0 or more"),
+        (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--whole"), "more than a sheet of 3000 x 1500 mm; take larger"),
         (("membrane", "dome.3dm", "-o", "out.3dm"), "there is no load"),
         (("membrane", "cone.3dm", "-o", "out.3dm", "--pressure", "1"), "has K = 0"),
         (("net", "saddle.3dm", "-o", "out.3dm", "--through", "1,2"), "--through must be X,Y,Z"),
@@ -157,6 +158,14 @@ def test_the_component_unroll_leaves_margins_and_allowances_free(tmp_path):
     patterns = unroll(mesh, (3.0, 1.5), **given)
     assert out["report"] == patterns.summary() and len(out["allowances"]) == len(out["outlines"]) == len(patterns.pieces)
     assert len(list(tmp_path.iterdir())) == patterns.sheets > 1
+
+
+@pytest.mark.usefixtures("rhino")
+def test_the_component_unroll_refuses_a_panel_that_is_larger_than_a_sheet(tmp_path):
+    placed = place("Unroll")
+    given = {"length": 3.0, "width": 1.5, "path": str(tmp_path / "cut.svg"), "write": True}
+    assert placed.run(cgc_mesh=solved(cone(6, 24), 0.0), **given, whole=True)["report"] is None
+    assert "more than a sheet of 3000 x 1500 mm" in placed.said("Error")[0] and not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("rhino")

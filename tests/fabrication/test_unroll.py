@@ -27,6 +27,7 @@ from compas_cgc.fabrication.flattening import flattening_constant
 from compas_cgc.fabrication.flattening import strain_of_width
 from compas_cgc.fabrication.nesting import nest
 from compas_cgc.fabrication.outlines import signed_area
+from compas_cgc.fabrication.pieces import best_box
 from compas_cgc.fabrication.seams import opens_to_disks
 from compas_cgc.fabrication.seams import seam_edges
 from compas_cgc.io.patterns import write_patterns
@@ -485,6 +486,31 @@ def test_a_closed_sphere_is_slit_and_cut():
 # ----------------------------------------------------------------------
 # What is refused
 # ----------------------------------------------------------------------
+
+
+def test_panels_that_are_kept_whole_are_refused_where_a_sheet_has_no_room_for_them():
+    single = unroll(vault(), rough=True)
+    assert len(unroll(vault(), SHEET, rough=True).pieces) > len(single.pieces) == 4
+    box = best_box(single.pieces[0].loops[0].points, SHEET)
+    size = in_mm((box.length, box.width), None)
+    with pytest.raises(CGCError, match=f"the panel of region 0 at vertex [0-9]+ takes {size}, more than a sheet of 3000 x 1500 mm; take"):
+        unroll(vault(), SHEET, rough=True, whole=True)
+    enough = (box.length + 1.0, box.length + 1.0)
+    assert len(unroll(vault(), enough, rough=True, whole=True).pieces) == len(single.pieces)
+    with pytest.raises(CGCError, match="more than a sheet of .* with room for .* take larger sheets, divide it by a crease or a seam"):
+        unroll(vault(), enough, rough=True, whole=True, margin=0.5 * enough[0] - 1.0)
+    with pytest.raises(CGCError, match="is strained by more than is allowed; divide it"):
+        unroll(CGCProblem(*icosphere(2, 2.0)).with_targets(0.25), strain=0.02, rough=True, whole=True)
+
+
+def test_panels_between_seams_that_are_given_are_kept_whole_unless_they_may_be_cut():
+    around = ring()
+    path = unroll(around).seams[0].nodes.tolist()
+    with pytest.raises(CGCError, match="the panel of region 0 .* more than a sheet of 3000 x 1500 mm"):
+        unroll(around, SHEET, seams=[path])
+    assert len(unroll(around, SHEET, seams=[path], whole=False).pieces) > 1
+    with pytest.raises(CGCError, match="whole must be true or false, not 3"):
+        unroll(around, SHEET, whole=3)  # type: ignore[arg-type]
 
 
 def crumpled() -> CGCProblem:

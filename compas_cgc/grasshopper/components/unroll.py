@@ -52,13 +52,15 @@ def unroll(
     margin: Optional[float] = None,
     allowance: Optional[float] = None,
     per_sheet: Optional[bool] = None,
+    whole: Optional[bool] = None,
 ) -> UnrollOutputs:
     """Lay a solved surface out on sheets, and write it when it is told to."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh that has been solved")
         return UnrollOutputs(*[None] * len(UnrollOutputs._fields))
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    patterns = unroll_surface(cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0)
+    free = {"spacing": spacing, "margin": margin or 0.0, "allowance": allowance or 0.0}
+    patterns = unroll_surface(cgc_mesh, sheet, strain=strain or None, whole=bool(whole), **free)
     drawing = draw_sheets(patterns, nodes=False)
     lines: dict[str, list] = {}
     for line in drawing.lines:

@@ -82,6 +82,13 @@ def build_endpoints(drawn: dict[str, Input], info: Output) -> tuple[Endpoint, ..
                     default=0.0,
                     low=0.0,
                 ),
+                Input(
+                    "Whole",
+                    "Wh",
+                    "Boolean",
+                    "True to keep panels between creases whole: those larger than a sheet are refused. Defaults to false, they are cut.",
+                    default=False,
+                ),
             ),
             (
                 Output("Outlines", "O", "Curve", "Closed outlines to be cut, holes after them."),

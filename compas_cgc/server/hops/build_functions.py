@@ -28,7 +28,7 @@ __all__ = ["BUILD_FUNCTIONS"]
 
 # Inputs by the name of the option; zero and nothing stand for the default.
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
-UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance"}
+UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance", "Whole": "whole"}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}
 NET = {"Spacing": "spacing", "Through": "through"}
 

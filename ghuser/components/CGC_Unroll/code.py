@@ -25,8 +25,9 @@ class Unroll(Grasshopper.Kernel.GH_ScriptInstance):
         margin: float,
         allowance: float,
         per_sheet: bool,
+        whole: bool,
     ):
-        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write, margin, allowance, per_sheet)  # noqa: F821
+        out = unroll(ghenv.Component, cgc_mesh, length, width, strain, spacing, path, write, margin, allowance, per_sheet, whole)  # noqa: F821
         return (
             out.outlines,
             out.folds,

@@ -121,6 +121,12 @@ def test_sheets_have_margins_allowances_and_files_of_their_own(client):
         client.result(told["id"], "dxf")
 
 
+def test_a_panel_that_is_kept_whole_is_refused_on_a_smaller_sheet(client):
+    vertices, faces, options = asked(CONE)
+    with pytest.raises((Failed, Refused), match="more than a sheet of 3000 x 1500 mm; take larger sheets"):
+        client.build("unroll", vertices, faces, settings={"sheet": [3, 1.5], "whole": True}, **options)
+
+
 def test_the_result_of_a_job_a_file_and_a_compas_mesh_are_taken(client, server, tmp_path):
     vertices, faces = grid(8)
     solved = client.solve(vertices, faces, supports="boundary", targets=0.3, method="newton", settings={"measure": "exact"})

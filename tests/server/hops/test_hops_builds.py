@@ -72,6 +72,12 @@ def test_sheets_have_margins_and_allowances(hops):
     assert outputs["Sheet"] == [piece.sheet for piece in patterns.pieces] and len(outputs["CutList"]) == 1 + len(patterns.pieces)
 
 
+def test_a_panel_that_is_kept_whole_is_refused_on_a_smaller_sheet(hops):
+    given = {"Mesh": mesh_from_arrays(*cone(6, 24)), "K": [0.0], "Length": 3.0, "Width": 1.5}
+    _, outputs, errors, _ = hops("unroll").solve(**given, Whole=True)
+    assert "more than a sheet of 3000 x 1500 mm; take larger sheets" in errors[0] and not any(outputs.values())
+
+
 def test_forces_of_a_dome(hops):
     shape = revolved_patch(8, 0.02)
     status, outputs, errors, warnings = hops("membrane", comma=True).solve(Mesh=mesh_from_arrays(*shape), K=[0.02], Pressure=2.0)
