@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import spsolve
+from scipy.linalg import solveh_banded
 
 from ..discrete.arrays import FloatArray
 from ._splines import Knots
@@ -58,6 +58,8 @@ def curvature_fitted(
     parts = [basis(places, knots, order) for order in orders]
     bends = bending(knots, (a, b))
     whole, own = sparse.identity(3, format="csr"), np.ones(len(points))
+    # The coordinates of a control point one after the other: neighbours are near in the normal equations, which are a band.
+    by_control = np.arange(3 * size).reshape(3, -1).T.ravel()
     scale = CLOSE * max(abs(K), FLAT)
     x, damping = control.reshape(-1, 3), DAMPED
 
@@ -80,16 +82,13 @@ def curvature_fitted(
             error = (shape.gaussian - K) / scale
             robust = 1.0 / (1.0 + (error / outlier) ** 2)
             gradients = _gradients(shape)
-            J = (
-                sparse.hstack([sum(part.multiply(own[:, k, None]) for part, own in zip(parts, gradients)) for k in range(3)]).tocsr()
-                / scale
-            )
+            J = sparse.hstack([sum(part.multiply(own[:, k, None]) for part, own in zip(parts, gradients)) for k in range(3)])
+            J = J.tocsc()[:, by_control] / scale
             JW = J.multiply((robust / len(places))[:, None]).T.tocsr()
-            normal = (sparse.kron(whole, by_points + stiff) + JW @ J).tocsc()
-            right = (weighted @ (points - near @ x) - stiff @ x).T.ravel() - JW @ error
+            normal = (sparse.kron(by_points + stiff, whole) + JW @ J).tocsr()
+            right = (weighted @ (points - near @ x) - stiff @ x).ravel() - JW @ error
             for _ in range(TRIALS):
-                step = spsolve(normal + damping * normal.diagonal().mean() * sparse.identity(3 * size, format="csc"), right)
-                new = x + np.reshape(step, (3, -1)).T
+                new = x + _banded_solution(normal, damping * normal.diagonal().mean(), right).reshape(-1, 3)
                 found, at = cost(new, outlier, near_by)
                 if found < least:
                     break
@@ -101,6 +100,16 @@ def curvature_fitted(
             if gained < ENOUGH * least:
                 break
     return x.reshape(a, b, 3)
+
+
+def _banded_solution(normal: sparse.csr_matrix, damping: float, right: FloatArray) -> FloatArray:
+    """Solve symmetric positive definite equations (n, n) that have a band, with a number added to their diagonal."""
+    lower = sparse.tril(normal, format="coo")
+    below = lower.row - lower.col
+    band = np.zeros((int(below.max(initial=0)) + 1, len(right)))
+    band[below, lower.col] = lower.data
+    band[0] += damping
+    return np.asarray(solveh_banded(band, right, lower=True, overwrite_ab=True, check_finite=False), dtype=np.float64)
 
 
 def _gradients(shape: Shape) -> tuple[FloatArray, ...]:
