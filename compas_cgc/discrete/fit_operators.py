@@ -27,6 +27,7 @@ __all__ = ["FitOperators", "fit_operators", "second_derivatives"]
 DEGREE, RINGS = 3, 2
 LEAST = 2  # degree below which nothing bends
 OVER = 2  # points more than terms, without which nothing can lie off a fit
+SINGULAR = 1e14  # size of a matrix times that of its inverse, from which it has none
 CHUNK = 2000
 RECENT = 2  # meshes whose rings and sparsity are kept: those of 3,000 vertices take some 20 MB
 
@@ -103,12 +104,14 @@ def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through
         weight = weight / (u * u + v * v + CENTRED)
         terms = np.concatenate([powers(u, v, group.degree), np.ones((*u.shape, 1))], axis=2)
         weighted = terms * weight[..., None]
-        inverse = np.linalg.pinv(weighted.transpose(0, 2, 1) @ terms, hermitian=True) @ weighted.transpose(0, 2, 1)
-        off = (np.eye(ring.shape[1]) - terms @ inverse) * np.sqrt(weight)[..., None]
-        off *= ((weight > 0)[:, None, :]) / np.sqrt((weight > 0).sum(axis=1))[:, None, None]
+        inverse = _inverted(weighted.transpose(0, 2, 1) @ terms) @ weighted.transpose(0, 2, 1)
+        # With P the projection onto the polynomials, (1 - P)ᵀ W (1 - P) = W - W P.
+        off = -(weighted @ inverse)
+        diagonal = np.arange(ring.shape[1])
+        off[:, diagonal, diagonal] += weight
         second = inverse[:, 2:5] * np.array([2.0, 1.0, 2.0])[:, None]
         measure = areas[group.at] / radius**4
-        waves.append(measure[:, None, None] * (off.transpose(0, 2, 1) @ off))
+        waves.append((measure / (weight > 0).sum(axis=1))[:, None, None] * off)
         bend = second * np.sqrt([1.0, 2.0, 1.0])[:, None]
         bending.append(measure[:, None, None] * (bend.transpose(0, 2, 1) @ bend))
         heights = np.einsum("gtc,gc->gt", inverse, w)
@@ -143,7 +146,7 @@ def second_derivatives(plan: FloatArray, faces: IntArray, rows: IntArray, throug
         weight = group.weight / (u * u + v * v + CENTRED)
         terms = np.concatenate([powers(u, v, group.degree), np.ones((*u.shape, 1))], axis=2)
         weighted = terms * weight[..., None]
-        inverse = np.linalg.pinv(weighted.transpose(0, 2, 1) @ terms, hermitian=True) @ weighted.transpose(0, 2, 1)
+        inverse = _inverted(weighted.transpose(0, 2, 1) @ terms) @ weighted.transpose(0, 2, 1)
         second = inverse[:, 2:5] * np.array([2.0, 1.0, 2.0])[:, None] / radius[:, None, None] ** 2
         row = np.broadcast_to((3 * group.at[:, None] + np.arange(3))[..., None], second.shape)
         column = np.broadcast_to(ring[:, None], second.shape)
@@ -189,6 +192,19 @@ def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[
             ring = np.where(there, near.indices[place], chunk[at][:, None])
             ring = np.column_stack([chunk[at], ring]).astype(np.int64)
             yield _Group(first + at, ring, np.column_stack([np.ones(len(at)), there]).astype(np.float64), own)
+
+
+def _inverted(squares: FloatArray) -> FloatArray:
+    """Return the inverses of symmetric matrices (g, t, t), pseudoinverses of those that are singular to rounding."""
+    try:
+        inverse = np.linalg.inv(squares)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(squares, hermitian=True)
+    sizes = np.abs(squares).max(axis=(1, 2)) * np.abs(inverse).max(axis=(1, 2))
+    singular = ~(sizes < SINGULAR)
+    if singular.any():
+        inverse[singular] = np.linalg.pinv(squares[singular], hermitian=True)
+    return inverse
 
 
 def _gaussian(heights: FloatArray, inverse: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,13 +7,15 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
 
-__all__ = ["Work", "is_spent", "spend", "until_spent"]
+__all__ = ["Work", "count", "is_spent", "rights", "spend", "until_spent"]
 
 T = TypeVar("T")
 
+CALL = 500  # unknowns that the least solve takes as long as, whatever its size
+
 
 class Work:
-    """So much work as a search may take, in unknowns times right sides solved for.
+    """So much work as a search may take, in unknowns times right sides solved for, see :func:`rights`.
 
     Examples
     --------
@@ -49,11 +51,27 @@ class _Spent(Exception):
 _COUNTED: ContextVar[tuple[Work, ...]] = ContextVar("work", default=())
 
 
+def rights(number: float, unknowns: float) -> float:
+    """Return the work of solving for so many right sides; small systems take what every call does.
+
+    Examples
+    --------
+    >>> rights(2.0, 1500), rights(2.0, 0)
+    (4000.0, 1000.0)
+    """
+    return number * (unknowns + CALL)
+
+
+def count(amount: float) -> None:
+    """Take an amount off what is left, wherever it is counted, for what is finished in any case."""
+    for work in _COUNTED.get():
+        work.left -= amount
+
+
 def spend(amount: float) -> None:
     """Take an amount off what is left, wherever it is counted; the first that is too much ends the steps that it is for."""
     enough = not is_spent()
-    for work in _COUNTED.get():
-        work.left -= amount
+    count(amount)
     if enough and is_spent():
         raise _Spent
 

@@ -7,17 +7,17 @@ from typing import Callable
 from typing import Optional
 
 from ..linalg.work import Work
+from ..linalg.work import rights
 from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .settings import Settings
 
-__all__ = ["Allowance"]
+__all__ = ["FLOW_STEP", "Allowance"]
 
-# Right sides solved for, with all coordinates unknown; a thousand take 0.6 s for 1,000 vertices.
-EACH, ALL = 12_500, 15_500
-REASONS = 4000  # more of them for a search for why there is none
-SMALLEST = 400  # vertices, of which smaller problems are taken to have as many
-FLOW_STEP = 25  # right sides that a step of the flow takes as long as
+# Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.4 s for 1,000 vertices.
+EACH, ALL = 16_000, 17_000
+REASONS = 3000  # more of them for a search for why there is none
+FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
 
 
@@ -34,7 +34,7 @@ class Allowance:
 
     def __init__(self, problem: CGCProblem, settings: Optional[Settings]):
         given = settings is not None and settings.to_dict().get("steps") is not None
-        self._unit = 3.0 * max(SMALLEST, len(problem.vertices))
+        self._unit = rights(1, 3 * len(problem.vertices))
         self._left = math.inf if given else ALL * self._unit
         self._dearest = 0.0
 

@@ -28,11 +28,11 @@ from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
 from .rising import Cold
 
-__all__ = ["Why", "why_not_found", "why_rough"]
+__all__ = ["Why", "contradiction", "why_not_found", "why_rough"]
 
 ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
-SEARCH = 5e6  # right sides times unknowns that it may take on a coarser mesh, under two seconds
-OWN, WITH_GOALS = 3000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
+SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh, under two seconds
+OWN, WITH_GOALS = 6000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
 SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
 NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
@@ -64,13 +64,13 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
     if problem.constraints and not whole:
         return _first(columns) or _carried(problem, cold)
     # That there is none with such a goal has been said, and how much of it can be had.
-    return _first(partial(_contradiction, problem), columns) or _carried(problem, cold, None if whole else "")
+    return _first(partial(contradiction, problem), columns) or _carried(problem, cold, None if whole else "")
 
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
     asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
-    told = _first(partial(_contradiction, problem), columns) or _first(partial(cap_of_the_rise, problem))
+    told = _first(partial(contradiction, problem), columns) or _first(partial(cap_of_the_rise, problem))
     return told or _carried(problem, cold, NOTHING if asking else "", LAYOUT)
 
 
@@ -83,8 +83,8 @@ def _after(said: str) -> Why:
     return Why(f"; {said}" if said else "")
 
 
-def _contradiction(problem: CGCProblem) -> str:
-    """Return the sentence on supports that no surface with K > 0 passes through."""
+def contradiction(problem: CGCProblem) -> str:
+    """Return the sentence on supports that no surface with K > 0 passes through, empty without any."""
     real = problem.without_dummies()
     return next(iter(two_sided_supports(real) or inward_edges(real)), "")
 

@@ -32,6 +32,7 @@ from .domed import solved_from_dome
 from .half_sphere import with_half_a_sphere
 from .method import Method
 from .projection import ProjectionSettings
+from .reasons import contradiction
 from .reasons import why_not_found
 from .reasons import why_rough
 from .registry import METHODS
@@ -45,7 +46,7 @@ from .turned_edges import on_turned_edges
 
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
-LARGE, SEARCH = 2000, 1e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
+LARGE, SEARCH = 2000, 2e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
 RISEN = "step by step from smaller targets it is fair"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
@@ -166,6 +167,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             break
         if not _is_due(choice, bool(rough)):
             continue
+        if tried and _is_last_resort(choice) and contradiction(problem):  # Nothing else arrives at what is not there.
+            break
         if choice.start == "anew" and rough and not allowed.as_much_again:  # The others go on from what there is.
             continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
@@ -220,6 +223,11 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
 def _is_due(choice: Choice, rough: bool) -> bool:
     """Return whether a choice is for what has come out so far: something rough, or nothing."""
     return not rough if choice is STALLED else choice.start in ("anew", "edges") or choice.second is rough
+
+
+def _is_last_resort(choice: Choice) -> bool:
+    """Return whether a choice is for problems that the ordinary methods have not solved."""
+    return choice is FLOW or choice is STALLED or choice.second
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:

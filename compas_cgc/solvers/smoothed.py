@@ -10,7 +10,6 @@ import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..linalg.work import is_spent
-from ..linalg.work import spend
 from ..linalg.work import until_spent
 from ..model.goals.binding import bind
 from ..model.problem import CGCProblem
@@ -25,7 +24,6 @@ from .projection.system import System
 __all__ = ["solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
-STEP = 85.0  # right sides that a step takes as long as
 FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
 
 
@@ -85,7 +83,6 @@ def solved_turned(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCPr
 
 
 def _shapes(system: System, local: CGCProblem) -> Iterator[FloatArray]:
-    """Pass on smoother and smoother shapes (n, 3), each paid for."""
+    """Pass on smoother and smoother shapes (n, 3)."""
     for taken in smooth_shape(system, system.equations(local.targets), local.vertices, WEIGHTS, ROUNDS):
         yield taken.vertices
-        spend(STEP * 3.0 * len(local.vertices))

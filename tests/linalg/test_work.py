@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from compas_cgc.linalg.work import CALL
 from compas_cgc.linalg.work import Work
+from compas_cgc.linalg.work import count
 from compas_cgc.linalg.work import is_spent
+from compas_cgc.linalg.work import rights
 from compas_cgc.linalg.work import spend
 from compas_cgc.linalg.work import until_spent
 
@@ -33,3 +36,11 @@ def test_steps_that_wait_for_a_search_that_uses_the_work_up_go_on_no_further():
     with Work(1.5).counted():
         assert list(until_spent(steps())) == [[1.0]]
         assert list(until_spent(paid(0.0))) == []
+
+
+def test_small_systems_take_what_every_call_does_and_what_is_finished_in_any_case_ends_no_steps():
+    assert rights(1, 0) == CALL and rights(3, 3000) == 3 * (3000 + CALL)
+    work = Work(1.0)
+    with work.counted():
+        count(2.0)
+        assert is_spent() and work.left == -1.0

@@ -14,13 +14,13 @@ from compas_cgc.cli.main import main
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.linalg.work import Work
+from compas_cgc.linalg.work import rights
 from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.verdict import verdict
-from compas_cgc.solvers.allowance import SMALLEST
 from compas_cgc.solvers.limits import largest_target
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.run import solve
@@ -144,7 +144,7 @@ def test_a_failure_takes_no_more_work_than_there_is_with_what_is_said_of_it(monk
     with work.counted():
         result = solve(problem, goals=goals)
     assert not (result.converged and result.verdict.fair)
-    assert 0.0 < 1e9 - work.left <= 1.1 * most * 3.0 * max(SMALLEST, len(problem.vertices))
+    assert 0.0 < 1e9 - work.left <= 1.1 * rights(most, 3 * len(problem.vertices))
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():

@@ -13,12 +13,15 @@ from ...discrete.arrays import FloatArray
 from ...discrete.evaluation import Measure
 from ...discrete.evaluation import Measurement
 from ...errors import names_what_was_meant
+from ...linalg.work import count
+from ...linalg.work import rights
 from ...model.frame import Frame
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from ...model.roles import CREASE
+from ..allowance import FLOW_STEP
 from ..half_sphere import rounder_than_half_a_sphere
 from .filter import GradientFilter
 from .linesearch import armijo_line_search
@@ -104,6 +107,7 @@ def flow(problem: CGCProblem, *, settings: Optional[FlowSettings] = None, callba
         status = "converged"
     while status == "step_limit" and step < settings.steps:
         step += 1
+        count(rights(FLOW_STEP, 3 * len(vertices)))
         gradient = np.where(asked, here.curvature - local.targets, 0.0)[:, None] * here.normal
         direction = -smooth(vertices, gradient)
         direction[creases] *= s * (step > e)[:, None]

@@ -13,6 +13,7 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
+from ...linalg.work import rights
 from ...linalg.work import spend
 from .found_curvature import CommonPart
 from .metric import Metric
@@ -26,7 +27,7 @@ EARLY = 5  # rounds after which their pace tells that far more than a few will b
 FAR = 1.5  # how many times more
 MOST = 60  # rounds after which the step is taken as it is
 SOFT = 1e-6  # regularisation of the preconditioner, against the scale of the system
-FACTORS = 12  # rounds that a preconditioner takes as long as
+FACTORS = 25  # rounds that a preconditioner takes as long as
 LEAST = 1e-8  # of an equation's own scale, against the largest
 
 Preconditioner = Callable[[FloatArray], FloatArray]
@@ -126,7 +127,7 @@ class LeastNorm:
         return move - found.move, found.multipliers
 
     def _solve(self, y: FloatArray) -> FloatArray:
-        spend(self.transposed.shape[0])
+        spend(rights(1, self.transposed.shape[0]))
         return self.metric.solve(self.transposed @ y)
 
     def _normal_moves(self) -> Preconditioner:
@@ -136,7 +137,7 @@ class LeastNorm:
         transposed = normal.T.tocsr()
         probe = np.cos(np.arange(self.J.shape[0], dtype=np.float64))
         weight = dot(probe, probe) / (SOFT * dot(probe, self.J @ self._solve(probe)))
-        spend(FACTORS * self.transposed.shape[0])
+        spend(rights(FACTORS, self.transposed.shape[0]))
         factor = factorise(self.metric.reduced(across) + weight * (transposed @ normal), symmetric=True, refine=False)
         return lambda v: weight * (v - normal @ factor.solve(weight * (transposed @ v)))
 

@@ -14,9 +14,13 @@ from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.smooth_measure import layout_errors_and_slopes
+from ...linalg.work import count
+from ...linalg.work import rights
 from .found_curvature import FoundCurvature
 
 __all__ = ["SmoothEquations", "SmoothFoundCurvature", "in_smooth_measure"]
+
+FITS = 45  # right sides that fits and their derivatives take as long as
 
 Plain = TypeVar("Plain", bound=CurvatureEquations)
 
@@ -39,6 +43,7 @@ class _Layout:
 
     def _of(self, vertices: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
         if self._at is None or not np.array_equal(self._at, vertices):
+            count(rights(FITS, 3 * len(vertices)))
             self._told = layout_errors_and_slopes(vertices, self._faces, self._asked)
             self._at = vertices.copy()
         return self._told

@@ -16,6 +16,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.fit_operators import fit_operators
 from ...discrete.jacobian import CurvatureEquations
 from ...linalg import factorise
+from ...linalg.work import count
+from ...linalg.work import rights
 from .gauss_newton import Taken
 from .system import System
 from .vectors import dot
@@ -26,6 +28,7 @@ WEIGHTS = (0.1, 1.0, 10.0, 100.0, 1000.0)  # of K that is missing against waves 
 ROUNDS = 2  # for each
 FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
+FITS, SOLVE = 45, 20  # right sides that the fits of a shape take as long as, and the solve for a move
 STILL = 3e-4  # move, against that, that is none
 
 
@@ -81,6 +84,7 @@ class _State:
         asked = np.zeros(len(vertices), bool)
         asked[system.rows] = True
         mass, targets = vertex_areas(drawn, system.faces), equations.targets[system.rows]
+        count(rights(FITS, 3 * len(vertices)))
         self._fits = fit_operators(vertices, system.faces, system.rows, asked, mass[system.rows])
         told = np.isfinite(self._fits.gaussian)
         self._lacking = np.where(told, self._fits.gaussian - targets, 0.0)
@@ -120,6 +124,7 @@ class _State:
         gradient = np.einsum("nx,nx->n", normals, self._smooth @ self.vertices + away) + J.T @ (exact * self._lacking)
         matrix = _along(self._smooth, normals) + J.T @ sparse.diags(exact) @ J + sparse.diags(self._pull)
         move = np.zeros(len(normals))
+        count(rights(SOLVE, 3 * len(normals)))
         move[columns] = -factorise(matrix.tocsr()[columns][:, columns], symmetric=True, refine=False).solve(gradient[columns])
         return move
 

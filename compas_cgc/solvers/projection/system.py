@@ -20,6 +20,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.topology import closed_vertices
+from ...linalg.work import count
+from ...linalg.work import rights
 from ...meshing.regions import vertex_labels
 from ...model.constraints import Mirror
 from ...model.goals.binding import BoundGoals
@@ -48,6 +50,7 @@ from .vectors import norm
 
 __all__ = ["System"]
 
+MEASURE, LINES = 0.5, 3.0  # right sides that the equations take as long as to measure, and to write down
 EPS = float(np.finfo(float).eps)
 SOUND = 1e-6  # area of a face, against the mean, below which its normal means nothing
 STEEPEST = 1e8  # derivative of an angle, in the local frame, beyond which it is rounding
@@ -236,6 +239,7 @@ class System:
 
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
         """Return what is missing at a shape (n, 3)."""
+        count(rights(MEASURE, 3 * len(vertices)))
         residual, areas = equations.measure(vertices)
         if self.goals.equations:
             lacking = [(own.value(vertices) - own.wanted) / self.size**own.power for own in self.goals.equations]
@@ -258,6 +262,7 @@ class System:
 
     def linearised(self, point: Point, equations: CurvatureEquations, kept: Optional[Kept] = None) -> Linearised:
         """Return the equations about a shape; what was kept from another shape is used where it fits."""
+        count(rights(LINES, 3 * len(point.vertices)))
         freedoms = self.places.freedoms(point.vertices)
         metric, basis = self.fairness.metric(freedoms), freedoms.basis
         J, onto, right = self.jacobian(point, equations), None, -point.residual
