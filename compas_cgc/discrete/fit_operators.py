@@ -197,9 +197,9 @@ def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[
 def _inverted(squares: FloatArray) -> FloatArray:
     """Return the inverses of symmetric matrices (g, t, t), pseudoinverses of those that are singular to rounding."""
     try:
-        inverse = np.linalg.inv(squares)
+        inverse: FloatArray = np.asarray(np.linalg.inv(squares), dtype=np.float64)
     except np.linalg.LinAlgError:
-        return np.linalg.pinv(squares, hermitian=True)
+        return np.asarray(np.linalg.pinv(squares, hermitian=True), dtype=np.float64)
     sizes = np.abs(squares).max(axis=(1, 2)) * np.abs(inverse).max(axis=(1, 2))
     singular = ~(sizes < SINGULAR)
     if singular.any():

@@ -14,9 +14,9 @@ from .settings import Settings
 
 __all__ = ["FLOW_STEP", "Allowance"]
 
-# Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.4 s for 1,000 vertices.
-EACH, ALL = 16_000, 17_000
-REASONS = 3000  # more of them for a search for why there is none
+# Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
+EACH, ALL = 16_500, 20_000
+REASONS = 2500  # more of them for a search for why there is none
 FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
 

@@ -13,6 +13,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.smooth_measure import layout_errors
 from ...discrete.smooth_measure import layout_errors_and_slopes
 from ...linalg.work import count
 from ...linalg.work import rights
@@ -20,7 +21,7 @@ from .found_curvature import FoundCurvature
 
 __all__ = ["SmoothEquations", "SmoothFoundCurvature", "in_smooth_measure"]
 
-FITS = 45  # right sides that fits and their derivatives take as long as
+FITS, SLOPES = 20, 45  # right sides that fits take as long as, and with their derivatives
 
 Plain = TypeVar("Plain", bound=CurvatureEquations)
 
@@ -32,21 +33,24 @@ class _Layout:
         self._faces, self._asked = faces, asked
         self._coordinates = (3 * columns[:, None] + np.arange(3)).ravel()
         self._at: Optional[FloatArray] = None
+        self._errors: FloatArray = np.zeros(0)
+        self._slopes: Optional[sparse.csr_matrix] = None
 
     def errors(self, vertices: FloatArray) -> FloatArray:
         """Return the errors (n,) [1/L^2]."""
-        return self._of(vertices)[0]
+        if self._at is None or not np.array_equal(self._at, vertices):
+            count(rights(FITS, 3 * len(vertices)))
+            self._at, self._slopes = vertices.copy(), None
+            self._errors = layout_errors(vertices, self._faces, self._asked)
+        return self._errors
 
     def slopes(self, vertices: FloatArray) -> sparse.csr_matrix:
         """Return their derivatives by the coordinates that may move (n, 3c) [1/L^3]."""
-        return self._of(vertices)[1][:, self._coordinates]
-
-    def _of(self, vertices: FloatArray) -> tuple[FloatArray, sparse.csr_matrix]:
-        if self._at is None or not np.array_equal(self._at, vertices):
-            count(rights(FITS, 3 * len(vertices)))
-            self._told = layout_errors_and_slopes(vertices, self._faces, self._asked)
-            self._at = vertices.copy()
-        return self._told
+        self.errors(vertices)
+        if self._slopes is None:  # Of a shape that is tried only, they are not asked for.
+            count(rights(SLOPES, 3 * len(vertices)))
+            self._slopes = layout_errors_and_slopes(vertices, self._faces, self._asked)[1][:, self._coordinates]
+        return self._slopes
 
 
 class SmoothEquations(CurvatureEquations):
