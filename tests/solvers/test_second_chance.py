@@ -99,3 +99,17 @@ def test_a_cone_on_an_anisotropic_mesh_is_measured_smoothly():
     flat = np.zeros_like(found.vertices)
     flat[:, :2] = case(21).problem.vertices[:, :2]
     assert not is_irregular(flat, found.problem.faces, found.problem.asked, found.problem.targets)
+
+
+def test_what_the_supports_contradict_is_told_after_the_first_search(monkeypatch):
+    used = []
+
+    def run_method(method, *args, **options):
+        used.append(method.name)
+        return own(method, *args, **options)
+
+    own = selection.run_method
+    monkeypatch.setattr(selection, "run_method", run_method)
+    result = solve(case(2062).problem)
+    assert "the held edge turns inwards" in result.message
+    assert used and "flow" not in used and used.count("projection") == 1, used
