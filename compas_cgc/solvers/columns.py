@@ -12,8 +12,10 @@ from scipy.spatial import ConvexHull
 from scipy.spatial import cKDTree
 
 from ..discrete import edge_faces
+from ..discrete import face_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.plan import flattened
 from ..linalg.work import is_spent
 from ..meshing import named_supports
 from ..model.constraints import OnLine
@@ -29,6 +31,7 @@ HALVINGS = 2  # of the way from the height that the surface has to that of a col
 FEWEST = 3  # supports that a roof keeps
 SLACK = 0.2  # share of a corner by which a place may lie beside a face: a free edge moves in plan
 FAR = 0.5  # of a column from where it would have to be, against the size of the mesh, from where that is no advice
+UPRIGHT = 0.1  # part of the area that is seen from above, up to which a mesh has no plan, and no columns in it
 SAME = 5e-3  # difference of heights, against the size of the mesh, that is none
 
 
@@ -59,6 +62,8 @@ def column_advice(problem: CGCProblem, rough: Attempt, solve: Solve) -> str:
         Returns the fairest surface of a problem, None where none is found.
     """
     columns = _columns(problem)
+    if not columns:
+        return ""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     taken_away = _without_those_in_the_way(problem, columns, solve) or _without_the_nearest(problem, columns, rough, solve)
     if taken_away is None:
@@ -128,9 +133,11 @@ def _said(problem: CGCProblem, column: int, lift: float, height: float) -> str:
 
 
 def _columns(problem: CGCProblem) -> list[int]:
-    """Return single supports within or along regions of K > 0, those at corners left out."""
+    """Return single supports within or along regions of K > 0, those at corners left out; none of a mesh that stands upright."""
     fixed = problem.roles == FIXED
     faces = problem.faces[problem.real_faces]
+    if not _has_a_plan(problem.vertices, faces):
+        return []
     edges = edge_faces(faces)[:, :2]
     beside = np.zeros(len(fixed), bool)
     positive = np.zeros(len(fixed), bool)
@@ -143,6 +150,11 @@ def _columns(problem: CGCProblem) -> list[int]:
     # A column at an inward corner stands among the others.
     fixed[np.intersect1d(corners, np.unique(faces)[ConvexHull(problem.vertices[np.unique(faces), :2]).vertices])] = False
     return np.flatnonzero(fixed).tolist()
+
+
+def _has_a_plan(vertices: FloatArray, faces: IntArray) -> bool:
+    """Return whether a mesh is seen from above, as a roof is and a facade is not."""
+    return bool(face_areas(flattened(vertices), faces).sum() > UPRIGHT * face_areas(vertices, faces).sum())
 
 
 def _blamed(rough: Attempt, drawn: FloatArray, columns: Sequence[int]) -> int:

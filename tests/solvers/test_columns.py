@@ -16,6 +16,8 @@ from compas_cgc.meshing.closest_points import nearest_on_polyline
 from compas_cgc.model.bulging import two_sided_supports
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.verdict import verdict
+from compas_cgc.solvers.columns import Attempt
+from compas_cgc.solvers.columns import column_advice
 
 from ..support.shapes import grid
 from ..support.shapes import revolution
@@ -115,3 +117,16 @@ def test_supports_that_ask_for_both_sides_say_the_heights():
     raised = float(re.search(r"raise the second over ([\d.]+)", said).group(1))
     V[at[5], 2] = raised + 0.2
     assert two_sided_supports(problem.with_vertices(V).with_supports(at)) == []
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.05])
+def test_an_upright_facade_has_no_columns_in_its_plan(tilt):
+    """A facade that is rough is told so, and not that a column is in its way."""
+    vertices, faces = grid(10, 10.0)
+    x, z, _ = vertices.T
+    facade = CGCProblem(np.column_stack([x, tilt * z, z]), faces[:, ::-1], targets=0.01).with_supports("corners")
+    (middle,) = np.flatnonzero((x == 5) & (z == 5))
+    rough = Attempt(facade.vertices, verdict(facade, facade.vertices))
+    assert column_advice(facade.with_supports([middle], add=True), rough, lambda problem: None) == ""
+    result = solve(facade.with_supports([middle], add=True))
+    assert not result.verdict.fair and "the column" not in result.message
