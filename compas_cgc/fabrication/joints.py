@@ -95,7 +95,7 @@ def _cells(at: FloatArray, faces: int, size: Optional[float], count: Optional[in
         first = max(1, round(math.sqrt((count or 1) * extent[0] / extent[1])))
         numbers = [first, max(1, round((count or 1) / first))]
     if math.prod(numbers) > faces:
-        raise CGCError(f"a region of {faces} triangles cannot be divided into {math.prod(numbers)} panels; ask for larger ones")
+        raise CGCError(f"a region of {faces} triangles cannot be divided into {count or math.prod(numbers)} panels; ask for larger ones")
     return numbers
 
 

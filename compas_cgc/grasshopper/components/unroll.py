@@ -59,8 +59,9 @@ def unroll(
         add_warning(component, "connect a CGC mesh that has been solved")
         return UnrollOutputs(*[None] * len(UnrollOutputs._fields))
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
-    free = {"spacing": spacing, "margin": margin or 0.0, "allowance": allowance or 0.0}
-    patterns = unroll_surface(cgc_mesh, sheet, strain=strain or None, whole=bool(whole), **free)
+    patterns = unroll_surface(
+        cgc_mesh, sheet, strain=strain or None, spacing=spacing, margin=margin or 0.0, allowance=allowance or 0.0, whole=bool(whole)
+    )
     drawing = draw_sheets(patterns, nodes=False)
     lines: dict[str, list] = {}
     for line in drawing.lines:
