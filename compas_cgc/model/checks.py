@@ -38,6 +38,7 @@ from .roles import INTERNAL
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
 GENTLE = 0.5  # total curvature of a region that is proposed [rad]
+STRAIGHT = 1e-6  # of the size of the drawing, across which supports on one line may lie
 NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
 FINE = 300  # vertices with K; on a coarser mesh a roof is some percent off anyway
 
@@ -169,14 +170,21 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
 
 
 def turns_about(problem: CGCProblem) -> list[str]:
-    """Say what a surface can turn about that is held at one or two points."""
-    count = int((problem.roles == FIXED).sum())
-    if not 0 < count < 3 or problem.constraints or not len(boundary_loops(problem.faces)):
+    """Say what a surface can turn about: one point, two, or more on one straight line; a side that is held is taken for a wall."""
+    fixed = problem.roles == FIXED
+    count = int(fixed.sum())
+    if not count or problem.constraints or not len(boundary_loops(problem.faces)):
         return []
-    what = "one point" if count == 1 else "two points"
-    return [
-        f"the surface is held at {what} only and can turn about {'it' if count == 1 else 'them'}; hold it at three that are not on one line"
-    ]
+    if count > 2 and ((fixed[problem.faces].sum(axis=1) > 1).any() or not _on_one_line(problem.vertices[fixed], problem.vertices)):
+        return []
+    what = {1: "one point", 2: "two points"}.get(count, f"{count} points on one straight line")
+    about = "them" if count == 2 else "it"
+    return [f"the surface is held at {what} only and can turn about {about}; hold it at three that are not on one line"]
+
+
+def _on_one_line(points: FloatArray, around: FloatArray) -> bool:
+    across = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1]
+    return bool(across <= STRAIGHT * np.ptp(around, axis=0).max())
 
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
