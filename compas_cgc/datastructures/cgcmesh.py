@@ -471,7 +471,10 @@ class CGCMesh(Mesh):
             if not chosen and self.vertex and not self.boundary_loops():
                 raise ValueError(f"the mesh is closed, it has no {vertices}; name vertices to hold it at: mesh.set_supports([...])")
         else:
-            chosen = [self._known(key) for key in vertex_names(vertices, "supports")]
+            chosen = vertex_names(vertices, "supports")
+            lost = [key for key in chosen if key not in self.vertex]
+            if lost:
+                raise ValueError(no_vertex(lost, self.vertices()))
         keep = set(self.supports()) if add else set()
         for key in self.supports():
             self.vertex_role(key, "internal")
@@ -771,7 +774,7 @@ class CGCMesh(Mesh):
 
     def _known(self, key: int) -> int:
         if key not in self.vertex:
-            raise ValueError(no_vertex(key, self.vertices()))
+            raise ValueError(no_vertex([key], self.vertices()))
         return int(key)
 
 

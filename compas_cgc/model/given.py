@@ -13,6 +13,7 @@ from typing import Union
 import numpy as np
 
 from ..meshing.boundary import SUPPORT_NAMES
+from ..meshing.checks import listed
 
 __all__ = ["checked_number", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
 
@@ -42,11 +43,11 @@ def no_region(region: object, count: int, creased: bool) -> str:
     return f"there is no region {region}; {_numbered(count)}{why}"
 
 
-def no_vertex(key: object, keys: Iterable[int]) -> str:
-    """Return the sentence on a vertex that does not exist, and which ones do."""
+def no_vertex(lost: Sequence[object], keys: Iterable[int]) -> str:
+    """Return the sentence on vertices that do not exist, and which ones do."""
     known = sorted(keys)
     those = f"; they are numbered from {known[0]} to {known[-1]}" if known else "; it has none"
-    return f"there is no vertex {key!r} in the mesh{those}"
+    return f"there {'is no vertex' if len(lost) == 1 else 'are no vertices'} {listed(lost)} in the mesh{those}"
 
 
 def _numbered(count: int) -> str:

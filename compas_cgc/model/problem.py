@@ -361,9 +361,9 @@ class CGCProblem:
         order = np.argsort(known, kind="stable")
         at = np.minimum(np.searchsorted(known, wanted, sorter=order), len(order) - 1)
         found = order[at]
-        lost = np.flatnonzero(known[found] != wanted)
+        lost = wanted[known[found] != wanted]
         if len(lost):
-            raise ValueError(no_vertex(int(wanted[lost[0]]), known.tolist()))
+            raise ValueError(no_vertex(lost.tolist(), known.tolist()))
         return found
 
     def regions(self) -> IntArray:

@@ -84,6 +84,8 @@ def test_the_user_s_names_are_the_ones_that_count():
     assert problem.supports.tolist() == [0, 2] and problem.creases.tolist() == [[1, N + 2]]
     with pytest.raises(ValueError, match="there is no vertex 7 in the mesh"):
         problem.with_supports([7])
+    with pytest.raises(ValueError, match="there are no vertices 7, 9 in the mesh"):
+        problem.with_supports([7, 100, 9])
     with pytest.raises(ValueError, match="the crease from vertex 100 to 108 does not follow an edge"):
         problem.with_creases([[100, 108]])
 

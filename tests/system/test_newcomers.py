@@ -123,6 +123,7 @@ MISTAKES = {
     ),
     "a crease beside the outline": (lambda: CGCMesh.from_outline(SQUARE, 1.0, creases=[[[9, 0], [9, 4]]]), "lies outside of the outline"),
     "a support that is not there": (lambda: plan().set_supports([999]), "there is no vertex 999"),
+    "two supports that are not there": (lambda: plan().set_supports([0, 999, -7]), "there are no vertices 999, -7 in the mesh"),
     "the boundary of a closed solid": (lambda: ball().set_supports("boundary"), "is closed, it has no boundary; name vertices"),
     "a closed solid that nothing holds": (lambda: solve(ball()), r"the mesh is closed and has no edge.*set_supports\(\[...\]\)"),
     "a flat list for a crease": (lambda: plan().set_creases([0, 1, 2]), r"write \[\[0, 1, 2\]\]"),

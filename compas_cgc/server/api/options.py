@@ -10,6 +10,7 @@ from typing import Optional
 import numpy as np
 
 from ...meshing.boundary import SUPPORT_NAMES
+from ...meshing.checks import listed
 from ...model.constraint_data import as_constraints
 from ...model.constraints import check_indices
 from ...model.goals.wholes import Unknown
@@ -163,7 +164,8 @@ def _check_vertices(value: object, count: Optional[int], what: str) -> None:
     vertices = [whole(v, f"every vertex of {what}") for v in value]
     wrong = [v for v in vertices if v < 0 or (count is not None and v >= count)]
     if wrong:
-        raise Unprocessable(f"{what} names vertex {wrong[0]}, which does not exist")
+        one = len(wrong) == 1
+        raise Unprocessable(f"{what} names {'vertex' if one else 'vertices'} {listed(wrong)}, which {'does' if one else 'do'} not exist")
 
 
 def _check_targets(value: object, count: Optional[int]) -> None:
