@@ -23,6 +23,7 @@ from compas_cgc.model.goals.wholes import Rise
 from compas_cgc.model.goals.wholes import Unknown
 from compas_cgc.model.problem import Drawing
 from compas_cgc.server import Limits
+from compas_cgc.server.api.options import check_options
 from compas_cgc.server.api.requests import READERS
 from compas_cgc.server.api.requests import accept
 from compas_cgc.server.api.serialization import pack_problem
@@ -200,3 +201,8 @@ def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
         targets[place] = wrong
         with pytest.raises(Unprocessable, match=f"the target of vertex {place} must be a"):
             accept(asked(targets=targets), LIMITS)
+
+
+def test_supports_that_do_not_exist_are_all_named():
+    with pytest.raises(Unprocessable, match="'supports' names vertices 77, -1, which do not exist"):
+        check_options({"supports": [0, 77, -1]}, 10, Limits())
