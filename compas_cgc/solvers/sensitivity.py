@@ -4,14 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
+from typing import Callable
 from typing import Optional
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator
+from scipy.sparse.linalg import gmres
 
 from ..datastructures import SolveResult
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..discrete.jacobian import CurvatureEquations
+from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
 from ..errors import CGCError
 from ..errors import ProblemError
@@ -20,6 +27,7 @@ from ..linalg import factorise
 from ..model.goals import measures
 from ..model.goals.binding import bind
 from ..model.goals.binding import support_height
+from ..model.measures import read_across
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from .projection.settings import ProjectionSettings
@@ -28,9 +36,13 @@ __all__ = ["Sensitivity", "sensitivity"]
 
 # Of units that files name: a smaller one that designers speak of, and how many of it make one.
 _SMALLER = {"Meters": ("mm", 1e3), "Centimeters": ("mm", 10.0), "Millimeters": ("mm", 1.0), "Feet": ("in", 12.0), "Inches": ("in", 1.0)}
-NEARER = 2  # Newton's steps to the very fairest surface, near which a solve ends
+NEARER = 3  # Newton's steps to the very fairest surface, near which a solve ends
 STILL, AWAY = 1e-10, 1e-2  # steps, in the local frame, that are none, and that lead elsewhere
 NONE = 1e-12  # change, against the size of the surface, that is none
+SMALL = 1e-5  # longest move, in the local frame, of a difference quotient of the layout's part
+KRYLOV, REFINED, PRECISE = 60, 4, 1e-7  # steps of GMRES for what the layout's part changes, its restarts, and the residual
+
+Moves = Callable[[FloatArray], FloatArray]  # of the vertices (n, 3), to first order, by a change of K (k,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +111,9 @@ def sensitivity(result: SolveResult) -> Sensitivity:
               = \begin{pmatrix} \lambda_i \nabla A_i \\ A_i \end{pmatrix} dK,
 
     factorised once for all regions, with H the second derivative of the Lagrangian, that of the angles and areas
-    included; of a surface by Newton's method from moves along its normals. Constraints of places are held, with the
+    included; of a surface by Newton's method from moves along its normals. In the smooth measure what the layout of the mesh
+    puts into K follows the moves, by differences along them; of the fairest surface these are the derivatives of the one at
+    which solves from their own results come to rest. Constraints of places are held, with the
     vertices that touch a side; goals of the whole surface go on pushing as they do, but their numbers are let go.
 
     Parameters
@@ -138,7 +152,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     label = problem.regions()
     numbers = [region for region in range(int(label.max(initial=-1)) + 1) if (problem.region_vertices(region) & problem.asked).any()]
     groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in numbers}
-    found = _by_newton(problem, groups) if result.method == "newton" else _by_projection(result, groups)
+    found = _by_newton(problem, groups, result.measure == "smooth") if result.method == "newton" else _by_projection(result, groups)
     moves = np.array([found[region] for region in numbers]).reshape(-1, len(problem.vertices), 3)
     x, faces = problem.vertices, problem.faces
     level = support_height(problem) if (problem.roles == FIXED).any() else 0.0
@@ -155,9 +169,11 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     )
 
 
-def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
+def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool) -> dict[int, FloatArray]:
     """Return dx/dK by region, with every vertex moving along its normal."""
     local, frame = problem.local()
+    if smooth:
+        local = replace(local, faces=read_across(local))
     asked = np.flatnonzero(local.asked)
     equations = CurvatureEquations(local.faces, local.targets, asked, asked)
     normals = vertex_normals(local.vertices, local.faces)[asked]
@@ -166,12 +182,14 @@ def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray]) -> dict[in
     equations.targets = local.targets.copy()
     equations.targets[asked] += residual / areas
     factor = factorise(equations.jacobian(local.vertices, normals))
-    found = {}
-    for region, own in groups.items():
-        moves = np.zeros_like(local.vertices)
-        moves[asked] = factor.solve(np.where(np.isin(asked, own), areas, 0.0))[:, None] * normals
-        found[region] = moves * frame.scale**3
-    return found
+
+    def moves(change: FloatArray) -> FloatArray:
+        moved = np.zeros_like(local.vertices)
+        moved[asked] = factor.solve(areas * change)[:, None] * normals
+        return moved
+
+    told = _with_layout(moves, partial(_layout_change, local.vertices, local.faces, asked)) if smooth else moves
+    return {region: told(np.isin(asked, own).astype(np.float64)) * frame.scale**3 for region, own in groups.items()}
 
 
 def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
@@ -189,21 +207,61 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
     local, frame = posed.local()
     goals = bind(local, posed.constraints)
     system = System(local, settings, goals, found=False)
-    equations = system.equations(local.targets)
+    smooth = result.measure == "smooth"
+
+    def posed_at(vertices: FloatArray) -> CurvatureEquations:
+        plain = system.equations(local.targets)
+        return smooth_equations(system, plain, vertices) if smooth else plain
+
     vertices = frame.to_local(result.vertices)
-    if result.measure == "smooth":
-        equations = smooth_equations(system, equations, vertices)
+    equations = posed_at(vertices)
     point = system.at(vertices, equations)
     system = system.touching(point, equations)
     solved = optimality(system, point, equations)
     for _ in range(NEARER):
         step = solved.correction(point, equations, solved.multipliers)[0]
+        if smooth:
+            moved = partial(_layout_change, point.vertices, equations.faces, system.rows)
+            step = step + _with_layout(partial(solved.moves, equations), moved)(moved(step))
         longest = float(np.abs(step).max(initial=0.0))
         if not STILL < longest < AWAY:
             break
+        equations = posed_at(point.vertices + step)
         point = system.at(point.vertices + step, equations)
         solved = optimality(system, point, equations)
-    position = np.full(len(vertices), -1)
-    position[system.rows] = np.arange(len(system.rows))
-    rows = {region: position[own][position[own] >= 0] for region, own in groups.items()}
-    return {region: solved.moves(equations, own) * frame.scale**3 for region, own in rows.items()}
+    moves: Moves = partial(solved.moves, equations)
+    if smooth:
+        moves = _with_layout(moves, partial(_layout_change, point.vertices, equations.faces, system.rows))
+    return {region: moves(np.isin(system.rows, own).astype(np.float64)) * frame.scale**3 for region, own in groups.items()}
+
+
+def _with_layout(moves: Moves, layout: Callable[[FloatArray], FloatArray]) -> Moves:
+    """Return the moves for changes of K in the smooth measure, from those by defects and what moves change of the layout's part.
+
+    In the measure of defects K changes by what is asked and by what the moves themselves change of that part.
+    """
+
+    def smooth_moves(change: FloatArray) -> FloatArray:
+        k = len(change)
+        operator = LinearOperator((k, k), matvec=lambda own: own - layout(moves(own)), dtype=np.float64)
+        found, left = np.zeros(k), change
+        for _ in range(REFINED):
+            found = found + gmres(operator, left, restart=KRYLOV, maxiter=1, atol=0.0)[0]
+            left = change - operator.matvec(found)
+            if np.abs(left).max() <= PRECISE * np.abs(change).max():
+                return moves(found)
+        raise ProblemError(["what the layout of the mesh puts into K changes too abruptly for derivatives; solve in the measure defect"])
+
+    return smooth_moves
+
+
+def _layout_change(vertices: FloatArray, faces: IntArray, rows: IntArray, moves: FloatArray) -> FloatArray:
+    """Return what moves (n, 3) change, to first order, of the errors of the layout at some vertices (k,), by central differences."""
+    longest = float(np.abs(moves).max(initial=0.0))
+    if longest == 0.0:
+        return np.zeros(len(rows))
+    asked = np.zeros(len(vertices), bool)
+    asked[rows] = True
+    by = SMALL / longest
+    ahead, behind = (layout_errors(vertices + sign * by * moves, faces, asked) for sign in (1.0, -1.0))
+    return (ahead - behind)[rows] / (2.0 * by)

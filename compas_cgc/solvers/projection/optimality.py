@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Callable
 from typing import NamedTuple
 from typing import Optional
@@ -45,15 +46,14 @@ class Optimality(NamedTuple):
         slope = energy + J.T @ system.spread(multipliers)[: len(system.rows)]
         return self._solved(slope, point.residual[system.leading])
 
-    def moves(self, equations: CurvatureEquations, group: IntArray) -> FloatArray:
-        """Return the derivative (n, 3) of the shape by the K of some equations, by their positions among the k rows."""
+    def moves(self, equations: CurvatureEquations, change: FloatArray) -> FloatArray:
+        """Return how the shape moves (n, 3), to first order, with a change of the K of the equations (k,)."""
         system, leading = self.system, self.system.leading
-        own = np.zeros(len(system.rows))
-        own[group] = 1.0
-        weights = system.spread(self.multipliers)[: len(system.rows)] * own
-        unit, none = (system.equations(np.full_like(equations.targets, K)).jacobian(self.point.vertices) for K in (1.0, 0.0))
-        gradient = (none - unit).T @ weights
-        asked = np.append(own * self.point.areas, np.zeros(len(system.goals.equations)))[leading]
+        unit, none = copy(equations), copy(equations)
+        unit.targets, none.targets = np.ones_like(equations.targets), np.zeros_like(equations.targets)
+        areas = none.jacobian(self.point.vertices) - unit.jacobian(self.point.vertices)
+        gradient = areas.T @ (system.spread(self.multipliers)[: len(system.rows)] * change)
+        asked = np.append(change * self.point.areas, np.zeros(len(system.goals.equations)))[leading]
         return self._solved(-gradient, -asked)[0]
 
     def _solved(self, gradient: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
