@@ -24,6 +24,7 @@ from ..errors import names_what_was_meant
 from ..meshing.regions import vertex_labels
 from .branch_points import branch_points
 from .faults import fault
+from .goals.inequalities import Bound
 from .problem import CGCProblem
 from .roles import CREASE
 from .roles import DUMMY
@@ -181,7 +182,9 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
         reasons.append(f"it is wavy: vertices lie up to {_percent(waviest)} % of its bending off a smooth surface")
     if both > BOTH:
-        between = "with a fold between (a crease there may mend that)"
+        # What a bound bends to the other side no crease mends.
+        bound = any(isinstance(own, Bound) for own in problem.constraints)
+        between = "with a fold between" + ("" if bound else " (a crease there may mend that)")
         reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, {between}")
     if too_sharp > CREASED:
         reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")

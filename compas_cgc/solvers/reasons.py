@@ -16,6 +16,8 @@ from ..model.bulging import two_sided_supports
 from ..model.goals.binding import bind
 from ..model.goals.binding import unknown_regions
 from ..model.goals.inequalities import Bound
+from ..model.goals.names import goal_name
+from ..model.goals.names import listed
 from ..model.goals.places import EdgeInPlan
 from ..model.goals.places import Level
 from ..model.goals.wholes import Whole
@@ -35,7 +37,7 @@ SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh,
 OWN, WITH_GOALS = 6000.0, 20000.0  # right sides that it may take on the mesh itself, and with goals, which take more
 SMALLEST = 800  # vertices, of which smaller meshes are taken to have as many
 LARGE = 2000  # vertices of a problem with goals above which there is no such search
-NOTHING = "no fair surface was found over these supports with these goals, not even for a small part of K̄; ask for less of them"
+NOTHING = "no fair surface was found over these supports with {}, not even for a small part of K̄; ask for less of {}"
 
 LAYOUT = (
     "by steps from smaller targets these supports carry what is asked with a fair surface on a coarser mesh; "
@@ -69,9 +71,10 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
-    asking = any(isinstance(own, (Bound, Whole, EdgeInPlan, Level)) for own in problem.constraints)
+    asking = list(dict.fromkeys(goal_name(own) for own in problem.constraints if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
     told = _first(partial(contradiction, problem), columns) or _first(partial(cap_of_the_rise, problem))
-    return told or _carried(problem, cold, NOTHING if asking else "", LAYOUT)
+    nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
+    return told or _carried(problem, cold, nothing, LAYOUT)
 
 
 def _first(*told: Callable[[], str]) -> Optional[Why]:

@@ -242,6 +242,7 @@ MISNAMED = {
     "name one of these in the goal Height": lambda: Height([999], 1.0),
     "out of the goal Height": lambda: Height([0], 1.0),
     "not 'rise 4'": lambda: "rise 4",
+    "the edge in plan names one vertex, which is no edge": lambda: EdgeInPlan([4]),
     "leaves out the support at vertex": lambda: Within([(0, 0), (5, 0), (5, 5), (0, 5)]),
 }
 
@@ -264,6 +265,32 @@ def test_of_what_is_far_too_much_the_sentence_names_what_can_be_had():
     had = float(re.search("of the volume 90000 about ([0-9.]+) can be had", message).group(1))
     assert 800 < had < 5000, message
     assert solve(mesh, goals=[Volume(0.5 * had)], unknown="all").converged
+
+
+def corner_roof(K: float, width: float, n: int) -> CGCMesh:
+    mesh = CGCMesh.from_meshgrid(dx=width, nx=n)
+    mesh.set_supports("corners")
+    mesh.set_target(K)
+    return mesh
+
+
+def test_the_clearance_that_can_be_had_is_that_of_a_fair_surface():
+    mesh, gate = corner_roof(0.003, 15.0, 12), (5.5, 0.0, 9.5, 3.0)
+    message = solve(mesh, goals=[Clearance(gate, 40.0)]).message
+    had = float(re.search("of the clearance 40 about ([0-9.]+) can be had", message).group(1))
+    assert 10 < had < 40 and solve(mesh, goals=[Clearance(gate, had)]).verdict.fair
+
+
+def test_more_of_a_goal_than_was_asked_for_is_had_instead_of_it():
+    message = solve(corner_roof(0.004, 12.0, 9), goals=[Rise(2.0), Volume(600.0)]).message
+    told = re.search(r"instead of the rise 2 about ([0-9.]+) can be had with the volume 600;", message)
+    assert told and 2 < float(told.group(1)) < 6, message
+
+
+def test_a_rough_surface_names_the_goal_and_no_crease_where_a_bound_bends_it():
+    result = solve(corner_roof(0.004, 12.0, 9), goals=[Below(-1.0)])
+    assert not result.verdict.fair and "over these supports with the greatest height -1, not even" in result.message
+    assert "bulge to the other side" in result.message and "crease" not in result.message
 
 
 def test_a_sheet_that_nothing_asks_to_curve_is_flat_and_fair():

@@ -86,6 +86,8 @@ def _empty(problem: CGCProblem) -> Iterator[str]:
         elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, AtHeight)) and not isinstance(goal.vertices, str):
             if not len(goal.vertices):
                 yield f"{goal_name(goal)} names no vertices; name some, or leave it out"
+            elif isinstance(goal, EdgeInPlan) and goal.points is None and len(set(goal.vertices)) < 2:
+                yield f"{goal_name(goal)} names one vertex, which is no edge; name the vertices along an edge in their order, or 'free'"
 
 
 def _only(problem: CGCProblem, goal: Constraint) -> CGCProblem:

@@ -18,7 +18,7 @@ from .wholes import Rise
 from .wholes import Unknown
 from .wholes import Volume
 
-__all__ = ["goal_name"]
+__all__ = ["goal_name", "listed"]
 
 
 def goal_name(goal: Constraint) -> str:
@@ -48,3 +48,8 @@ def goal_name(goal: Constraint) -> str:
         Unknown: "the unknown K",
     }
     return next((word for kind, word in words.items() if isinstance(goal, kind)), f"the constraint {type(goal).__name__}")
+
+
+def listed(names: list[str]) -> str:
+    """Return names as they are said one after the other."""
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]

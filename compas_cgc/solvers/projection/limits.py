@@ -24,12 +24,14 @@ from ...model.goals.inequalities import Bound
 from ...model.goals.inequalities import Clearance
 from ...model.goals.inequalities import NearPlane
 from ...model.goals.names import goal_name
+from ...model.goals.names import listed
 from ...model.goals.wholes import Area
 from ...model.goals.wholes import Length
 from ...model.goals.wholes import Rise
 from ...model.goals.wholes import Volume
 from ...model.problem import CGCProblem
 from ...model.result import Solution
+from ...model.verdict import verdict
 
 __all__ = ["limit"]
 
@@ -44,7 +46,7 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     """Return a sentence on how much can be had of the first goal that a solution misses, None where that cannot be told.
 
     The surface without the goal is solved first; between what it has and what is asked for the most that can be met is
-    looked for by halving.
+    looked for by halving. Where that surface is fair, so is the one with the most.
 
     Parameters
     ----------
@@ -64,7 +66,9 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     if free.status != "converged":
         return f"without {goal_name(goal)} the rest cannot be met either"
     had = _had(problem, goal, free)
-    other_K = _carrying(problem, goal, had)
+    others = [own for own in without.constraints if _able(own)]
+    beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
+    fair = _is_fair(problem, free)
     met, most = had, float(getattr(goal, number))
     for _ in range(HALVINGS):
         middle = _between(met, most)
@@ -74,14 +78,23 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
         asked = problem.with_constraints(tried, add=False)
         # What has no good start of its own is led up to.
         try:
-            other = next((one for one in (solve(asked, start) for start in (None, found.vertices)) if one.status == "converged"), None)
+            tries = (solve(asked, start) for start in (None, found.vertices))
+            other = next((one for one in tries if one.status == "converged" and (not fair or _is_fair(problem, one))), None)
         except ProblemError:  # So little is no goal.
             break
         if other is not None:
             met, found = middle, other
         else:
             most = middle
-    return f"of {goal_name(goal)} about {met:.4g} can be had{other_K}"
+    # Less of a goal is a part of it, and more is not.
+    more = abs(met) > abs(float(getattr(goal, number)))
+    return f"{'instead of' if more else 'of'} {goal_name(goal)} about {met:.4g} can be had{beside}"
+
+
+def _is_fair(problem: CGCProblem, solution: Solution) -> bool:
+    """Return whether somebody would build a solution, whose K is that asked for or the one that was found."""
+    posed = problem.with_vertices(solution.vertices)
+    return verdict(posed if solution.targets is None else replace(posed, targets=solution.targets)).fair
 
 
 def _carrying(problem: CGCProblem, goal: Constraint, had: float) -> str:

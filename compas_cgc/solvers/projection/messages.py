@@ -12,6 +12,7 @@ from ...model.checks import no_saddle
 from ...model.checks import three_faced
 from ...model.constraints import AtHeight
 from ...model.goals.names import goal_name
+from ...model.goals.names import listed
 from .iterate import Point
 from .system import System
 
@@ -67,7 +68,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:
-        return f"the supports may not allow this curvature together with {_listed(names)}; ask for less, or choose another K̄"
+        return f"the supports may not allow this curvature together with {listed(names)}; ask for less, or choose another K̄"
     return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
 
 
@@ -78,8 +79,8 @@ def _astray(vertex: int, system: System) -> str:
     names = list(dict.fromkeys("the height of vertices" if isinstance(goal, AtHeight) else goal_name(goal) for goal in own))
     if len(own) == 1:
         return f"vertex {vertex} cannot fulfil its constraints: {names[0]} is out of its reach; move that, or take it away"
-    listed = f": {_listed(names)} contradict each other there" if len(names) > 1 else ""
-    return f"vertex {vertex} cannot fulfil its constraints{listed}; take one of them away"
+    there = f": {listed(names)} contradict each other there" if len(names) > 1 else ""
+    return f"vertex {vertex} cannot fulfil its constraints{there}; take one of them away"
 
 
 def blamed(point: Point, system: System) -> str:
@@ -92,7 +93,7 @@ def blamed(point: Point, system: System) -> str:
     if not unmet:
         return ""
     if len(unmet) > 1:
-        return f"{_listed(unmet)} cannot be met together here; take one of them away, or ask for less of one"
+        return f"{listed(unmet)} cannot be met together here; take one of them away, or ask for less of one"
     return f"{unmet[0]} cannot be met with this curvature and these supports; ask for less, or let K be found (unknown)"
 
 
@@ -105,10 +106,6 @@ def found(targets: list[float], regions: list[int], goals: int) -> str:
     if goals < len(regions):
         said += ", the fairest" + (" that the goals leave open" if goals else ", as no goal asks for another")
     return said
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
 def enclosed_negative(system: System, targets: FloatArray) -> bool:
