@@ -110,7 +110,8 @@ class Projector:
         drawn, self._frame = self.problem.local()
         self._local = as_meant(drawn)
         own = mirrors_and_own(self._local) if symmetric else []
-        self._system = System(self._local, self.settings, bind(self._local, problem.constraints), own=own)
+        # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
+        self._system = System(self._local, self.settings, bind(drawn, problem.constraints), own=own)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compas_cgc import CGCMesh
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
@@ -167,6 +168,21 @@ def test_edges_within_a_site_and_over_their_line():
     site = [(0.1, 0.1), (14.9, 0.1), (14.9, 14.9), (0.1, 14.9)]
     inside = solved(problem, Within(site, rim.tolist()))
     assert (inside.vertices[rim, :2] >= 0.1 - 1e-12).all() and (inside.vertices[rim, :2] <= 14.9 + 1e-12).all()
+
+
+def test_edges_of_a_steep_court_stay_over_the_lines_of_the_drawing():
+    plan = np.array([(0, 0, 0), (14, 0, 0), (14, 5.5, 0), (5.5, 5.5, 0), (5.5, 14, 0), (0, 14, 0)], float)
+    heights = {(0, 0): 3, (14, 0): 3, (14, 5.5): 3, (5.5, 14): 3, (0, 14): 3, (14, 2.75): 4, (2.75, 14): 4, (9.75, 5.5): 4, (5.5, 9.75): 4}
+    mesh = CGCMesh.from_outline(plan, 1.0, creases=[[[0, 0, 0], [5.5, 5.5, 0]]], points=[(*at, z) for at, z in heights.items()])
+    supports = mesh.vertices_near(list(heights))
+    for vertex, z in zip(supports, heights.values()):
+        mesh.vertex_attribute(vertex, "z", z)
+    mesh.set_supports(supports)
+    mesh.set_target(0.004)
+    result = solve(mesh, goals=[EdgeInPlan()])
+    assert result.verdict.fair
+    edge = result.vertices[boundary_vertices(result.vertices, result.faces)] * [1, 1, 0]
+    assert np.abs(nearest_on_polyline(edge, plan, closed=True)[0] - edge).max() < 1e-9
 
 
 def test_an_oculus_kept_level_and_round_by_one_goal():
