@@ -199,7 +199,7 @@ def _where(value: object, name: str) -> object:
         return int(value)
     if isinstance(value, (list, tuple)) and len(value) == 4 and all(isinstance(x, numbers.Real) for x in value):
         return [_number(x, name) for x in value]
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple)) and all(isinstance(point, (list, tuple)) for point in value):
         return _plan(value, name)
     raise ValueError(f"{name} must be the number of a region, a box [x0, y0, x1, y1] or a closed line [[x, y], ...]")
 

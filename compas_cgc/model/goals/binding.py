@@ -255,7 +255,8 @@ def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionCo
         line = problem.vertices[path] if goal.points is None else goal.points
         free = path[problem.roles[path] != FIXED]
         if len(free):
-            found.append(replace(goal, vertices=free.tolist(), points=line, closed=closed))
+            around = closed or (goal.points is not None and goal.closed)
+            found.append(replace(goal, vertices=free.tolist(), points=line, closed=around))
     return found
 
 

@@ -170,7 +170,8 @@ def test_edges_within_a_site_and_over_their_line():
     assert (inside.vertices[rim, :2] >= 0.1 - 1e-12).all() and (inside.vertices[rim, :2] <= 14.9 + 1e-12).all()
 
 
-def test_edges_of_a_steep_court_stay_over_the_lines_of_the_drawing():
+@pytest.mark.parametrize("given", [False, True], ids=["drawn", "given"])
+def test_edges_of_a_steep_court_stay_over_their_lines(given):
     plan = np.array([(0, 0, 0), (14, 0, 0), (14, 5.5, 0), (5.5, 5.5, 0), (5.5, 14, 0), (0, 14, 0)], float)
     heights = {(0, 0): 3, (14, 0): 3, (14, 5.5): 3, (5.5, 14): 3, (0, 14): 3, (14, 2.75): 4, (2.75, 14): 4, (9.75, 5.5): 4, (5.5, 9.75): 4}
     mesh = CGCMesh.from_outline(plan, 1.0, creases=[[[0, 0, 0], [5.5, 5.5, 0]]], points=[(*at, z) for at, z in heights.items()])
@@ -179,7 +180,7 @@ def test_edges_of_a_steep_court_stay_over_the_lines_of_the_drawing():
         mesh.vertex_attribute(vertex, "z", z)
     mesh.set_supports(supports)
     mesh.set_target(0.004)
-    result = solve(mesh, goals=[EdgeInPlan()])
+    result = solve(mesh, goals=[EdgeInPlan(points=plan, closed=True) if given else EdgeInPlan()])
     assert result.verdict.fair
     edge = result.vertices[boundary_vertices(result.vertices, result.faces)] * [1, 1, 0]
     assert np.abs(nearest_on_polyline(edge, plan, closed=True)[0] - edge).max() < 1e-9
