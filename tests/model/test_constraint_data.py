@@ -94,6 +94,7 @@ def test_there_and_back(constraint):
         ({"kind": "curve", "vertices": [1], "points": 3}, "points of a constraint"),
         ({"kind": "curve", "vertices": [1], "points": [[0, 0, 0], [1, 0, 0]], "closed": 1}, "true or false"),
         ({"kind": "near", "vertices": [1], "weight": 0.0}, "weight"),
+        ({"kind": "clearance", "where": [1, 1, 2], "height": 2}, "must be the number of a region, a box"),
     ],
 )
 def test_what_is_wrong_is_said(data, part):
