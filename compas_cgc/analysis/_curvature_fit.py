@@ -23,7 +23,7 @@ MOST = 0.7  # of it, from where on they do
 CLOSE = 0.005  # ... this error of K, against the K asked for
 FLAT = 0.02  # least K that errors are measured against, where the size is 1
 # How much looser points are held, and times `CLOSE` from which on errors of K count less and less: no smooth surface has some corners.
-STAGES = ((16.0, 40.0), (8.0, 20.0), (4.0, 10.0), (2.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 10.0))
+STAGES = ((16.0, 40.0), (8.0, 20.0), (4.0, 10.0), (2.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 5.0), (1.0, 2.5), (1.0, 1.25))
 STIFF = 1e-9  # weight of the bending
 DAMPED = 1e-6  # weight of a step, against the mean of the diagonal
 
@@ -70,6 +70,7 @@ def curvature_fitted(
         bent = STIFF / near_by**2 * float(np.einsum("ij,ij->", x, bends @ x))
         return far + bent + outlier**2 * float(np.mean(np.log1p((error / outlier) ** 2))), shape
 
+    best, least_off = x, np.inf
     for looser, outlier in STAGES:
         near_by = looser * NEAR * within
         stiff = STIFF / near_by**2 * bends
@@ -99,7 +100,11 @@ def curvature_fitted(
             gained, least, x, shape = least - found, found, new, at
             if gained < ENOUGH * least:
                 break
-    return x.reshape(a, b, 3)
+        if looser <= 1.0:
+            far = np.linalg.norm(points - near @ x, axis=1)
+            off = max(1.0, float(far.max()) / within) * max(1.0, float(np.median(np.abs(shape.gaussian - K))) / scale)
+            best, least_off = (x, off) if off < least_off else (best, least_off)
+    return best.reshape(a, b, 3)
 
 
 def _banded_solution(normal: sparse.csr_matrix, damping: float, right: FloatArray) -> FloatArray:

@@ -28,9 +28,9 @@ from ._splines import spline_points
 
 __all__ = ["FittedSurface", "fit_overhanging", "fit_region", "fit_surface", "has_four_sides"]
 
-LEAST, MOST = 8, 24  # control points along a side where K is fitted
+LEAST, MOST = 8, 32  # control points along a side where K is fitted
 FINER = (1.0, 1.5, 2.0)  # times as many that a region may have, as far as it takes
-NEAR, OFF = 1.5, 0.01  # of the distance allowed, and of K: what is good enough
+NEAR, OFF = 1.25, 0.01  # of the distance allowed, and of K: what is good enough
 FLAT = 0.02  # least K that errors are measured against, where the size is 1
 IN_FACE = (1.0 + 3.0 * np.eye(3)) / 6.0  # places where K is fitted in a face
 ON_CURVE = 8  # points of a cut for each edge of the mesh
@@ -44,7 +44,6 @@ CORRECTIONS = 6  # rounds in which the points' parameters follow the surface
 ON_EDGE = 4.0  # weight of the vertices on the edge of a region, where others begin
 MARGIN = 0.75  # edges of the mesh
 WITHIN = 4e-5  # of the size, that vertices may be off for the sake of K
-SAMPLES = 12  # places along a side at which K is read off the spline
 
 
 class FittedSurface(NamedTuple):
@@ -54,7 +53,7 @@ class FittedSurface(NamedTuple):
     knots_u: FloatArray  # (a + 4,) with the ends four times
     knots_v: FloatArray  # (b + 4,)
     deviation: float  # largest distance of a vertex of the mesh from it [L]
-    gaussian: FloatArray  # (k,) K of the surface itself at places within the region [1/L^2]
+    gaussian: FloatArray  # (k,) K of the surface itself at middles of faces that do not reach the region's edge [1/L^2]
     edges: tuple[FloatArray, ...] = ()  # (k, 3) closed lines along which it is to be cut, where it overhangs [L]
 
 
@@ -79,7 +78,7 @@ def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None,
 
     def lacks(fit: FittedSurface) -> float:
         error = 0.0 if K is None else float(np.median(np.abs(fit.gaussian - K))) / max(abs(K), FLAT / region.scale**2)
-        return max(fit.deviation / reach, 1.0) * max(error / OFF, 1.0)
+        return max(fit.deviation / reach, 1.0) ** 2 * max(error / OFF, 1.0)
 
     four = has_four_sides(vertices, faces)
     tried: list[FittedSurface] = []
@@ -141,13 +140,14 @@ def fit_surface(
     a, b = size or tuple(_count(own, K is not None, finer) for own in sides)
     knots = knots_for(a), knots_for(b)
     control, uv = _settled(P, uv, knots, (a, b), loop)
-    fit = _scaled(region, control, knots, uv, _places())
+    inner = _inner_faces(region)
+    fit = _scaled(region, control, knots, uv, uv[inner].mean(axis=1))
     if K is None:
         return fit
     # At its edge a surface may have no K at all: along a straight support none above zero.
     margin = (MARGIN / sides[0], MARGIN / sides[1])
     control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within)
-    return _better(fit, _scaled(region, control, knots, uv, _places()), K)
+    return _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
 
 
 def fit_overhanging(
@@ -187,14 +187,12 @@ def fit_overhanging(
     a, b = (_count(own, K is not None, finer) for own in ((high - low) / edge).tolist())
     knots, free = (knots_for(a), knots_for(b)), np.empty(0, np.int64)
     control, uv = _settled(P, uv, knots, (a, b), free)
-    rim = np.zeros(len(P), bool)
-    rim[np.concatenate(region.loops)] = True
-    inner = F[~rim[F].any(axis=1)] if len(F) > 3 * rim.sum() else F
-    fit, on = _scaled(region, control, knots, uv, uv[F].mean(axis=1)), uv
+    inner = _inner_faces(region)
+    fit, on = _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), uv
     if K is not None:
         # K is read off at the middles of faces, so it is fitted at other places in them.
         control, uv = _curved(region, uv, control, knots, np.einsum("pc,fcx->fpx", IN_FACE, uv[inner]).reshape(-1, 2), free, K, within)
-        curved = _better(fit, _scaled(region, control, knots, uv, uv[F].mean(axis=1)), K)
+        curved = _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
         fit, on = (fit, on) if curved is fit else (curved, uv)
     return fit._replace(edges=tuple(_cut(fit, on[loop], _turns(P[loop])) for loop in region.loops))
 
@@ -245,6 +243,14 @@ def _normalised(vertices: FloatArray, faces: IntArray) -> _Region:
     centre, scale = V.mean(axis=0), float(np.linalg.norm(np.ptp(V, axis=0)))
     loops = [np.asarray(loop) for loop in boundary_loops(F)]
     return _Region((V - centre) / scale, F, loops, len(V) - len(edges) + len(F), used, centre, scale)
+
+
+def _inner_faces(region: _Region) -> IntArray:
+    """Return the faces (k, 3) that do not reach the edge of a region, where a surface may have no K at all; of a few faces all."""
+    rim = np.zeros(len(region.points), bool)
+    rim[np.concatenate(region.loops)] = True
+    inner = region.faces[~rim[region.faces].any(axis=1)]
+    return inner if len(region.faces) > 3 * rim.sum() else region.faces
 
 
 def _better(plain: FittedSurface, curved: FittedSurface, K: float) -> FittedSurface:
@@ -349,8 +355,8 @@ def _closest(P: FloatArray, uv: FloatArray, control: FloatArray, knots: Knots, l
     return np.where(held, uv, inner)
 
 
-def _places(count: int = SAMPLES, margin: tuple[float, float] = (0.0, 0.0)) -> FloatArray:
-    """Return parameters (k, 2) spread over the square, none of them on its sides or in a margin along them."""
+def _places(count: int, margin: tuple[float, float]) -> FloatArray:
+    """Return parameters (k, 2) spread over the square, none of them in a margin along its sides."""
     t = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
     return np.array(margin) + (1.0 - 2.0 * np.array(margin)) * grid
