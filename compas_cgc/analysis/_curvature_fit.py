@@ -24,12 +24,21 @@ CLOSE = 0.005  # ... this error of K, against the K asked for
 FLAT = 0.02  # least K that errors are measured against, where the size is 1
 # How much looser points are held, and times `CLOSE` from which on errors of K count less and less: no smooth surface has some corners.
 STAGES = ((16.0, 40.0), (8.0, 20.0), (4.0, 10.0), (2.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 5.0), (1.0, 2.5), (1.0, 1.25))
+BEGUN = 4  # of these stages are left out where the surface has nearly that K
 STIFF = 1e-9  # weight of the bending
 DAMPED = 1e-6  # weight of a step, against the mean of the diagonal
 
 
 def curvature_fitted(
-    control: FloatArray, knots: Knots, points: FloatArray, uv: FloatArray, weights: FloatArray, places: FloatArray, K: float, within: float
+    control: FloatArray,
+    knots: Knots,
+    points: FloatArray,
+    uv: FloatArray,
+    weights: FloatArray,
+    places: FloatArray,
+    K: float,
+    within: float,
+    begun: bool = False,
 ) -> FloatArray:
     """Return control points (a, b, 3) of a surface that is near the points and has nearly the K asked for, by Gauss and Newton.
 
@@ -50,6 +59,8 @@ def curvature_fitted(
         The K asked for, where the size is 1.
     within
         Distance that the points may have from the surface; those that are farther count more and more.
+    begun
+        Whether the control points are those of a surface that has nearly this K already, with which the first stages are done.
     """
     a, b, _ = control.shape
     size = a * b
@@ -71,7 +82,7 @@ def curvature_fitted(
         return far + bent + outlier**2 * float(np.mean(np.log1p((error / outlier) ** 2))), shape
 
     best, least_off = x, np.inf
-    for looser, outlier in STAGES:
+    for looser, outlier in STAGES[BEGUN if begun else 0 :]:
         near_by = looser * NEAR * within
         stiff = STIFF / near_by**2 * bends
         far = np.linalg.norm(points - near @ x, axis=1)

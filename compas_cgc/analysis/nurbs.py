@@ -29,7 +29,9 @@ from ._splines import spline_points
 __all__ = ["FittedSurface", "fit_overhanging", "fit_region", "fit_surface", "has_four_sides"]
 
 LEAST, MOST = 8, 32  # control points along a side where K is fitted
-FINER = (1.0, 1.5, 2.0)  # times as many that a region may have, as far as it takes
+FINER = (1.0, 1.6, 2.5)  # times as many that a region may have, as far as it takes
+LOST = 2.0  # distances allowed, from which on the four sides do not suit a region: an L has more corners
+OVER = 1.3  # times as many control points for one that overhangs instead
 NEAR, OFF = 1.25, 0.01  # of the distance allowed, and of K: what is good enough
 FLAT = 0.02  # least K that errors are measured against, where the size is 1
 IN_FACE = (1.0 + 3.0 * np.eye(3)) / 6.0  # places where K is fitted in a face
@@ -40,6 +42,8 @@ CORNER = np.radians(30.0)  # turn of an edge, from which four of them are the co
 UPRIGHT = 0.2  # least cosine between the normals of a region and their mean, where it is fitted over a plane
 RIM = 0.03  # of the size of a region, by which a patch overhangs
 STIFF = 1e-9  # weight of the bending of the spline against that of the points
+STEADY = 1e-13  # ... where the points are those of a spline themselves
+SAMPLES = 3  # places along a side for each control point, by which a surface gets other knots
 CORRECTIONS = 6  # rounds in which the points' parameters follow the surface
 ON_EDGE = 4.0  # weight of the vertices on the edge of a region, where others begin
 MARGIN = 0.75  # edges of the mesh
@@ -60,8 +64,8 @@ class FittedSurface(NamedTuple):
 def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
     """Fit a spline surface to a region in the way that suits it, with as many control points as it takes.
 
-    With four sides the surface is laid between them, otherwise it overhangs. Control points are added until it is near the vertices
-    and has K to a hundredth; of what was tried the best is returned.
+    With four sides the surface is laid between them, otherwise it overhangs. Control points are added to the surface found so far
+    until it is near the vertices and has K to a hundredth; of what was tried the best is returned.
 
     Parameters
     ----------
@@ -81,16 +85,19 @@ def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None,
         return max(fit.deviation / reach, 1.0) ** 2 * max(error / OFF, 1.0)
 
     four = has_four_sides(vertices, faces)
+    start: Optional[FittedSurface] = None
     tried: list[FittedSurface] = []
     for finer in FINER:
-        tried.append((fit_surface if four else fit_overhanging)(vertices, faces, K=K, within=within, finer=finer))
-        if lacks(tried[-1]) <= 1.0 or min(tried[-1].control.shape[:2]) >= MOST:
+        start = (fit_surface if four else fit_overhanging)(vertices, faces, K=K, within=within, finer=finer, start=start)
+        tried.append(start)
+        stuck = len(tried) > 1 and start.deviation > LOST * reach
+        if lacks(start) <= 1.0 or stuck or min(start.control.shape[:2]) >= MOST:
             break
     best = min(tried, key=lacks)
     if four and best.deviation > reach:
         # An L has more corners than four, and may lie over a plane better.
         with suppress(MeshError):
-            best = min(best, fit_overhanging(vertices, faces, K=K, within=within, finer=FINER[1]), key=lacks)
+            best = min(best, fit_overhanging(vertices, faces, K=K, within=within, finer=OVER), key=lacks)
     return best
 
 
@@ -101,6 +108,7 @@ def fit_surface(
     K: Optional[float] = None,
     within: Optional[float] = None,
     finer: float = 1.0,
+    start: Optional[FittedSurface] = None,
 ) -> FittedSurface:
     """Fit a spline surface to a region of a mesh that has one boundary loop.
 
@@ -121,6 +129,8 @@ def fit_surface(
         Distance of the vertices that this may cost [L]. Default: 0.00004 of the region's size.
     finer
         Times as many control points along the sides as by default.
+    start
+        Surface fitted to the region with fewer control points, from which the fit to K sets out. Default: it begins anew.
 
     Raises
     ------
@@ -139,25 +149,31 @@ def fit_surface(
     uv, sides = _square(P, F, loop)
     a, b = size or tuple(_count(own, K is not None, finer) for own in sides)
     knots = knots_for(a), knots_for(b)
-    control, uv = _settled(P, uv, knots, (a, b), loop)
+    start = start if K is not None else None
+    control, uv = _settled(P, uv, knots, (a, b), loop) if start is None else _refined(region, start, uv, knots, (a, b), loop)
     inner = _inner_faces(region)
     fit = _scaled(region, control, knots, uv, uv[inner].mean(axis=1))
     if K is None:
         return fit
     # At its edge a surface may have no K at all: along a straight support none above zero.
     margin = (MARGIN / sides[0], MARGIN / sides[1])
-    control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within)
+    control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within, start is not None)
     return _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
 
 
 def fit_overhanging(
-    vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None, finer: float = 1.0
+    vertices: FloatArray,
+    faces: IntArray,
+    K: Optional[float] = None,
+    within: Optional[float] = None,
+    finer: float = 1.0,
+    start: Optional[FittedSurface] = None,
 ) -> FittedSurface:
     """Fit a spline surface over a rectangle in the mean plane of a region, which overhangs its edges: for discs, triangles and holes.
 
     Parameters
     ----------
-    vertices, faces, K, within, finer
+    vertices, faces, K, within, finer, start
         As for :func:`fit_surface`.
 
     Returns
@@ -186,12 +202,14 @@ def fit_overhanging(
     edge = float(np.linalg.norm(P[F[:, 1]] - P[F[:, 0]], axis=1).mean())
     a, b = (_count(own, K is not None, finer) for own in ((high - low) / edge).tolist())
     knots, free = (knots_for(a), knots_for(b)), np.empty(0, np.int64)
-    control, uv = _settled(P, uv, knots, (a, b), free)
+    start = start if K is not None else None
+    control, uv = _settled(P, uv, knots, (a, b), free) if start is None else _refined(region, start, uv, knots, (a, b), free)
     inner = _inner_faces(region)
     fit, on = _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), uv
     if K is not None:
         # K is read off at the middles of faces, so it is fitted at other places in them.
-        control, uv = _curved(region, uv, control, knots, np.einsum("pc,fcx->fpx", IN_FACE, uv[inner]).reshape(-1, 2), free, K, within)
+        places = np.einsum("pc,fcx->fpx", IN_FACE, uv[inner]).reshape(-1, 2)
+        control, uv = _curved(region, uv, control, knots, places, free, K, within, start is not None)
         curved = _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
         fit, on = (fit, on) if curved is fit else (curved, uv)
     return fit._replace(edges=tuple(_cut(fit, on[loop], _turns(P[loop])) for loop in region.loops))
@@ -268,6 +286,18 @@ def _settled(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int]
     return control, uv
 
 
+def _refined(
+    region: _Region, start: FittedSurface, uv: FloatArray, knots: Knots, shape: tuple[int, int], loop: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the control points of a surface with other knots that is nearly the same, and the parameters (n, 2) of the points on it."""
+    places = _places(SAMPLES * max(shape), (0.0, 0.0))
+    on = spline_points((start.control - region.centre) / region.scale, (start.knots_u, start.knots_v), places)
+    control = _fitted(on, places, knots, shape, STEADY)
+    for _ in range(CORRECTIONS):
+        uv = _closest(region.points, uv, control, knots, loop)
+    return control, uv
+
+
 def _curved(
     region: _Region,
     uv: FloatArray,
@@ -277,12 +307,13 @@ def _curved(
     loop: IntArray,
     K: float,
     within: Optional[float],
+    begun: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the control points of a surface with the K asked for, and the parameters (n, 2) of the points on it."""
     weights = np.ones(len(uv))
     weights[np.concatenate(region.loops)] = ON_EDGE
     reach = WITHIN if within is None else within / region.scale
-    control = curvature_fitted(control, knots, region.points, uv, weights, places, K * region.scale**2, reach)
+    control = curvature_fitted(control, knots, region.points, uv, weights, places, K * region.scale**2, reach, begun)
     return control, _closest(region.points, uv, control, knots, loop)
 
 
@@ -334,10 +365,10 @@ def _turns(rim: FloatArray) -> FloatArray:
     return np.arctan2(np.linalg.norm(np.cross(behind, ahead), axis=1), np.einsum("ij,ij->i", behind, ahead))
 
 
-def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int]) -> FloatArray:
+def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], stiff: float = STIFF) -> FloatArray:
     """Return the control points (a, b, 3) of the smoothing spline."""
     B = basis(uv, knots)
-    normal = B.T @ B / len(P) + STIFF * bending(knots, shape)
+    normal = B.T @ B / len(P) + stiff * bending(knots, shape)
     return np.reshape(spsolve(normal.tocsc(), B.T @ P / len(P)), (*shape, 3))
 
 

@@ -157,7 +157,7 @@ def test_a_coarse_saddle_gets_the_control_points_that_its_k_takes():
     V, F = solve(mesh).mesh.arrays()
     first, best = (fit(V, F, K=-0.008, within=6e-4) for fit in (fit_surface, fit_region))
     errors = [float(np.median(np.abs(fit.gaussian / -0.008 - 1))) for fit in (first, best)]
-    assert errors[1] < min(0.05, 0.5 * errors[0]) and best.deviation < 1e-3
+    assert errors[1] < min(0.01, 0.5 * errors[0]) and best.deviation < 6e-4
 
 
 def test_cuts_are_smooth_curves_on_the_surface():
