@@ -6,6 +6,7 @@ from typing import Optional
 
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
+from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.verdict import verdict
 from .projection.projector import Projector
@@ -38,11 +39,13 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     Returns
     -------
     Solution or None
-        None where it leads to no fair one, where K changes its sign, or where another method than the projection suits the drawing.
+        None where it leads to no fair one, where K changes its sign, or where another method than the projection, or the projection
+        from another start than the drawing, suits it.
     """
     if problem.origin is not None and (problem.origin.drawn.targets * problem.targets < 0.0).any():
         return None  # From a dome no way leads to a saddle: what is come upon is wavy, even if it is fair.
-    if choose(drawn, settings)[0].method != "projection" or tears_faces(drawn):
+    first = choose(drawn, settings)[0]
+    if first.method != "projection" or first.start != "drawn" or tears_faces(drawn):
         return None
     own = settings_of(METHODS["projection"], settings)
     projector = Projector(drawn, settings=own) if drawn.constraints else ready(drawn, own)  # type: ignore[arg-type]
@@ -51,6 +54,8 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
         return solution._replace(method="projection")
     if solution.status != "converged":
         return None
+    if solution.faces is None:
+        show_arrived(callback, solution.vertices)
     judged = verdict(
         (drawn if solution.targets is None else drawn.with_targets(solution.targets)).with_vertices(solution.vertices), drawn.vertices
     )

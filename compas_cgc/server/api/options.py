@@ -31,7 +31,7 @@ from .decoding import number
 from .decoding import whole
 from .units import UNITS
 
-__all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "settings_of"]
+__all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "check_targets", "read_targets", "settings_of"]
 
 OPTIONS = (
     *("supports", "creases", "targets", "constraints", "goals", "unknown", "method", "settings"),
@@ -58,7 +58,7 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
     settings = settings_of(options, limits)
     _check_supports(options, count)
     _check_creases(options.get("creases"), count)
-    _check_targets(options.get("targets"), count)
+    check_targets(options.get("targets"), count)
     method = options.get("method", "auto") if settings is None else method_of(settings)
     for name in ("constraints", "goals"):
         _check_constraints(options.get(name), method, count, name)
@@ -86,7 +86,7 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
     elif options.get("supports") is not None:
         problem = problem.with_supports(options["supports"])
     if options.get("targets") is not None:
-        problem = problem.with_targets(_targets(options["targets"]))
+        problem = problem.with_targets(read_targets(options["targets"]))
     unknown = options.get("unknown")
     found = [Unknown(unknown)] if unknown else []
     return problem.with_constraints([*(options.get("constraints") or ()), *(options.get("goals") or ()), *found])
@@ -168,7 +168,14 @@ def _check_vertices(value: object, count: Optional[int], what: str) -> None:
         raise Unprocessable(f"{what} names {'vertex' if one else 'vertices'} {listed(wrong)}, which {'does' if one else 'do'} not exist")
 
 
-def _check_targets(value: object, count: Optional[int]) -> None:
+def check_targets(value: object, count: Optional[int]) -> None:
+    """Check targets for a mesh of `count` vertices (None: not known yet).
+
+    Raises
+    ------
+    Unprocessable
+        With a sentence that names the vertex or the region.
+    """
     if isinstance(value, list):
         if count is not None and len(value) != count:
             raise Unprocessable(f"'targets' has {len(value)} numbers for {count} vertices; give one each, or one number for all")
@@ -223,7 +230,7 @@ def _fixed(roles: list[str], problem: CGCProblem) -> list[int]:
     return problem.names.vertices[np.array(roles) == "fixed"].tolist()
 
 
-def _targets(value: Any) -> Targets:
+def read_targets(value: Any) -> Targets:
     """Return targets as the problem takes them: one, one per vertex (n,), or by the number of the region [1/L^2]."""
     if isinstance(value, list):
         return np.array([np.nan if K is None else K for K in value], dtype=np.float64)

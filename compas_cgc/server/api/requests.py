@@ -28,6 +28,9 @@ from .decoding import packed
 from .decoding import polygons
 from .decoding import read_json
 from .decoding import vertex_array
+from .last_surface import LastSurface
+from .last_surface import check_last
+from .last_surface import read_last
 from .mesh_files import KINDS
 from .mesh_files import read_upload
 from .options import OPTIONS
@@ -38,7 +41,7 @@ from .serialization import unpack_result
 
 __all__ = ["MESH", "READERS", "SOLVED_READERS", "Reader", "SolveRequest", "accept", "solve_request"]
 
-MESH = ("vertices", "faces", "roles", "mesh")
+MESH = ("vertices", "faces", "roles", "mesh", "last")
 
 
 class SolveRequest(NamedTuple):
@@ -49,6 +52,7 @@ class SolveRequest(NamedTuple):
     settings: Optional[Settings] = None
     live: bool = False  # report the moving surface
     notes: Sequence[str] = ()  # what was done to the input
+    last: Optional[LastSurface] = None  # of the same drawing, to go on from
 
 
 def solve_request(problem: CGCProblem, options: Mapping[str, Any], limits: Limits, notes: Sequence[str] = ()) -> SolveRequest:
@@ -87,6 +91,7 @@ def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes
         raise Unprocessable(f"there is no field {unknown[0]!r:.60}; there are {', '.join(MESH + OPTIONS)}")
     if value.get("mesh") is not None:
         check_options(value, None, limits)
+        check_last(value.get("last"), None, limits)
         check_compas_mesh(value["mesh"], limits)
         return json.dumps(value).encode()
     vertices = vertex_array(value.get("vertices"), limits)
@@ -95,6 +100,7 @@ def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes
     if (different < 3).any():
         raise Unprocessable(dropped_faces(np.flatnonzero(different < 3)))
     check_options(value, len(vertices), limits)
+    check_last(value.get("last"), len(vertices), limits)
     if body is not None and isinstance(value["vertices"], dict) and isinstance(value["faces"], dict):
         return body
     # Packed, the worker reads it in a tenth of the time.
@@ -105,7 +111,7 @@ def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes
 def _read_json_request(options: dict, body: bytes, limits: Limits) -> SolveRequest:
     value: Any = read_json(body, limits)
     problem = _problem_of(value, limits) if value.get("mesh") is None else read_compas_mesh(value["mesh"]).to_problem()
-    return solve_request(problem, value, limits)
+    return solve_request(problem, value, limits)._replace(last=read_last(value.get("last"), limits))
 
 
 def _problem_of(value: dict, limits: Limits) -> CGCProblem:

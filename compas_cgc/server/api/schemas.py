@@ -164,6 +164,24 @@ CONSTRAINT_LIST = {
 }
 
 
+VERTICES = {"oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, PACKED]}
+TARGETS = {
+    "oneOf": [
+        {"type": "number"},
+        {"type": "array", "items": {"type": ["number", "null"]}},
+        {"type": "object", "additionalProperties": {"type": "number"}},
+    ],
+    "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
+}
+LAST = {
+    "type": "object",
+    "required": ["vertices", "targets"],
+    "additionalProperties": False,
+    "properties": {"vertices": VERTICES, "targets": TARGETS},
+    "description": "the surface that was found for other targets, with nothing else changed: the solve goes on from it",
+}
+
+
 def request_schema() -> dict:
     """Return the schema of a request, with the methods and constraints that there are."""
     return {
@@ -172,22 +190,14 @@ def request_schema() -> dict:
         "properties": {
             "id": {"type": "string", "pattern": "^[A-Za-z0-9_-]{8,64}$", "description": "the same id again returns the first job"},
             "name": {"type": "string"},
-            "vertices": {
-                "oneOf": [{"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}}, PACKED]
-            },
+            "vertices": VERTICES,
             "faces": {"oneOf": [{"type": "array", "items": {**INDICES, "minItems": 3}}, PACKED]},
             "mesh": {"type": "object", "description": "a COMPAS Mesh or CGCMesh as JSON, instead of vertices and faces"},
             "roles": {"type": "array", "items": {"enum": list(USER_ROLES)}},
             "supports": {"oneOf": [{"enum": list(SUPPORT_NAMES)}, INDICES]},
             "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
-            "targets": {
-                "oneOf": [
-                    {"type": "number"},
-                    {"type": "array", "items": {"type": ["number", "null"]}},
-                    {"type": "object", "additionalProperties": {"type": "number"}},
-                ],
-                "description": "Gaussian curvature: one for all, one per vertex, or by the number of the region [1/L^2]",
-            },
+            "targets": TARGETS,
+            "last": LAST,
             "constraints": CONSTRAINT_LIST,
             "goals": {**CONSTRAINT_LIST, "description": "the same; a place of its own for heights, volumes and the like"},
             "unknown": {
@@ -227,7 +237,7 @@ def drawing_schema() -> dict:
 
 def build_schema() -> dict:
     """Return the schema of a request for another task than a solve: of the surface that it is made of, or of the job that solved it."""
-    properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live")}
+    properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live", "last")}
     task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all but limits take what is solved"}
     job = {"type": "string", "description": "the job whose result is taken, instead of a mesh"}
     settings = {"anyOf": [_settings_of(own) for own in tasks()]}

@@ -24,7 +24,7 @@ from .serialization import NO_SURFACE
 
 __all__ = ["FILE_OPTIONS", "Submission", "file_submission", "json_submission", "with_result"]
 
-OF_A_SOLVE = ("method", "live")
+OF_A_SOLVE = ("method", "live", "last")
 LONGEST_NAME = 100  # characters
 FILE_OPTIONS = ("task", *OPTIONS)
 

@@ -15,6 +15,7 @@ from ...execution.worker import stop_wanted
 from ...fabrication.tasks import TASKS
 from ...model.checks import check
 from ...model.result import SolveState
+from ...solvers.registry import method_of
 from ...solvers.run import solve
 from ..errors import Gone
 from ..errors import RequestError
@@ -22,6 +23,7 @@ from ..jobs.output import JobOutput
 from ..limits import Limits
 from .builds import SOLVE
 from .builds import built
+from .last_surface import gone_on
 from .requests import READERS
 from .requests import SOLVED_READERS
 from .requests import Reader
@@ -65,8 +67,10 @@ class Progress:
 
 
 def run_request(request: SolveRequest) -> SolveResult:
-    """Solve a request and report on the way."""
-    return solve(request.problem, method=request.method, settings=request.settings, callback=Progress(request.live))
+    """Solve a request and report on the way; on from the last surface with the methods that go on from one."""
+    method = request.method if request.settings is None else method_of(request.settings)
+    problem = gone_on(request.problem, request.last if method in ("auto", "projection") else None)
+    return solve(problem, method=request.method, settings=request.settings, callback=Progress(request.live))
 
 
 def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Reader] = READERS) -> JobOutput:

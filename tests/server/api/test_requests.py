@@ -23,6 +23,7 @@ from compas_cgc.model.goals.wholes import Rise
 from compas_cgc.model.goals.wholes import Unknown
 from compas_cgc.model.problem import Drawing
 from compas_cgc.server import Limits
+from compas_cgc.server.api.decoding import packed
 from compas_cgc.server.api.options import check_options
 from compas_cgc.server.api.requests import READERS
 from compas_cgc.server.api.requests import accept
@@ -30,6 +31,8 @@ from compas_cgc.server.api.serialization import pack_problem
 from compas_cgc.server.api.serialization import pack_result
 from compas_cgc.server.api.serialization import unpack_problem
 from compas_cgc.server.api.serialization import unpack_result
+from compas_cgc.server.api.submissions import json_submission
+from compas_cgc.server.api.tasks import run_request
 from compas_cgc.server.api.tasks import solve_job
 from compas_cgc.server.errors import Unprocessable
 from compas_cgc.server.hops.inputs import read_hops_request
@@ -206,3 +209,71 @@ def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
 def test_supports_that_do_not_exist_are_all_named():
     with pytest.raises(Unprocessable, match="'supports' names vertices 77, -1, which do not exist"):
         check_options({"supports": [0, 77, -1]}, 10, Limits())
+
+
+def corner_roof(K, creases=(), last=None):
+    """A request for a roof on its corners, on from a result for another K where there is one."""
+    vertices, faces = grid(10, 6.0)
+    before = {} if last is None else {"last": {"vertices": packed(last.vertices), "targets": last.problem.targets.tolist()}}
+    return {"vertices": packed(vertices), "faces": packed(faces), "supports": "corners", "creases": list(creases), "targets": K, **before}
+
+
+def solved(value):
+    plain = json.loads(json.dumps(value).replace("NaN", "null"))
+    return run_request(read(plain))
+
+
+@pytest.mark.parametrize(
+    ("creases", "targets"), [((), (0.021, 0.018, -0.01, -0.011)), ((list(range(55, 66)),), (0.021, 0.018, 0.024))], ids=["plain", "creased"]
+)
+def test_a_request_with_the_last_surface_comes_to_what_the_drawing_alone_does(creases, targets):
+    """K up, K down, and K of the other sign, to which no way leads from a dome."""
+    here = solved(corner_roof(0.02, creases))
+    for K in targets:
+        there, cold = solved(corner_roof(K, creases, here)), solved(corner_roof(K, creases))
+        assert ("on from the surface" in there.message) == (K * here.problem.targets[14] > 0)
+        assert there.converged and np.abs(there.vertices - cold.vertices).max() < 1e-9 * 6.0
+        assert np.array_equal(there.start, cold.start)
+        here = there
+
+
+def test_the_last_surface_leaves_other_ways_to_solve_as_they_are():
+    """The same targets, a rim that is held all round, and methods that take the vertices for the drawing."""
+    here = solved(corner_roof(0.02))
+    for more in ({}, {"targets": 0.021, "supports": "boundary"}, {"targets": 0.0205, "method": "flow", "supports": "boundary"}):
+        there, cold = solved({**corner_roof(0.02, last=here), **more}), solved({**corner_roof(0.02), **more})
+        assert np.array_equal(there.vertices, cold.vertices) and there.message == cold.message
+
+
+@pytest.mark.parametrize(
+    ("last", "part"),
+    [
+        (7, "must be an object of the 'vertices'"),
+        ({"vertices": [[0, 0, 0]]}, "must be an object of the 'vertices'"),
+        ({"vertices": [[0, 0, 0]] * 3, "targets": 0.01}, "there are 3 vertices for a mesh of 49"),
+        ({"vertices": [[0, 0]] * 49, "targets": 0.01}, "three numbers each"),
+        ({"vertices": {"base64": "AAAA", "type": "f8", "shape": [49, 3]}, "targets": 0.01}, "not those of its shape"),
+        ({"vertices": [[0, 0, 0]] * 49, "targets": [0.01]}, "1 numbers for 49 vertices"),
+        ({"vertices": [[0, 0, 0]] * 49, "targets": None}, "is null"),
+    ],
+)
+def test_a_last_surface_that_is_none_is_refused_by_a_sentence(last, part):
+    with pytest.raises(Unprocessable, match="last") as refused:
+        accept(asked(last=last), LIMITS)
+    assert part in str(refused.value)
+
+
+def test_a_last_surface_goes_with_a_solve_of_arrays_alone():
+    last = {"vertices": grid(6, 6.0)[0].tolist(), "targets": 0.01}
+    mesh = json.loads(compas.json_dumps(roof()))
+    with pytest.raises(Unprocessable, match="goes with 'vertices' and 'faces'"):
+        accept({"mesh": mesh, "last": last}, LIMITS)
+    with pytest.raises(Unprocessable, match="'last' is for a solve, the task is unroll"):
+        json_submission(json.dumps({"task": "unroll", **asked(last=last)}).encode(), LIMITS)
+
+
+def test_a_last_surface_that_leads_nowhere_is_as_good_as_none():
+    value = corner_roof(0.021)
+    crumpled = {"vertices": packed(np.zeros((121, 3))), "targets": 0.02}
+    there = solved({**value, "last": crumpled})
+    assert there.converged and np.abs(there.vertices - solved(value).vertices).max() < 1e-9 * 6.0

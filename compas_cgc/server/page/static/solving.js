@@ -3,6 +3,7 @@
 import { Charts } from './charts.js';
 import { asked } from './design/goals.js';
 import { download } from './download.js';
+import { pack } from './packed.js';
 import { showProgress } from './progress.js';
 import { Rhythm } from './rhythm.js';
 import { Solver } from './solver.js';
@@ -21,6 +22,10 @@ export class Solving {
     this.studio = studio;
     /** @type {?import('./types.js').Result} */
     this.result = null;
+    /** @type {any} the request that is being solved */
+    this.asking = null;
+    /** @type {any} the request of the result */
+    this.solved = null;
     /** @type {?Float64Array} */
     this.drawn = null;
     this.patience = 0;
@@ -88,6 +93,14 @@ export class Solving {
     };
   }
 
+  /** Return the last surface as a field of a request where targets alone are others: the solve goes on from it. */
+  last(request) {
+    const { result, solved } = this;
+    const leads = result?.method === 'projection' && result.report.verdict?.fair && !result.faces && !solved.unknown;
+    if (!leads || !isSameBut(request, solved)) return {};
+    return { last: { vertices: pack(result.xyz, 'f8', [result.xyz.length / 3, 3]), targets: solved.targets } };
+  }
+
   begin() {
     this.studio.maker.clear();
     this.rhythm.settle();
@@ -98,7 +111,8 @@ export class Solving {
     this.wait();
     this.charts.clear();
     this.drawn = null;
-    this.solver.solve(this.request());
+    this.asking = this.request();
+    this.solver.solve({ ...this.asking, ...this.last(this.asking) });
     this.studio.scene.expect();
   }
 
@@ -137,6 +151,7 @@ export class Solving {
     const before = this.result;
     if (before) painter.before = before.xyz;
     this.result = result;
+    this.solved = this.asking;
     this.studio.turn(result.faces ?? null);
     if (data.goals?.found && data.goals.rise != null) this.studio.takeTargets(found(data.targets, result));
     if (this.drawn && isSame(this.drawn, result.xyz)) this.studio.know(result.xyz, result.curvature);
@@ -178,6 +193,11 @@ export class Solving {
 
 function isSame(one, other) {
   return one.length === other.length && one.every((value, k) => value === other[k]);
+}
+
+/** Return whether two requests differ by their targets at most; a mesh is packed once, so another is another object. */
+function isSameBut({ vertices, faces, targets, ...one }, { vertices: places, faces: corners, targets: before, ...other }) {
+  return vertices === places && faces === corners && JSON.stringify(one) === JSON.stringify(other);
 }
 
 /** Return targets with the K that was found for the goals. */

@@ -1,0 +1,68 @@
+"""The last surface of the same drawing, from which a request may be solved on for other targets; the server keeps nothing in between."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...model.problem import CGCProblem
+from ...model.problem import Origin
+from ...model.problem import Targets
+from ..errors import Unprocessable
+from ..limits import Limits
+from .decoding import vertex_array
+from .options import check_targets
+from .options import read_targets
+
+__all__ = ["LastSurface", "check_last", "gone_on", "read_last"]
+
+
+class LastSurface(NamedTuple):
+    """What was found before, and for which targets."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    targets: Targets  # [1/L^2]
+
+
+def check_last(value: object, count: Optional[int], limits: Limits) -> None:
+    """Check the last surface that a request brings along for a mesh of `count` vertices (None: not known yet).
+
+    Raises
+    ------
+    Unprocessable
+        With a sentence that says what to send.
+    """
+    if value is None:
+        return
+    if count is None:
+        raise Unprocessable("'last' goes with 'vertices' and 'faces'; send the mesh as these, or leave 'last' out")
+    if not isinstance(value, Mapping) or set(value) != {"vertices", "targets"}:
+        raise Unprocessable("'last' must be an object of the 'vertices' that were found and the 'targets' they were found for")
+    try:
+        vertices = vertex_array(value["vertices"], limits)
+        if len(vertices) != count:
+            raise Unprocessable(f"there are {len(vertices)} vertices for a mesh of {count}; send a surface of the same mesh")
+        if value["targets"] is None:
+            raise Unprocessable("'targets' is null; send the targets that the surface was found for")
+        check_targets(value["targets"], count)
+    except Unprocessable as error:
+        raise Unprocessable(f"last: {error}") from None
+
+
+def read_last(value: Optional[Mapping], limits: Limits) -> Optional[LastSurface]:
+    """Return the last surface of a checked request, None where it brings none."""
+    return None if value is None else LastSurface(vertex_array(value["vertices"], limits), read_targets(value["targets"]))
+
+
+def gone_on(problem: CGCProblem, last: Optional[LastSurface]) -> CGCProblem:
+    """Return a problem on the last surface of its drawing; the problem itself where there is none, or it has the same targets."""
+    if last is None:
+        return problem
+    before = replace(problem, targets=np.full(len(problem.vertices), np.nan)).with_targets(last.targets)
+    on = replace(problem, vertices=last.vertices, origin=Origin(before, last.vertices))
+    return problem if on.drawn is None else on
