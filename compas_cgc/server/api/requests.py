@@ -51,8 +51,8 @@ class SolveRequest(NamedTuple):
     method: str = "auto"
     settings: Optional[Settings] = None
     live: bool = False  # report the moving surface
-    notes: Sequence[str] = ()  # what was done to the input
     last: Optional[LastSurface] = None  # of the same drawing, to go on from
+    notes: Sequence[str] = ()  # what was done to the input
 
 
 def solve_request(problem: CGCProblem, options: Mapping[str, Any], limits: Limits, notes: Sequence[str] = ()) -> SolveRequest:
@@ -64,7 +64,7 @@ def solve_request(problem: CGCProblem, options: Mapping[str, Any], limits: Limit
         With a sentence on the option.
     """
     settings = settings_of(options, limits)
-    return SolveRequest(apply_options(problem, options), options.get("method", "auto"), settings, options.get("live", False), notes)
+    return SolveRequest(apply_options(problem, options), options.get("method", "auto"), settings, options.get("live", False), notes=notes)
 
 
 def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes:
