@@ -76,7 +76,7 @@ class CGCMesh(Mesh):
 
     and a ``target`` K̄ [1/L^2], read at internal vertices. Along creases, ``s`` and ``e``
     override the settings of the flow. The normals of the faces point to the side to
-    which a surface of positive K rises; :meth:`flip` turns them.
+    which a surface of positive K rises from a flat drawing; :meth:`flip` turns them.
 
     Parameters
     ----------

@@ -29,6 +29,8 @@ from .anew import solved_anew
 from .columns import Attempt
 from .columns import column_advice
 from .domed import solved_from_dome
+from .drawn_side import is_drawn_below
+from .drawn_side import with_faces_turned
 from .half_sphere import with_half_a_sphere
 from .method import Method
 from .projection import ProjectionSettings
@@ -47,6 +49,7 @@ from .turned_edges import on_turned_edges
 __all__ = ["Choice", "choose", "run_auto", "run_method"]
 
 LARGE, SEARCH = 2000, 2e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
+BELOW = "it goes to the side that it is drawn on, away from its normals, along which a flat drawing would go"
 RISEN = "step by step from smaller targets it is fair"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
 
@@ -162,6 +165,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
+    below = settings is None and any(is_held_all_round(problem, folded) for folded in (False, True)) and is_drawn_below(problem)
     for choice in choose(problem, settings):
         if allowed.spent and tried:
             break
@@ -173,8 +177,12 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             continue
         options = {**choice.options, "steps": allowed.flow_steps(FLOW_STEPS)} if choice.options is FLOW.options else choice.options
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
+        posed = problem
+        if below and (choice.method == "newton" or choice.start == "domed"):
+            posed, choice = with_faces_turned(problem), choice._replace(reason=f"{choice.reason}; {BELOW}")
         if choice.start == "domed":
-            found = allowed.solved(partial(solved_from_dome, problem, _own_settings(METHODS[choice.method], settings, options), callback))
+            own = _own_settings(METHODS[choice.method], settings, options)
+            found = allowed.solved(partial(solved_from_dome, posed, own, callback))
         elif choice.start == "anew":
             found = allowed.solved(partial(solved_anew, problem, run, callback))
         elif choice.start == "edges":
@@ -184,7 +192,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "turned":
             found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
-            found = allowed.solved(partial(run, problem))
+            found = allowed.solved(partial(run, posed))
         if found is None:
             continue
         solution = found
@@ -256,7 +264,7 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
             continue
         try:
             if choice.start == "domed":
-                solution = solved_from_dome(problem, ProjectionSettings())
+                solution = solved_from_dome(with_faces_turned(problem) if is_drawn_below(problem) else problem, ProjectionSettings())
             else:
                 solution = run_method(METHODS[choice.method], problem, options=choice.options)
         except CGCError:  # Goals that name what is there no more.

@@ -32,7 +32,7 @@ INSIDE = {
         {"settings"},
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "projection"},
-        {"rising", "one_sided"},
+        {"rising", "one_sided", "drawn_side"},
         {"anew", "domed", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"selection"},

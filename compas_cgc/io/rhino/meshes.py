@@ -180,5 +180,7 @@ def _shape_notes(V: FloatArray, F: IntArray, unit: str) -> list[str]:
     notes = [f"the mesh has {len(V)} vertices and {len(F)} triangles in {pieces} piece{'s' if pieces > 1 else ''}, {size}{unit}"]
     area = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     if area[:, 2].sum() < -0.1 * np.linalg.norm(area, axis=1).sum():
-        notes.append("the normals point down, so a surface of positive K bulges downwards; flip the mesh (Rhino: Flip) if it shall rise")
+        notes.append(
+            "the normals point down, so a surface of positive K bulges down from a flat drawing; flip the mesh (Rhino: Flip) to let it rise"
+        )
     return notes

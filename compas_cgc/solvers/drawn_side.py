@@ -1,0 +1,53 @@
+"""The side that a drawing bulges to, where it says one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ..discrete import face_areas
+from ..discrete.arrays import FloatArray
+from ..discrete.laplacian import cotangent_laplacian
+from ..discrete.mean import mean_curvature
+from ..discrete.normals import vertex_normals
+from ..linalg.solvers import factorise
+from ..model.problem import CGCProblem
+from ..model.roles import FIXED
+
+__all__ = ["is_drawn_below", "with_faces_turned"]
+
+SAID = 0.05  # of the depth of a drawing, against the rise of a cap of its area and K, that says that the bowl is meant
+BENT = 0.1  # of its mean curvature, against the root of K, below which it does not
+
+
+def is_drawn_below(problem: CGCProblem) -> bool:
+    """Return whether a drawing that is held all round lies to the side away from its normals, where K > 0 would bulge along them.
+
+    Parameters
+    ----------
+    problem
+        Held all round, K > 0 where it is asked for.
+    """
+    K, asked = float(problem.targets[problem.asked].mean()), problem.asked
+    bent = float(np.mean(mean_curvature(problem.vertices, problem.faces)[asked]))
+    if not bent < -BENT * math.sqrt(K):
+        return False
+    # A rim that sags says nothing: what counts is what lies under the surface that is taut over it.
+    away = np.einsum("ij,ij->i", problem.vertices - _taut(problem), vertex_normals(problem.vertices, problem.faces))
+    rise = float(face_areas(problem.vertices, problem.faces).sum()) * math.sqrt(K) / (4.0 * math.pi)
+    return float(np.mean(away[asked])) < -SAID * rise
+
+
+def with_faces_turned(problem: CGCProblem) -> CGCProblem:
+    """Return a problem whose faces, and so its normals, look to the other side."""
+    return replace(problem, faces=problem.faces[:, ::-1])
+
+
+def _taut(problem: CGCProblem) -> FloatArray:
+    """Return the drawing (n, 3) with every vertex that may move at the mean of those around it, weighted as they are drawn."""
+    taut, free = problem.vertices.copy(), problem.roles != FIXED
+    rows = cotangent_laplacian(problem.vertices, problem.faces)[free]
+    taut[free] = factorise(-rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, ~free] @ problem.vertices[~free])
+    return taut
