@@ -1,25 +1,56 @@
-"""Memory of what was last worked out from small meshes: studies and servers solve many problems on one mesh, one after the other."""
+"""Memory of what was last worked out from a mesh.
+
+Studies and servers solve many problems on one small mesh, one after the other. What is worked out from a larger one is kept for the
+time of one solve, which asks for it again and again.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import wraps
 from typing import Any
+from typing import Optional
 from typing import TypeVar
 from typing import cast
 
 import numpy as np
 from scipy import sparse
 
-__all__ = ["remembered"]
+__all__ = ["remembered", "remembering"]
 
 SMALL = 2_000_000  # bytes of arguments above which nothing is kept: those of a mesh of 20,000 vertices with roles and creases
 ALL = 4_000_000  # bytes of the arguments of all that is kept
 RECENT = 8  # results of each function
+LARGE = 20_000_000  # bytes of arguments above which nothing is kept for the time of a solve either, as memory is short there
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class _OfSolve(threading.local):
+    """What this thread keeps for the time of a solve, by function and digest of arguments."""
+
+    kept: Optional[dict[tuple, Any]] = None
+
+
+_of_solve = _OfSolve()
+
+
+@contextmanager
+def remembering() -> Iterator[None]:
+    """Keep what is worked out from larger meshes until the end of a block."""
+    if _of_solve.kept is not None:
+        yield
+        return
+    _of_solve.kept = {}
+    try:
+        yield
+    finally:
+        _of_solve.kept = None
 
 
 def remembered(function: Function, recent: int = RECENT) -> Function:
@@ -33,9 +64,10 @@ def remembered(function: Function, recent: int = RECENT) -> Function:
 
     @wraps(function)
     def called(*args: Any) -> Any:
-        size, key = _key(args)
+        size = sum(own.nbytes for own in args if isinstance(own, np.ndarray))
         if size > SMALL:
-            return function(*args)
+            return _large(function, size, args)
+        key = tuple((own.dtype.char, own.shape, own.tobytes()) if isinstance(own, np.ndarray) else own for own in args)
         with lock:
             found = kept.get(key)
             if found is not None:
@@ -51,12 +83,18 @@ def remembered(function: Function, recent: int = RECENT) -> Function:
     return cast(Function, called)
 
 
-def _key(args: tuple) -> tuple[int, tuple]:
-    """Return the bytes of the arguments, and what tells them from others where these are few."""
-    size = sum(own.nbytes for own in args if isinstance(own, np.ndarray))
-    if size > SMALL:
-        return size, ()
-    return size, tuple((own.dtype.char, own.shape, own.tobytes()) if isinstance(own, np.ndarray) else own for own in args)
+def _large(function: Callable[..., Any], size: int, args: tuple) -> Any:
+    kept = _of_solve.kept
+    if kept is None or size > LARGE:
+        return function(*args)
+    key = function, *(_digest(own) if isinstance(own, np.ndarray) else own for own in args)
+    if key not in kept:
+        kept[key] = function(*args)
+    return _copied(kept[key])
+
+
+def _digest(array: np.ndarray) -> tuple:
+    return array.dtype.char, array.shape, hashlib.blake2b(np.ascontiguousarray(array).data, digest_size=16).digest()
 
 
 def _copied(value: Any) -> Any:

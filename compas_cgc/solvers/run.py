@@ -14,6 +14,7 @@ import numpy as np
 from ..datastructures import CGCMesh
 from ..datastructures import SolveResult
 from ..datastructures.construction import ON_THE_MESH
+from ..discrete._memo import remembering
 from ..errors import names_what_was_meant
 from ..model.checks import check
 from ..model.checks import refuse
@@ -57,6 +58,7 @@ def _instead(name: str) -> str:
 
 
 @names_what_was_meant(_instead)
+@remembering()
 def solve(
     problem: Union[CGCProblem, PosesProblem],
     *,

@@ -1,12 +1,18 @@
-"""Memory of small meshes: what is returned belongs to the caller, and other arguments are other results."""
+"""Memory of meshes: what is returned belongs to the caller, and other arguments are other results."""
 
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
+from compas_cgc import solve
 from compas_cgc.discrete import edge_faces
+from compas_cgc.discrete import topology
+from compas_cgc.discrete._memo import LARGE
 from compas_cgc.discrete._memo import SMALL
 from compas_cgc.discrete._memo import remembered
+from compas_cgc.discrete._memo import remembering
+from compas_cgc.paper.benchmarks.solves import square
 
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
 
@@ -37,3 +43,36 @@ def test_only_small_arguments_are_kept_and_only_the_last_ones():
     calls.clear()
     doubled(small, 2)
     assert calls == [5]
+
+
+def test_larger_ones_are_kept_for_the_time_of_a_block_and_no_longer():
+    calls = []
+
+    @remembered
+    def doubled(values):
+        calls.append(len(values))
+        return 2.0 * values
+
+    large, huge = np.arange(float(SMALL)), np.empty(LARGE // 8 + 1)
+    with pytest.raises(KeyError), remembering():
+        doubled(large)[0] = 7.0
+        with remembering():
+            assert doubled(large)[0] == 0.0
+        assert doubled(large)[0] == 0.0 and doubled(1.0 + large)[0] == 2.0
+        assert doubled(large.astype(np.float32)).dtype == np.float32
+        assert calls == 3 * [SMALL]
+        doubled(huge)
+        doubled(huge)
+        raise KeyError
+    doubled(large)
+    assert calls == [*3 * [SMALL], *2 * [len(huge)], SMALL]
+
+
+def test_a_solve_looks_for_the_edges_of_a_large_mesh_once(monkeypatch):
+    looked = []
+    lexsort = np.lexsort
+    monkeypatch.setattr(topology.np, "lexsort", lambda keys: looked.append(len(keys[0])) or lexsort(keys))
+    problem = square(211)
+    assert problem.faces.nbytes > SMALL
+    assert solve(problem).verdict.fair
+    assert looked.count(problem.faces.size) == 1
