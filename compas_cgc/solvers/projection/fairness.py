@@ -125,8 +125,9 @@ class Fairness:
 
     def relaxed(self) -> FloatArray:
         """Return the drawing (n, 3) with the heights of the fairest shape through its supports."""
-        up = self.axes[2]
-        return self._drawing + ((self.fairest_through(self._drawing) - self._drawing) @ up)[:, None] * up
+        shape = self._drawing.copy()
+        shape[self._columns] += self._metric(None).heights(-self.energy(shape)[1])[:, None] * self.axes[2]
+        return shape
 
     def _bent(self, vertices: FloatArray) -> float:
         return dot(vertices.ravel(), (self._bending @ vertices).ravel())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Optional
 
 import numpy as np
@@ -12,6 +13,7 @@ from ...discrete import edge_faces
 from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
+from ...linalg import LinearSolver
 from ...linalg import factorise
 
 __all__ = ["Metric", "bending_matrix"]
@@ -99,12 +101,15 @@ class Metric:
 
     def __init__(self, plan: sparse.csr_matrix, height: sparse.csr_matrix, axes: FloatArray, basis: Optional[sparse.csr_matrix] = None):
         self.plan, self.height, self.axes, self.basis = plan, height, axes, basis
-        # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
-        if basis is not None:
-            self._factor = factorise(self._on_span(basis), symmetric=True, refine=False)
-            return
-        self._factor = factorise(plan, symmetric=True, refine=False)
-        self._of_height = self._factor if height is plan else factorise(height, symmetric=True, refine=False)
+
+    # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
+    @cached_property
+    def _factor(self) -> LinearSolver:
+        return factorise(self.plan if self.basis is None else self._on_span(self.basis), symmetric=True, refine=False)
+
+    @cached_property
+    def _of_height(self) -> LinearSolver:
+        return self._factor if self.height is self.plan else factorise(self.height, symmetric=True, refine=False)
 
     def solve(self, gradient: FloatArray) -> FloatArray:
         """Return the move (q,) whose metric product with any other is that of the gradient (q,)."""
@@ -114,8 +119,12 @@ class Metric:
             return self._factor.solve(gradient.reshape(-1, 3)).ravel()
         turned = gradient.reshape(-1, 3) @ self.axes.T
         found = np.empty_like(turned)
-        found[:, :2], found[:, 2] = self._factor.solve(turned[:, :2]), self._of_height.solve(turned[:, 2])
+        found[:, :2], found[:, 2] = self._factor.solve(turned[:, :2]), self.heights(gradient)
         return (found @ self.axes).ravel()
+
+    def heights(self, gradient: FloatArray) -> FloatArray:
+        """Return the heights (c,) of the move for a gradient (3c,) where all directions are free."""
+        return self._of_height.solve(gradient.reshape(-1, 3) @ self.axes[2])
 
     def times(self, move: FloatArray) -> FloatArray:
         """Return W times a move (q,)."""
