@@ -203,3 +203,40 @@ def test_a_surface_is_shown_whole_in_what_the_tools_leave_free(hands):
     np.testing.assert_allclose(most.max(), 1.0, atol=1e-12)
     tight = np.argmax(most)
     np.testing.assert_allclose([places[tight].min(), places[tight].max()], [-1.0, 1.0], atol=1e-12)
+
+
+REGIONS = """
+const { Regions } = await import('/page/regions.js');
+const room = document.createElement('div'); room.className = 'regions'; document.body.append(room);
+const regions = new Regions(room, { change() {}, over() {}, name() {}, colour() {} });
+const named = { nameOf: String, colourOf: () => '#888888', reach: () => 0.02, areas: [], unit: 'm' };
+const show = (targets) => regions.show({ ...named, targets });
+const move = (row, place) => { const { slider } = regions.rows[row]; slider.value = place; slider.dispatchEvent(new Event('input')); };
+const told = () => regions.targets.slice();
+"""
+
+
+def test_one_slider_for_all_regions_keeps_what_they_are_to_each_other(hands):
+    moved, zero, back, flipped, apart, typed, none = hands.read(
+        REGIONS + "show([0.005, 0.01, 0, -0.002, null]); const all = []; const next = () => all.push(told());"
+        "const at = regions.rows[0].slider.value; move(0, 150); next(); move(0, 0); next(); move(0, 30); next(); move(0, -100); next();"
+        "move(0, 0); move(2, 50); move(0, 100); next();"
+        "const { number } = regions.rows[0]; number.value = 0.004; number.dispatchEvent(new Event('change')); next();"
+        "show([null, null]); move(0, 100); next(); room.remove(); if (at !== '100') throw new Error(at); return all"
+    )
+    assert moved == [0.0075, 0.015, 0, -0.003, None]
+    assert zero == [0, 0, 0, 0, None]
+    assert back == [0.0015, 0.003, 0, -0.0006, None], "through zero and on the proportion is the same"
+    assert flipped == [-0.005, -0.01, 0, 0.002, None]
+    assert apart == [0, 0.01, 0, 0, None], "what was given one by one in between counts"
+    assert typed == [0.004] * 5
+    assert none == [0.01, 0.01], "where nothing is given all get the same"
+
+
+def test_sliders_stand_beside_their_numbers(hands):
+    off = hands.read(
+        REGIONS + "show([0.005, 0.01]);"
+        "const middle = (e) => { const { top, height } = e.getBoundingClientRect(); return top + height / 2; };"
+        "const off = regions.rows.map(({ slider, number }) => middle(slider) - middle(number)); room.remove(); return off"
+    )
+    assert len(off) == 3 and np.abs(off).max() < 1.0

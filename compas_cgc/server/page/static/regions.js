@@ -18,6 +18,8 @@ export class Regions {
     this.rows = [];
     this.targets = [];
     this.limit = null;
+    /** What the slider of several regions has given last, and in which proportion: at zero nothing else tells it. */
+    this.led = { regions: [], shares: [], given: '' };
   }
 
   /**
@@ -127,7 +129,7 @@ export class Regions {
     slider.addEventListener('keydown', () => (pointed = false));
     slider.addEventListener('input', () => {
       const place = pointed && Math.abs(slider.value) < SNAP ? 0 : Number(slider.value);
-      this.give(regions, Number(((place * reach) / STEPS).toPrecision(4)));
+      this.lead(regions, (place * reach) / STEPS);
     });
     number.addEventListener('change', () => {
       if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.give(regions, number.valueAsNumber);
@@ -157,8 +159,24 @@ export class Regions {
     return field;
   }
 
+  /** Give all of them the same K. */
   give(regions, K) {
     for (const region of regions) this.targets[region] = K;
+    this.tell(regions);
+  }
+
+  /** Give regions K in the proportion that they have: the one that curves most gets this one, and what unrolls flat still does. */
+  lead(regions, K) {
+    if (this.led.regions !== regions || this.led.given !== String(this.targets)) this.led = { regions, shares: proportion(regions.map((region) => this.targets[region])), given: '' };
+    regions.forEach((region, k) => {
+      const share = this.led.shares[k];
+      if (share !== null) this.targets[region] = Number((share * K).toPrecision(4));
+    });
+    this.led.given = String(this.targets);
+    this.tell(regions);
+  }
+
+  tell(regions) {
     this.refresh();
     this.listener.change(`K ${regions.join(' ')}`);
   }
@@ -166,14 +184,15 @@ export class Regions {
   refresh() {
     for (const { number, slider, radius, mark, regions, reach } of this.rows) {
       const values = new Set(regions.map((region) => this.targets[region]));
-      const [K] = values;
+      const first = leading(regions.map((region) => this.targets[region]));
+      const K = this.targets[regions[first]];
       const same = values.size === 1 && K !== null;
       number.value = same ? K : '';
       number.placeholder = same ? '' : 'various';
-      if (same) slider.value = Math.round((K / reach) * STEPS);
-      radius.textContent = same ? shape(K, this.model.unit) : '';
-      slider.ariaValueText = same ? `${readable(K)}, ${radius.textContent}` : 'various';
-      const most = regions.length === 1 || same ? this.limit?.[regions[0]] : null;
+      slider.value = Math.round(((K ?? 0) / reach) * STEPS);
+      radius.textContent = same ? shape(K, this.model.unit) : K === null ? '' : 'in proportion';
+      slider.ariaValueText = same ? `${readable(K)}, ${radius.textContent}` : K === null ? 'various' : `various, the largest ${readable(K)}`;
+      const most = this.limit?.[regions[first]];
       const place = 0.5 + (0.5 * (most ?? 2 * reach)) / reach;
       mark.hidden = !(place > 0 && place < 1);
       mark.style.left = `calc(9px + ${place} * (100% - 18px))`;
@@ -191,8 +210,20 @@ function plainDot(colour) {
 
 function plainTitle(name) {
   const title = document.createElement('span');
+  title.className = 'title';
   title.textContent = name;
   return title;
+}
+
+/** Return the place of the K that is largest, of either sign. */
+function leading(targets) {
+  return targets.reduce((best, K, k) => (Math.abs(K ?? 0) > Math.abs(targets[best] ?? 0) ? k : best), 0);
+}
+
+/** Return each K against the largest, null where none is given; where there is none to compare with all are the same. */
+function proportion(targets) {
+  const most = targets[leading(targets)];
+  return targets.map((K) => (most ? K && K / most : 1));
 }
 
 function shape(K, unit) {
