@@ -53,8 +53,8 @@ def two_sided_supports(problem: CGCProblem) -> list[str]:
 
 def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:
     V, F = problem.vertices, problem.faces[problem.regions() == region]
-    asked = problem.asked & problem.region_vertices(region)
-    supports = np.intersect1d(np.unique(F), np.flatnonzero(problem.roles == FIXED))
+    own = problem.region_vertices(region)
+    asked, supports = problem.asked & own, np.flatnonzero((problem.roles == FIXED) & own)
     if not asked.any() or not (problem.targets[asked] > 0).all() or not 3 <= len(supports) <= LINED:
         return
     plan = V[:, :2]
