@@ -100,7 +100,7 @@ class Client:
         faces
             Lists of vertex numbers.
         on_progress
-            Called with the status after every look.
+            Called with the status at first, and whenever a look finds another.
         cancel
             Asked at every look; True stops the solve.
         interval
@@ -141,11 +141,15 @@ class Client:
         pause = interval if cancel is None else min(interval, 0.05)
         # The end of the job is told at once; to look before is for who is told of it.
         wait = pause if on_progress or cancel else max(interval, UNWATCHED)
+        told: Optional[dict] = None
         while True:
             looked = time.monotonic()
             status = self.poll(id, wait=wait)
-            if on_progress is not None:
+            # A job may wait for minutes: the time alone is no news.
+            news = {**status, "elapsed": None}
+            if on_progress is not None and news != told:
                 on_progress(status)
+            told = news
             if status["state"] == "succeeded":
                 return self.result(id)
             if status["state"] in ("failed", "cancelled"):

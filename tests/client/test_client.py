@@ -56,6 +56,8 @@ def test_a_solve_with_progress(server):
     result = server.client.solve(*grid(30, 9.0), on_progress=seen.append, supports="boundary", targets=0.01, interval=0.05, **slow)
     steps = [status["iteration"] for status in seen if status["state"] == "running"]
     assert result["status"] == "step_limit" and len(set(steps)) > 1 and steps == sorted(steps)
+    news = [{**status, "elapsed": None} for status in seen]
+    assert all(one != other for one, other in zip(news, news[1:])), "nobody is told the same twice"
 
 
 def test_the_script_of_the_readme_runs(server, tmp_path, monkeypatch, capsys):
