@@ -240,3 +240,16 @@ def test_sliders_stand_beside_their_numbers(hands):
         "const off = regions.rows.map(({ slider, number }) => middle(slider) - middle(number)); room.remove(); return off"
     )
     assert len(off) == 3 and np.abs(off).max() < 1.0
+
+
+def test_the_key_of_a_net_tells_its_families_apart(hands):
+    drawn = (
+        "const { drawnOf } = await import('/page/make/drawn.js');"
+        "const curve = (family, kind) => ({ family, kind, points: [[0, 0, 0], [1, 0, 0]] });"
+        "return drawnOf('net', { curves: args[0].map(([family, kind]) => curve(family, kind)) }).key.map(({ text }) => text)"
+    )
+    assert hands.read(drawn, [[0, "line of curvature"], [0, "ruling"], [1, "line of curvature"], [0, "ruling"]]) == [
+        "line of curvature, ruling, one way",
+        "line of curvature, the other way",
+    ]
+    assert hands.read(drawn, [[0, "ruling"], [0, "ruling"]]) == ["ruling"]

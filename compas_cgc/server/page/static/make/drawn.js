@@ -76,7 +76,12 @@ const DRAW = {
         ends: curves.filter((own) => own.family === family).flatMap((own) => sides(own.points, false)),
       })),
       labels: [],
-      key: families.map((family, k) => ({ colour: FAMILIES[k % FAMILIES.length], text: curves.find((own) => own.family === family).kind })),
+      key: families.map((family, k) => {
+        // Regions of other K have curves of another kind.
+        const kinds = [...new Set(curves.filter((own) => own.family === family).map((own) => own.kind))].join(', ');
+        const way = ['one way', 'the other way'][family];
+        return { colour: FAMILIES[k % FAMILIES.length], text: families.length > 1 ? `${kinds}, ${way}` : kinds };
+      }),
     };
   },
 };
