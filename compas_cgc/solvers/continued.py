@@ -39,11 +39,14 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     Returns
     -------
     Solution or None
-        None where it leads to no fair one, where K changes its sign, or where another method than the projection, or the projection
+        None where it leads to no fair one, where K is or was negative, or where another method than the projection, or the projection
         from another start than the drawing, suits it.
     """
-    if problem.origin is not None and (problem.origin.drawn.targets * problem.targets < 0.0).any():
-        return None  # From a dome no way leads to a saddle: what is come upon is wavy, even if it is fair.
+    before = problem if problem.origin is None else problem.origin.drawn
+    if (problem.targets < 0.0).any() or (before.targets < 0.0).any():
+        # From a dome no way leads to a saddle: what is come upon is wavy, even if it is fair. From one saddle to the next a way leads
+        # to others than from the drawing, as there are many of nearly the same energy.
+        return None
     first = choose(drawn, settings)[0]
     if first.method != "projection" or first.start != "drawn" or tears_faces(drawn):
         return None
