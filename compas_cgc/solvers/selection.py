@@ -42,6 +42,7 @@ from .registry import method_of
 from .registry import settings_of
 from .rising import is_held_all_round
 from .settings import Settings
+from .smoothed import solved_as_drawn
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
 from .turned_edges import on_turned_edges
@@ -61,8 +62,8 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    # Or "domed", from a dome without folds; "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned; or
-    # "smoothed" or "turned", from what was found so far.
+    # Or "domed", from a dome without folds; "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned;
+    # "meant", from the drawing with its waves taken out; or "smoothed" or "turned", from what was found so far.
     start: str = "drawn"
 
 
@@ -73,7 +74,7 @@ SECOND = [
     Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), "anew"),
     Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
     Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
-    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False})),
+    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False}), "meant"),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
 EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
@@ -187,6 +188,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             found = allowed.solved(partial(solved_anew, problem, run, callback))
         elif choice.start == "edges":
             found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
+        elif choice.start == "meant":
+            found = allowed.solved(partial(solved_as_drawn, problem, run))
         elif choice.start == "smoothed":
             found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
         elif choice.start == "turned":
@@ -260,7 +263,7 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     for choice in choose(problem):
         if is_spent():
             break
-        if choice.options is FLOW.options or choice.start not in ("domed", "drawn") or (choice.second and found is None):
+        if choice.options is FLOW.options or choice.start not in ("domed", "drawn", "meant") or (choice.second and found is None):
             continue
         try:
             if choice.start == "domed":

@@ -17,11 +17,12 @@ from ..model.result import Solution
 from .projection.messages import enclosed_negative
 from .projection.plate import relaxed
 from .projection.projector import project
+from .projection.projector import ready
 from .projection.settings import ProjectionSettings
 from .projection.smooth_shape import smooth_shape
 from .projection.system import System
 
-__all__ = ["solved_smoothed", "solved_turned"]
+__all__ = ["solved_as_drawn", "solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
 FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
@@ -59,6 +60,26 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     shape = problem.vertices.copy()
     shape[system.columns] = frame.to_model([local.vertices, *shapes][-1][system.columns])
     return solve(problem.with_vertices(shape))
+
+
+def solved_as_drawn(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+    """Return the solution from the drawing, smoothed where it has a shape that is kept.
+
+    From such a shape as it is the first search has set out already, and it would come to the same surface again.
+
+    Parameters
+    ----------
+    problem, solve
+        As for :func:`solved_smoothed`.
+
+    Returns
+    -------
+    Solution or None
+        None where it takes more work than is allowed.
+    """
+    drawn = not problem.constraints and ready(problem).system.keep == "shape"
+    found = solved_smoothed(problem, problem.vertices, solve) if drawn else None
+    return solve(problem) if found is None and not is_spent() else found
 
 
 def solved_turned(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:

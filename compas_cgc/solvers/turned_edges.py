@@ -10,6 +10,8 @@ from typing import Optional
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..linalg.work import Work
+from ..linalg.work import rights
 from ..meshing.delaunay_flips import delaunay_turned
 from ..meshing.delaunay_flips import obtuse_share
 from ..model.problem import CGCProblem
@@ -19,6 +21,7 @@ from ..model.verdict import verdict
 __all__ = ["on_turned_edges"]
 
 STRETCHED, LESS = 0.1, 0.5  # part of the triangles that are obtuse from which a mesh is stretched, and how many of these may be left
+FIRST = 3500  # right sides that the first search may take: what has not arrived by then has waves in it already
 
 
 def on_turned_edges(
@@ -54,7 +57,8 @@ def on_turned_edges(
     if obtuse_share(problem.vertices, faces) > LESS * share:
         return None
     turned = replace(problem, faces=faces)
-    solution = solve(turned)
+    with Work(rights(FIRST, 3 * len(problem.vertices))).counted():
+        solution = solve(turned)
     if solution.faces is not None:
         return solution
     if solution.status in ("converged", "stalled") and _roughness(turned, solution) > 1.0:

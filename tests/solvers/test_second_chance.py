@@ -50,6 +50,14 @@ def test_waves_that_a_search_has_put_into_a_surface_are_smoothed_out(number):
     assert "smoothed" in found.message
 
 
+def test_a_drawn_cone_is_found_from_its_drawing_smoothed():
+    """From the waves of the first search polynomials lead to others; from the drawing they do not."""
+    problem = case(9005).problem
+    found = solve(problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "nearer to the drawing it is fairer" in found.message
+
+
 @pytest.mark.slow
 def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface():
     """A saddle of revolution on an irregular mesh, whose angle defects hold it tightly: another mesh would be begun, not finished."""

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.spatial import Delaunay
 
 from compas_cgc import CGCProblem
 from compas_cgc import solve
 from compas_cgc.discrete import edge_faces
+from compas_cgc.linalg.work import count
+from compas_cgc.linalg.work import is_spent
 from compas_cgc.meshing import lost_edges
 from compas_cgc.meshing.delaunay_flips import delaunay_turned
 from compas_cgc.meshing.delaunay_flips import obtuse_share
+from compas_cgc.model.result import Solution
 from compas_cgc.server.api.serialization import pack_result
 from compas_cgc.server.api.serialization import unpack_result
+from compas_cgc.solvers.turned_edges import on_turned_edges
 
 from ..system.fairness_study import case
 
@@ -67,4 +72,30 @@ def test_a_pseudosphere_on_stretched_triangles_comes_back():
 def test_a_rough_surface_on_turned_edges_is_smoothed():
     """A pseudosphere on 102 vertices: the first search on turned edges leaves polynomials 29 % off."""
     result = solve(case(4189).problem)
+    assert result.converged and result.verdict.fair and "faces were turned" in result.message, result.message
+
+
+def test_a_first_search_without_an_end_is_left_for_its_shape_smoothed():
+    known = case(4213)
+    fair = Solution(known.answer, "converged", "", 1, 0.0, 0.0, [])
+    smoothed_from = []
+
+    def endless(problem: CGCProblem) -> Solution:
+        while not is_spent():
+            count(1e4)
+        return fair._replace(vertices=problem.vertices, status="stalled")
+
+    def smoothed(problem: CGCProblem, found: np.ndarray, solve: object) -> Solution:
+        assert not is_spent(), "what the first search took is its own"
+        smoothed_from.append(found)
+        return fair
+
+    found = on_turned_edges(known.problem, endless, smoothed)
+    assert found.status == "converged" and np.array_equal(found.vertices, known.answer) and len(smoothed_from) == 1
+
+
+@pytest.mark.slow
+def test_a_large_pseudosphere_is_smoothed_before_the_work_is_used_up():
+    """On 1,729 vertices the first search on turned edges goes on for twice as long, to a surface with waves."""
+    result = solve(case(4213).problem)
     assert result.converged and result.verdict.fair and "faces were turned" in result.message, result.message
