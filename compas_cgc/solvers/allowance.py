@@ -12,10 +12,11 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .settings import Settings
 
-__all__ = ["FLOW_STEP", "Allowance"]
+__all__ = ["DRAWN", "EACH", "FLOW_STEP", "Allowance"]
 
 # Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
 EACH, ALL = 16_500, 20_000
+DRAWN = 8000  # of them for a search from a drawn shape, which it has lost by then: smoothed, the drawing leads there sooner
 REASONS = 2500  # more of them for a search for why there is none
 FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
@@ -56,9 +57,9 @@ class Allowance:
         """Whether nothing is left."""
         return self._left <= 0.0
 
-    def solved(self, run: Callable[[], Optional[Solution]]) -> Optional[Solution]:
-        """Return what a run comes to within what is allowed for one, or None where it comes to nothing."""
-        granted = min(self._left, EACH * self._unit)
+    def solved(self, run: Callable[[], Optional[Solution]], most: float = EACH) -> Optional[Solution]:
+        """Return what a run comes to within the most right sides that are allowed for it, or None where it comes to nothing."""
+        granted = min(self._left, most * self._unit)
         work = Work(granted if self._left < math.inf else math.inf)
         with work.counted():
             solution = run()

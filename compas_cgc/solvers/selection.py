@@ -24,6 +24,8 @@ from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.roles import CREASE
 from ..model.verdict import verdict
+from .allowance import DRAWN
+from .allowance import EACH
 from .allowance import Allowance
 from .anew import solved_anew
 from .columns import Attempt
@@ -42,6 +44,7 @@ from .registry import method_of
 from .registry import settings_of
 from .rising import is_held_all_round
 from .settings import Settings
+from .smoothed import is_drawn
 from .smoothed import solved_as_drawn
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
@@ -86,6 +89,7 @@ EDGES_FREE = Choice(
     "edges",
 )
 DOMED = Choice("projection", "it finds the fairest surface, with creases, on from a dome without them", start="domed")
+LOST = Choice("projection", "from its drawing, smoothed, it arrives", True, MappingProxyType({"keep": "shape", "retry": False}), "meant")
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
 
 
@@ -117,7 +121,8 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        return [Choice("projection", "it alone reaches negative K̄"), EDGES, STALLED, *SECOND[:2], EDGES_FREE, *SECOND[2:]]
+        lost = [LOST] if is_drawn(problem) else []
+        return [Choice("projection", "it alone reaches negative K̄"), EDGES, *lost, STALLED, *SECOND[:2], EDGES_FREE, *SECOND[2:]]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -128,7 +133,8 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             FLOW,
         ]
     fairest = Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄")
-    return [*([DOMED] if is_held_all_round(problem, folded=True) else []), fairest, STALLED, *SECOND, FLOW]
+    lost = [LOST] if is_drawn(problem) else []
+    return [*([DOMED] if is_held_all_round(problem, folded=True) else []), fairest, *lost, STALLED, *SECOND, FLOW]
 
 
 def run_method(
@@ -167,10 +173,11 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
     below = settings is None and any(is_held_all_round(problem, folded) for folded in (False, True)) and is_drawn_below(problem)
-    for choice in choose(problem, settings):
+    choices = choose(problem, settings)
+    for choice in choices:
         if allowed.spent and tried:
             break
-        if not _is_due(choice, bool(rough)):
+        if not _is_due(choice, bool(rough)) or (choice.start == "meant" and any(other is LOST for _, other in tried)):
             continue
         if tried and _is_last_resort(choice) and contradiction(problem):  # Nothing else arrives at what is not there.
             break
@@ -195,7 +202,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "turned":
             found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
-            found = allowed.solved(partial(run, posed))
+            found = allowed.solved(partial(run, posed), DRAWN if LOST in choices and not tried else EACH)
         if found is None:
             continue
         solution = found
@@ -233,7 +240,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
 
 def _is_due(choice: Choice, rough: bool) -> bool:
     """Return whether a choice is for what has come out so far: something rough, or nothing."""
-    return not rough if choice is STALLED else choice.start in ("anew", "edges") or choice.second is rough
+    return not rough if choice in (LOST, STALLED) else choice.start in ("anew", "edges") or choice.second is rough
 
 
 def _is_last_resort(choice: Choice) -> bool:
@@ -263,7 +270,12 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
     for choice in choose(problem):
         if is_spent():
             break
-        if choice.options is FLOW.options or choice.start not in ("domed", "drawn", "meant") or (choice.second and found is None):
+        if (
+            choice.options is FLOW.options
+            or choice is LOST
+            or choice.start not in ("domed", "drawn", "meant")
+            or (choice.second and found is None)
+        ):
             continue
         try:
             if choice.start == "domed":

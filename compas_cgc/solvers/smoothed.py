@@ -8,21 +8,23 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..linalg.work import is_spent
 from ..linalg.work import until_spent
 from ..model.goals.binding import bind
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from .projection.initial_guess import flat_share
 from .projection.messages import enclosed_negative
 from .projection.plate import relaxed
 from .projection.projector import project
-from .projection.projector import ready
 from .projection.settings import ProjectionSettings
 from .projection.smooth_shape import smooth_shape
+from .projection.system import FLAT_SHARE
 from .projection.system import System
 
-__all__ = ["solved_as_drawn", "solved_smoothed", "solved_turned"]
+__all__ = ["is_drawn", "solved_as_drawn", "solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
 FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
@@ -62,10 +64,18 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     return solve(problem.with_vertices(shape))
 
 
-def solved_as_drawn(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
-    """Return the solution from the drawing, smoothed where it has a shape that is kept.
+def is_drawn(problem: CGCProblem) -> bool:
+    """Return whether a drawing has a shape, and one that can be smoothed."""
+    if problem.constraints or len(problem.vertices) > MOST:
+        return False
+    areas = vertex_areas(problem.vertices, problem.faces)
+    return flat_share(problem.vertices, problem.faces, areas / max(areas.sum(), np.finfo(float).tiny)) < FLAT_SHARE
 
-    From such a shape as it is the first search has set out already, and it would come to the same surface again.
+
+def solved_as_drawn(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
+    """Return the solution from the drawing, smoothed where it has a shape.
+
+    From that as it is the first search has set out already, and it would come to the same surface again.
 
     Parameters
     ----------
@@ -77,8 +87,7 @@ def solved_as_drawn(problem: CGCProblem, solve: Callable[[CGCProblem], Solution]
     Solution or None
         None where it takes more work than is allowed.
     """
-    drawn = not problem.constraints and ready(problem).system.keep == "shape"
-    found = solved_smoothed(problem, problem.vertices, solve) if drawn else None
+    found = solved_smoothed(problem, problem.vertices, solve) if is_drawn(problem) else None
     return solve(problem) if found is None and not is_spent() else found
 
 

@@ -58,6 +58,13 @@ def test_a_drawn_cone_is_found_from_its_drawing_smoothed():
     assert "nearer to the drawing it is fairer" in found.message
 
 
+def test_a_drawn_pseudosphere_that_a_search_has_lost_is_found_from_its_drawing_smoothed():
+    """On an irregular mesh, where the search went on until nearly all the work was used up."""
+    found = solve(case(9407).problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "from its drawing, smoothed, it arrives" in found.message
+
+
 @pytest.mark.slow
 def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface():
     """A saddle of revolution on an irregular mesh, whose angle defects hold it tightly: another mesh would be begun, not finished."""
