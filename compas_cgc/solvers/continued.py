@@ -9,12 +9,12 @@ from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.verdict import verdict
+from .choices import choose
 from .projection.projector import Projector
 from .projection.projector import ready
 from .projection.symmetry import tears_faces
 from .registry import METHODS
 from .registry import settings_of
-from .selection import choose
 from .settings import Settings
 
 __all__ = ["solved_on"]

@@ -1,4 +1,4 @@
-"""The choice of a method: the first that suits the problem, and others when it stalls."""
+"""Methods one after the other, until one arrives at a fair surface."""
 
 from __future__ import annotations
 
@@ -7,27 +7,29 @@ from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
-from typing import NamedTuple
 from typing import Optional
-
-import numpy as np
 
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from ..linalg.work import Work
 from ..linalg.work import is_spent
-from ..model.goals.binding import held_by_newton
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
-from ..model.roles import CREASE
 from ..model.verdict import verdict
 from .allowance import DRAWN
 from .allowance import EACH
 from .allowance import Allowance
 from .anew import solved_anew
+from .choices import FLOW
+from .choices import FLOW_STEPS
+from .choices import LOST
+from .choices import Choice
+from .choices import choose
+from .choices import is_due
+from .choices import is_last_resort
 from .columns import Attempt
 from .columns import column_advice
 from .domed import solved_from_dome
@@ -44,97 +46,17 @@ from .registry import method_of
 from .registry import settings_of
 from .rising import is_held_all_round
 from .settings import Settings
-from .smoothed import is_drawn
 from .smoothed import solved_as_drawn
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
 from .turned_edges import on_turned_edges
 
-__all__ = ["Choice", "choose", "run_auto", "run_method"]
+__all__ = ["run_auto", "run_method"]
 
 LARGE, SEARCH = 2000, 2e7  # vertices, and right sides times unknowns, of a search for heights of columns: some three seconds at most
 BELOW = "it goes to the side that it is drawn on, away from its normals, along which a flat drawing would go"
 RISEN = "step by step from smaller targets it is fair"
 OVER = ("converged", "infeasible", "cancelled")  # statuses after which nothing else is tried
-
-
-class Choice(NamedTuple):
-    """A method and why."""
-
-    method: str
-    reason: str
-    second: bool = False  # a second chance, for a problem whose surface so far is rough
-    options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    # Or "domed", from a dome without folds; "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned;
-    # "meant", from the drawing with its waves taken out; or "smoothed" or "turned", from what was found so far.
-    start: str = "drawn"
-
-
-FLOW_STEPS = 400
-# What it has not reached by then it does not reach, and meshes of some size would take their time.
-FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": FLOW_STEPS}))
-SECOND = [
-    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), "anew"),
-    Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
-    Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
-    Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False}), "meant"),
-    Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
-]
-EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
-EDGES_FREE = Choice(
-    "projection",
-    "with edges turned, free of the drawing, it is fairer",
-    True,
-    MappingProxyType({"keep": "nothing", "retry": False}),
-    "edges",
-)
-DOMED = Choice("projection", "it finds the fairest surface, with creases, on from a dome without them", start="domed")
-LOST = Choice("projection", "from its drawing, smoothed, it arrives", True, MappingProxyType({"keep": "shape", "retry": False}), "meant")
-STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
-
-
-def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Choice]:
-    """Return the methods to try, the best first.
-
-    Parameters
-    ----------
-    problem
-        Vertices, faces, roles, targets and constraints.
-    settings
-        Settings of a method choose that method.
-    """
-    if settings is not None and method_of(settings) != "auto":
-        return [Choice(method_of(settings), f"its settings were given ({type(settings).__name__})")]
-    choices = _choices(problem)
-    if settings is None or settings.to_dict()["measure"] in ("auto", "defect"):
-        return choices
-    return [choice for choice in choices if "measure" in METHODS[choice.method].settings.options()]
-
-
-def _choices(problem: CGCProblem) -> list[Choice]:
-    targets = problem.targets[problem.asked]
-    if held_by_newton(problem):
-        return [
-            Choice("newton", "the whole edge is fixed, and one goal is asked for one unknown K"),
-            Choice("projection", "it moves vertices sideways too"),
-        ]
-    if problem.constraints:
-        return [Choice("projection", "it alone holds constraints"), *SECOND]
-    if (targets < 0).any():
-        lost = [LOST] if is_drawn(problem) else []
-        return [Choice("projection", "it alone reaches negative K̄"), EDGES, *lost, STALLED, *SECOND[:2], EDGES_FREE, *SECOND[2:]]
-    strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
-    if (strategies & (problem.roles == CREASE)).any():
-        return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
-    if is_held_all_round(problem):
-        return [
-            Choice("newton", "the whole edge is fixed, there are no creases, and K̄ > 0"),
-            Choice("projection", "it moves vertices sideways too"),
-            FLOW,
-        ]
-    fairest = Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄")
-    lost = [LOST] if is_drawn(problem) else []
-    return [*([DOMED] if is_held_all_round(problem, folded=True) else []), fairest, *lost, STALLED, *SECOND, FLOW]
 
 
 def run_method(
@@ -177,9 +99,9 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     for choice in choices:
         if allowed.spent and tried:
             break
-        if not _is_due(choice, bool(rough)) or (choice.start == "meant" and any(other is LOST for _, other in tried)):
+        if not is_due(choice, bool(rough)) or (choice.start == "meant" and any(other is LOST for _, other in tried)):
             continue
-        if tried and _is_last_resort(choice) and contradiction(problem):  # Nothing else arrives at what is not there.
+        if tried and is_last_resort(choice) and contradiction(problem):  # Nothing else arrives at what is not there.
             break
         if choice.start == "anew" and rough and not allowed.as_much_again:  # The others go on from what there is.
             continue
@@ -236,16 +158,6 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     if why.surface is not None and settings is None:
         return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
     return _told(best if why.text else with_half_a_sphere(problem, best), choice, tried, why.text)
-
-
-def _is_due(choice: Choice, rough: bool) -> bool:
-    """Return whether a choice is for what has come out so far: something rough, or nothing."""
-    return not rough if choice in (LOST, STALLED) else choice.start in ("anew", "edges") or choice.second is rough
-
-
-def _is_last_resort(choice: Choice) -> bool:
-    """Return whether a choice is for problems that the ordinary methods have not solved."""
-    return choice is FLOW or choice is STALLED or choice.second
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:

@@ -19,10 +19,10 @@ from ..model.problem import CGCProblem
 from ..solvers.between import Between
 from ..solvers.between import between
 from ..solvers.between import leads_on
+from ..solvers.choices import choose
 from ..solvers.projection.branch import Branch
 from ..solvers.registry import settings_for
 from ..solvers.run import solve
-from ..solvers.selection import choose
 from .parameters import STRATEGIES
 from .parameters import Change
 from .spec import Study

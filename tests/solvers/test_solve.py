@@ -23,13 +23,13 @@ from compas_cgc.paper.examples import CATALOGUE
 from compas_cgc.paper.examples import SurfaceExample
 from compas_cgc.paper.examples import example3
 from compas_cgc.paper.examples import example4
+from compas_cgc.solvers.choices import choose
 from compas_cgc.solvers.flow import finish
 from compas_cgc.solvers.flow import flow
 from compas_cgc.solvers.flow.finish import flow_and_finish
 from compas_cgc.solvers.newton import newton
 from compas_cgc.solvers.reasons import Why
 from compas_cgc.solvers.registry import METHODS
-from compas_cgc.solvers.selection import choose
 from compas_cgc.solvers.selection import run_method
 
 from ..support import shapes

@@ -35,6 +35,7 @@ INSIDE = {
         {"rising", "one_sided", "drawn_side"},
         {"anew", "domed", "smoothed", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
+        {"choices"},
         {"selection"},
         {"continued"},
         {"run", "sensitivity"},
