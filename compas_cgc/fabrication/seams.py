@@ -134,12 +134,15 @@ def _cotree(m: int, inner: Edges, tree: Mask) -> Mask:
 
 def _pruned(ends: IntArray, kept: Mask, terminals: IntArray) -> Mask:
     """Take off the branches of marked edges that end nowhere."""
-    kept = kept.copy()
     fixed = np.zeros(int(ends.max(initial=0)) + 1, bool)
     fixed[terminals[terminals < len(fixed)]] = True
+    left = np.flatnonzero(kept)
     while True:
-        valence = np.bincount(ends[kept].ravel(), minlength=len(fixed))
-        loose = kept & ((valence[ends] == 1) & ~fixed[ends]).any(axis=1)
+        # Of the edges that are left alone: branches are long, and each round takes one edge off each.
+        valence = np.bincount(ends[left].ravel(), minlength=len(fixed))
+        loose = ((valence == 1) & ~fixed)[ends[left]].any(axis=1)
         if not loose.any():
-            return kept
-        kept &= ~loose
+            pruned = np.zeros(len(kept), bool)
+            pruned[left] = True
+            return pruned
+        left = left[~loose]

@@ -145,9 +145,7 @@ def grown_net(field: DirectionField, kind: int, spacing: float, size: float, sto
 
 def _filled(field: DirectionField, curves: list[Traced], centres: Vectors, spacing: float) -> list[Traced]:
     """Return rulings with others where there are none within a spacing, as in fans that the curve across the first does not reach."""
-    away = np.full(len(centres), np.inf)
-    for curve in curves:
-        away = np.minimum(away, cKDTree(curve.points).query(centres)[0])
+    away = cKDTree(np.vstack([curve.points for curve in curves])).query(centres)[0]
     found = list(curves)
     while away.max() > spacing and len(found) < MOST:
         face = int(np.argmax(away))
