@@ -8,6 +8,7 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
@@ -161,7 +162,7 @@ def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -
 
 
 def _refuse_grazing(domain: shapely.Polygon, creases: Sequence[FloatArray], edge_length: float) -> None:
-    """Refuse creases (k, 2) that come up to the edge of a domain and leave it again without having crossed it.
+    """Refuse creases (k, 2) that come up to the edge of a domain, or to another crease, and leave it again without having crossed it.
 
     Raises
     ------
@@ -172,28 +173,47 @@ def _refuse_grazing(domain: shapely.Polygon, creases: Sequence[FloatArray], edge
 
     from .sizing import NARROWEST
 
-    for k, line in enumerate(creases):
-        curve = shapely.LineString(line)
+    far, curves = round(GRAZED * ALONG), [shapely.LineString(line) for line in creases]
+    for k, curve in enumerate(curves):
         number = max(2, int(np.ceil(ALONG * curve.length / edge_length)))
-        spots = shapely.line_interpolate_point(curve, np.linspace(0.0, 1.0, number + 1), normalized=True)
-        gap = shapely.distance(domain.boundary, spots)
-        inside, far = shapely.contains(domain, spots), round(GRAZED * ALONG)
-        changes = np.diff((gap < NARROWEST * edge_length).astype(np.int64), prepend=0, append=0)
-        for begin, end in zip(np.flatnonzero(changes > 0).tolist(), np.flatnonzero(changes < 0).tolist()):
-            beside = np.array([begin - far, end - 1 + far])
-            # Where two curves cross, one side of the place is outside.
-            if (
-                end - begin > far
-                and beside[0] >= 0
-                and beside[1] <= number
-                and inside[beside].all()
-                and (gap[beside] < WIDER * edge_length).all()
-            ):
-                x, y = shapely.get_coordinates(spots[begin + int(np.argmin(gap[begin:end]))])[0]
-                raise MeshError(
-                    f"creases[{k}] grazes the edge of the outline or of a hole at ({x:.3f}, {y:.3f}), where triangles have no room; "
-                    f"let it end there or cross the edge, or keep {WIDER * edge_length:.2g} away from it"
-                )
+        # Twice around a closed one, which may begin where it grazes.
+        places = np.arange((2 if curve.is_closed else 1) * number + 1) / number
+        spots = shapely.line_interpolate_point(curve, places % 1.0 if curve.is_closed else places, normalized=True)
+        inside = shapely.contains(domain, spots)
+        for j, gap in enumerate(shapely.distance(other, spots) for other in (domain.boundary, *curves[:k])):
+            changes = np.diff(((gap < NARROWEST * edge_length) & (inside | (j == 0))).astype(np.int64), prepend=0, append=0)
+            for begin, end in zip(np.flatnonzero(changes > 0).tolist(), np.flatnonzero(changes < 0).tolist()):
+                beside = np.array([begin - far, end - 1 + far])
+                # Where two curves cross, the sides of the place are not the same, one of them outside of a domain.
+                if (
+                    end - begin > far
+                    and beside[0] >= 0
+                    and beside[1] < len(spots)
+                    and inside[beside].all()
+                    and (gap[beside] < WIDER * edge_length).all()
+                    and (j == 0 or _on_one_side(curves[j - 1], spots[beside]))
+                ):
+                    x, y = shapely.get_coordinates(spots[begin + int(np.argmin(gap[begin:end]))])[0]
+                    what = f"creases[{j - 1}]" if j else "the edge of the outline or of a hole"
+                    raise MeshError(
+                        f"creases[{k}] grazes {what} at ({x:.3f}, {y:.3f}), where triangles have no room; "
+                        f"let it end there or cross {'it' if j else 'the edge'}, or keep {WIDER * edge_length:.2g} away from it"
+                    )
+
+
+def _on_one_side(curve: shapely.LineString, spots: NDArray[np.object_]) -> bool:
+    """Tell whether two points lie on the same side of a curve, to the right or to the left of it."""
+    import shapely
+
+    at = shapely.line_locate_point(curve, spots)
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(curve, at))
+    step = 1e-6 * curve.length
+    before, after = (
+        shapely.get_coordinates(shapely.line_interpolate_point(curve, np.clip(at + ahead, 0.0, curve.length))) for ahead in (-step, step)
+    )
+    along, away = after - before, shapely.get_coordinates(spots) - foot
+    sides = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
+    return bool(sides[0] * sides[1] > 0.0)
 
 
 def _is_length(value: object) -> bool:

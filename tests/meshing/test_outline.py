@@ -202,6 +202,17 @@ def test_a_crease_that_grazes_an_edge_is_told_its_place(gap):
     assert shape_of(CGCMesh.from_outline(ELL, 1.2, creases=[line((0, 12), (12, 0))]))[1] >= 25.0
 
 
+@pytest.mark.parametrize("gap", [0.0, 0.004])
+@pytest.mark.parametrize("first", [90, 270])
+def test_a_crease_that_grazes_another_is_told_its_place(first, gap):
+    """Triangles between two that touch had an angle of 0 degrees. A closed one may begin at the place."""
+    with pytest.raises(MeshError, match=r"creases\[1\] grazes creases\[0\] at \(6.\d+, 5.\d+\).* let it end there or cross it"):
+        CGCMesh.from_outline(SQUARE, 1.2, creases=[line((0, 5), (12, 5.1)), arc(6, 8.05 + gap, 3, first, first + 360)])
+    # Those that cross at a narrow angle have room, and so have those that end on each other.
+    crossing = CGCMesh.from_outline(SQUARE, 1.2, creases=[line((0, 4), (12, 6.5)), line((0, 6.5), (12, 4)), line((6, 5.25), (6, 12))])
+    assert len(crossing.regions()) == 5
+
+
 RECTANGLE = ring((0, 0), (17, 0), (17, 11), (0, 11))
 PARABOLA = np.array([(x, 3 * (x / 8.5 - 1) ** 2 + 0.1, 0) for x in np.linspace(-1, 18, 200)])
 # Creases, columns, edge length: where edges grow from a twelfth of the length, and where few vertices are free of curves.
