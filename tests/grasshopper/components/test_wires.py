@@ -64,6 +64,7 @@ WRONG = [
     ("Mould", "count", MESH),
     ("Mould", "material", NUMBER),
     ("Net", "through", [TEXT]),
+    ("Unroll", "whole", TEXT),
     ("Settings", "measure", NUMBER),
     ("Settings", "steps", float("nan")),
     ("Target", "region", [float("inf")]),
