@@ -191,8 +191,8 @@ def membrane(
     Raises
     ------
     CGCError
-        If the surface is rough, or there is no such state: no load, a region of K = 0, no support or beam around a region, a free edge that
-        cannot be left unloaded.
+        If the surface is rough, or there is no such state: no load or an endless one, a region of K = 0, no support or beam around a
+        region, a free edge that cannot be left unloaded.
 
     Examples
     --------
@@ -203,6 +203,8 @@ def membrane(
     """
     problem = solved_problem(surface, rough)
     pressure, weight = checked_number(pressure, "pressure"), checked_number(weight, "weight")
+    if not np.isfinite([pressure, weight]).all():
+        raise CGCError(f"a load must be finite, not a pressure of {pressure:g} and a weight of {weight:g}; give it in units of the model")
     if pressure == 0.0 and weight == 0.0:
         raise CGCError("there is no load; give a pressure, a weight or both")
     _check(problem, problem.region_targets())

@@ -221,6 +221,8 @@ def test_files_hold_the_forces(tmp_path):
     ("call", "sentence"),
     [
         (lambda: membrane(patch(6, 0.02)), "there is no load"),
+        (lambda: membrane(patch(6, 0.02), pressure=float("inf")), "a load must be finite, not a pressure of inf"),
+        (lambda: membrane(patch(6, 0.02), weight=float("nan")), "a load must be finite, not .* a weight of nan"),
         (lambda: membrane(CGCProblem(*cone(5, 20)).with_supports("boundary").with_targets(0.0), 1.0), "region 0 has K = 0"),
         (
             lambda: membrane(unsupported(), 1.0, edge_beams=False),
@@ -228,7 +230,7 @@ def test_files_hold_the_forces(tmp_path):
         ),
         (lambda: membrane(CGCProblem(*revolved_patch(6, 0.02)).with_supports("boundary"), 1.0), "no one target K"),
     ],
-    ids=["no load", "K = 0", "free edges", "no target"],
+    ids=["no load", "endless", "no number", "K = 0", "free edges", "no target"],
 )
 def test_where_there_is_no_membrane_state_a_sentence_says_why(call, sentence):
     with pytest.raises(CGCError, match=sentence):
