@@ -102,8 +102,9 @@ def constraint_of(data: object) -> Constraint:
         raise ValueError(
             f"a constraint of kind {kind} has no {unknown[0]!r:.40}; it has {', '.join(known)}{did_you_mean(unknown[0], known)}"
         )
-    if any(field.name not in values and field.default is MISSING for field in own):
-        raise ValueError(f"a constraint of kind {kind} lacks a field; it has {', '.join(known)}")
+    missing = [field.name for field in own if field.name not in values and field.default is MISSING]
+    if missing:
+        raise ValueError(f"a constraint of kind {kind} lacks {' and '.join(missing)}; it has {', '.join(known)}")
     readers = {**_READERS, **_OWN_READERS.get(kind, {})}
     return KINDS[kind](**{name: readers[name](value, f"{name} of a constraint of kind {kind}") for name, value in values.items()})
 

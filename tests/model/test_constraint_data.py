@@ -83,7 +83,7 @@ def test_there_and_back(constraint):
         (3, "an object with a 'kind'"),
         ({"kind": "magnet"}, "plane, height, line"),
         ({"kind": ["plane"]}, "an object with a 'kind'"),
-        ({"kind": "held"}, "lacks a field; it has vertices"),
+        ({"kind": "held"}, "lacks vertices; it has vertices"),
         ({"kind": "held", "vertices": [0.5]}, "list of vertices"),
         ({"kind": "held", "vertices": [1], "height": 3}, "has no 'height'"),
         ({"kind": "height", "vertices": [1], "height": float("nan")}, "finite number"),

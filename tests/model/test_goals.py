@@ -173,7 +173,7 @@ WRONG = {
     "short way": ([Length([0, 5, 10], 10.0)], {}, "the length of a path 10 is shorter than the way between its fixed ends, 15"),
     "kind with a typo": ([{"kind": "ries", "rise": 3}], {}, "not 'ries'; did you mean 'rise'?"),
     "field with a typo": ([{"kind": "rise", "ris": 3}], {}, "has no 'ris'; it has rise"),
-    "field missing": ([{"kind": "clearance", "height": 3}], {}, "lacks a field; it has where, height"),
+    "field missing": ([{"kind": "clearance", "height": 3}], {}, "lacks where; it has where, height"),
     "not a number": ([{"kind": "volume", "volume": float("nan")}], {}, "volume of a constraint of kind volume must be a finite number"),
     "a word for a number": ([{"kind": "rise", "rise": "4 m"}], {}, "rise of a constraint of kind rise must be a finite number"),
     "a box of three": ([{"kind": "clearance", "where": [0, 0, 4], "height": 2}], {}, "must be a list of \\[x, y\\]"),

@@ -94,7 +94,7 @@ def blamed(point: Point, system: System) -> str:
         return ""
     if len(unmet) > 1:
         return f"{listed(unmet)} cannot be met together here; take one of them away, or ask for less of one"
-    return f"{unmet[0]} cannot be met with this curvature and these supports; ask for less, or let K be found (unknown)"
+    return f"{unmet[0]} cannot be met with this curvature and these supports; ask for another value, or let K be found (unknown)"
 
 
 def found(targets: list[float], regions: list[int], goals: int) -> str:
