@@ -176,7 +176,7 @@ WRONG = {
     "field missing": ([{"kind": "clearance", "height": 3}], {}, "lacks where; it has where, height"),
     "not a number": ([{"kind": "volume", "volume": float("nan")}], {}, "volume of a constraint of kind volume must be a finite number"),
     "a word for a number": ([{"kind": "rise", "rise": "4 m"}], {}, "rise of a constraint of kind rise must be a finite number"),
-    "a box of three": ([{"kind": "clearance", "where": [0, 0, 4], "height": 2}], {}, "must be a list of \\[x, y\\]"),
+    "a box of three": ([{"kind": "clearance", "where": [0, 0, 4], "height": 2}], {}, "a box \\[x0, y0, x1, y1\\]"),
     "a box inside out": (
         [{"kind": "clearance", "where": [4, 0, 0, 3], "height": 2}],
         {},
