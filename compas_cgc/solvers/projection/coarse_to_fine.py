@@ -14,6 +14,8 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
+from ...discrete.space_form import SpaceFormEquations
+from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ..coarse import coarsened
@@ -44,7 +46,7 @@ OFF = 1.0  # residual of a shape carried over, against the curvature asked for, 
 LARGE = 20_000  # vertices that may move, from which there is no other way
 SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
-MEMORY = 3  # steps in which the residuals of a large mesh may grow: where K < 0 the last of them sway before they converge
+MEMORY = 3  # steps in which residuals may grow, of a large mesh or to an exact one: where K < 0 the last sway before they converge
 MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
 
@@ -123,7 +125,20 @@ def _from(system: System, equations: CurvatureEquations, carried: Point, setting
     if not _is_met(system, equations, here, settings):
         here = yield from _to_rounding(system, equations, carried, settings)
     if settings.measure in EXACT:
-        yield from exactly(system, equations, settings.measure, here.vertices)
+        yield from _exactly(system, near, equations, here, settings)
+
+
+def _exactly(system: System, near: System, equations: CurvatureEquations, here: Point, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Go on from a fair shape to one that is exact: across the surface for as long as whole steps lead there."""
+    exact = exact_equations(equations, settings.measure)
+    if near is not system and isinstance(exact, SpaceFormEquations) and exact.too_large(here.vertices) is None:
+        for taken in _descended(near, exact, system.at(here.vertices, exact), MEMORY):
+            if taken.length < SHORT:
+                break
+            yield taken._replace(equations=exact)
+            if _is_met(system, exact, system.at(taken.vertices, exact), settings):
+                return
+    yield from exactly(system, equations, settings.measure, here.vertices)
 
 
 def _is_met(system: System, equations: CurvatureEquations, point: Point, settings: ProjectionSettings) -> bool:
@@ -139,7 +154,8 @@ def _to_rounding(
 ) -> Generator[Taken, None, Point]:
     """Take steps until one brings the residuals to what rounding the coordinates leaves of them, or one is too short."""
     goal = _goal(equations, system, settings)
-    for taken in _descended(system, equations, here):
+    memory = MEMORY if len(system.columns) >= LARGE else 1
+    for taken in _descended(system, equations, here, memory):
         there = system.at(taken.vertices, equations)
         if taken.length < short and not there.fulfils(goal, ROUNDINGS * system.rounding(there, equations)):
             break
@@ -150,8 +166,7 @@ def _to_rounding(
     return here
 
 
-def _descended(system: System, equations: CurvatureEquations, here: Point) -> Iterator[Taken]:
-    memory = MEMORY if len(system.columns) >= LARGE else 1
+def _descended(system: System, equations: CurvatureEquations, here: Point, memory: int) -> Iterator[Taken]:
     try:
         yield from descend(system, equations, here, patience=FINISH, memory=memory)
     except SingularMatrixError:
