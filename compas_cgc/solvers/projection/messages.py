@@ -68,7 +68,7 @@ def cause(point: Point, system: System, targets: FloatArray) -> str:
         return "the faces are not mirrored as the vertices are, so K is asked twice over; turn their diagonals, or take the mirror away"
     names = [*(own.name for own in system.goals.equations), *(side.name for side in system.goals.sides)]
     if names:
-        return f"the supports may not allow this curvature together with {listed(names)}; ask for less, or choose another K̄"
+        return f"the supports may not allow this curvature together with {listed(names)}; ask for other values, or choose another K̄"
     return "the supports may not allow this curvature; free an edge or a crease, or choose a K̄ nearer to that of the start"
 
 
@@ -93,7 +93,7 @@ def blamed(point: Point, system: System) -> str:
     if not unmet:
         return ""
     if len(unmet) > 1:
-        return f"{listed(unmet)} cannot be met together here; take one of them away, or ask for less of one"
+        return f"{listed(unmet)} cannot be met together here; take one of them away, or ask for another value of one"
     return f"{unmet[0]} cannot be met with this curvature and these supports; ask for another value, or let K be found (unknown)"
 
 

@@ -282,3 +282,13 @@ def test_places_that_contradict_each_other_are_named():
     assert not result.converged and "and the height of vertices contradict each other there" in result.message
     away = project(problem.with_constraints([EdgeInPlan(at, [(100, 100), (200, 100)])]))
     assert "the edge in plan is out of its reach" in away.message
+
+
+def test_what_cannot_be_met_is_not_told_to_be_less():
+    mesh = CGCMesh.from_meshgrid(dx=15, nx=8)
+    mesh.set_supports("corners")
+    mesh.set_target(0.005)
+    alone = solve(mesh, goals=[Area(1.0)])
+    assert alone.status == "infeasible" and "the area 1 cannot be met" in alone.message and "ask for another value," in alone.message
+    both = solve(mesh, goals=[Area(1.0), Volume(5000.0)], unknown=[0])
+    assert both.status == "infeasible" and "take one of them away, or ask for another value of one" in both.message
