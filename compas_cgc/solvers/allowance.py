@@ -12,7 +12,7 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .settings import Settings
 
-__all__ = ["DRAWN", "EACH", "FLOW_STEP", "Allowance"]
+__all__ = ["FLOW_STEP", "Allowance"]
 
 # Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
 EACH, ALL = 16_500, 20_000
@@ -57,9 +57,9 @@ class Allowance:
         """Whether nothing is left."""
         return self._left <= 0.0
 
-    def solved(self, run: Callable[[], Optional[Solution]], most: float = EACH) -> Optional[Solution]:
-        """Return what a run comes to within the most right sides that are allowed for it, or None where it comes to nothing."""
-        granted = min(self._left, most * self._unit)
+    def solved(self, run: Callable[[], Optional[Solution]], drawn: bool = False) -> Optional[Solution]:
+        """Return what a run, from a drawn shape or another, comes to within the work that it may take, None where that is nothing."""
+        granted = min(self._left, (DRAWN if drawn else EACH) * self._unit)
         work = Work(granted if self._left < math.inf else math.inf)
         with work.counted():
             solution = run()

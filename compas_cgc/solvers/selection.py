@@ -19,8 +19,6 @@ from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.verdict import verdict
-from .allowance import DRAWN
-from .allowance import EACH
 from .allowance import Allowance
 from .anew import solved_anew
 from .choices import FLOW
@@ -124,7 +122,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "turned":
             found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
-            found = allowed.solved(partial(run, posed), DRAWN if LOST in choices and not tried else EACH)
+            found = allowed.solved(partial(run, posed), drawn=LOST in choices and not tried)
         if found is None:
             continue
         solution = found

@@ -58,9 +58,16 @@ def test_a_drawn_cone_is_found_from_its_drawing_smoothed():
     assert "nearer to the drawing it is fairer" in found.message
 
 
-def test_a_drawn_pseudosphere_that_a_search_has_lost_is_found_from_its_drawing_smoothed():
+def test_a_drawn_pseudosphere_that_a_search_has_lost_is_found_smoothed():
     """On an irregular mesh, where the search went on until nearly all the work was used up."""
     found = solve(case(9407).problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "smoothed, it" in found.message and "projection stalled" in found.message
+
+
+@pytest.mark.slow
+def test_a_large_drawn_pseudosphere_that_a_search_has_lost_is_found_from_its_drawing_smoothed():
+    found = solve(case(9385).problem)
     assert found.converged and found.verdict.fair, str(found.verdict)
     assert "from its drawing, smoothed, it arrives" in found.message
 
