@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from ..linalg.solvers import factorise
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 
-__all__ = ["is_drawn_below", "with_faces_turned"]
+__all__ = ["is_drawn_below"]
 
 SAID = 0.05  # of the depth of a drawing, against the rise of a cap of its area and K, that says that the bowl is meant
 BENT = 0.1  # of its mean curvature, against the root of K, below which it does not
@@ -38,11 +37,6 @@ def is_drawn_below(problem: CGCProblem) -> bool:
     away = np.einsum("ij,ij->i", problem.vertices - _taut(problem), vertex_normals(problem.vertices, problem.faces))
     rise = float(face_areas(problem.vertices, problem.faces).sum()) * math.sqrt(K) / (4.0 * math.pi)
     return float(np.mean(away[asked])) < -SAID * rise
-
-
-def with_faces_turned(problem: CGCProblem) -> CGCProblem:
-    """Return a problem whose faces, and so its normals, look to the other side."""
-    return replace(problem, faces=problem.faces[:, ::-1])
 
 
 def _taut(problem: CGCProblem) -> FloatArray:

@@ -32,7 +32,6 @@ from .columns import Attempt
 from .columns import column_advice
 from .domed import solved_from_dome
 from .drawn_side import is_drawn_below
-from .drawn_side import with_faces_turned
 from .half_sphere import with_half_a_sphere
 from .method import Method
 from .projection import ProjectionSettings
@@ -107,7 +106,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         run = partial(run_method, METHODS[choice.method], settings=settings, options=options, callback=callback)
         posed = problem
         if below and (choice.method == "newton" or choice.start == "domed"):
-            posed, choice = with_faces_turned(problem), choice._replace(reason=f"{choice.reason}; {BELOW}")
+            posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         if choice.start == "domed":
             own = _own_settings(METHODS[choice.method], settings, options)
             found = allowed.solved(partial(solved_from_dome, posed, own, callback))
@@ -189,7 +188,7 @@ def _attempt(problem: CGCProblem) -> Optional[Attempt]:
             continue
         try:
             if choice.start == "domed":
-                solution = solved_from_dome(with_faces_turned(problem) if is_drawn_below(problem) else problem, ProjectionSettings())
+                solution = solved_from_dome(problem.flipped() if is_drawn_below(problem) else problem, ProjectionSettings())
             else:
                 solution = run_method(METHODS[choice.method], problem, options=choice.options)
         except CGCError:  # Goals that name what is there no more.

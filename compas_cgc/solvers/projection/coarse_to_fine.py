@@ -14,13 +14,12 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
-from ...discrete.space_form import SpaceFormEquations
-from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ..coarse import coarsened
 from ..coarse import laid_out_anew
 from .closing import Closing
+from .exact import closing_equations
 from .exact import exactly
 from .exact import may_slide
 from .gauss_newton import FINISH
@@ -130,8 +129,8 @@ def _from(system: System, equations: CurvatureEquations, carried: Point, setting
 
 def _exactly(system: System, near: System, equations: CurvatureEquations, here: Point, settings: ProjectionSettings) -> Iterator[Taken]:
     """Go on from a fair shape to one that is exact: across the surface for as long as whole steps lead there."""
-    exact = exact_equations(equations, settings.measure)
-    if near is not system and isinstance(exact, SpaceFormEquations) and exact.too_large(here.vertices) is None:
+    exact = closing_equations(equations, settings.measure, here.vertices)
+    if near is not system and exact is not None:
         for taken in _descended(near, exact, system.at(here.vertices, exact), MEMORY):
             if taken.length < SHORT:
                 break

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from collections.abc import Iterator
+from typing import Optional
 from typing import TypeVar
 
 from ...discrete.arrays import Vertices
@@ -21,7 +22,7 @@ from .sliding import turns_triangles_over
 from .smooth_shape import smooth_shape
 from .system import System
 
-__all__ = ["exactly", "may_slide"]
+__all__ = ["closing_equations", "exactly", "may_slide"]
 
 Result = TypeVar("Result")
 _Search = Generator[Taken, None, bool]
@@ -31,9 +32,14 @@ NEAR = (10.0, 1000.0)  # weights of K against waves, for a shape that nearly has
 
 def may_slide(system: System, equations: CurvatureEquations, measure: str, vertices: Vertices) -> bool:
     """Return whether a fair shape (n, 3) is brought to an exact measure by sliding: angles of its stars hold it to waves."""
+    exact = closing_equations(equations, measure, vertices)
+    return exact is not None and can_slide(system, exact) and shows_layout(system, equations, vertices)
+
+
+def closing_equations(equations: CurvatureEquations, measure: str, vertices: Vertices) -> Optional[SpaceFormEquations]:
+    """Return what closes space-form triangles around vertices (n, 3), None in other measures or where a face is too large."""
     exact = exact_equations(equations, measure)
-    fits = isinstance(exact, SpaceFormEquations) and exact.too_large(vertices) is None
-    return fits and can_slide(system, exact) and shows_layout(system, equations, vertices)
+    return exact if isinstance(exact, SpaceFormEquations) and exact.too_large(vertices) is None else None
 
 
 def exactly(system: System, equations: CurvatureEquations, measure: str, vertices: Vertices) -> Iterator[Taken]:
@@ -41,8 +47,8 @@ def exactly(system: System, equations: CurvatureEquations, measure: str, vertice
 
     From anywhere else they would lead to another of the many surfaces that do. None are taken where a face is too large.
     """
-    exact = exact_equations(equations, measure)
-    if not isinstance(exact, SpaceFormEquations) or exact.too_large(vertices) is not None:
+    exact = closing_equations(equations, measure, vertices)
+    if exact is None:
         return
     if may_slide(system, equations, measure, vertices):
         smooth = yield from smooth_shape(system, equations, vertices, NEAR)
