@@ -174,6 +174,7 @@ TOLERANCE_TEXT = (
     "Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets are zero: of one over the area of the mesh), "
     "or when what is left is rounding."
 )
+REST_TEXT = " The fairest surface is found to a ten-millionth of its size, or to this part where that is more."
 MEASURES = ("auto", "defect", "smooth", "exact", "exact-arc")
 MEASURE_TEXT = (
     "How K is read off the mesh. By angle defect over area, the paper's (defect); by that less what the layout of the mesh puts into it, "
@@ -198,5 +199,5 @@ class AutoSettings(Settings):
     """
 
     steps: Optional[int] = option(None, "Most steps of the method that is picked.", int, low=1)
-    tolerance: Optional[float] = option(None, TOLERANCE_TEXT, float, low=0)
+    tolerance: Optional[float] = option(None, TOLERANCE_TEXT + REST_TEXT, float, low=0)
     measure: str = option("auto", MEASURE_TEXT + EXACT_TEXT, str, choices=MEASURES)

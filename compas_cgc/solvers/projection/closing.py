@@ -15,6 +15,7 @@ from ...linalg import LinearSolver
 from ...linalg import SingularMatrixError
 from ...linalg import factorise
 from ...linalg import linear_solver
+from .across import along
 from .fairness import Fairness
 from .iterate import Point
 from .least_norm import Cheapest
@@ -98,10 +99,7 @@ class _Frame(Metric):
     def renewed(self, J: sparse.csr_matrix) -> None:
         """Make factors for moves across that equations J (k, 3c) bind."""
         W = self._of_heights()
-        # The three coordinates of a vertex stand beside each other.
-        vertex = J.indices[::3] // 3
-        along = np.einsum("ij,ij->i", J.data.reshape(-1, 3), self.normals[vertex])
-        across = sparse.csr_matrix((along, vertex, J.indptr // 3), shape=(J.shape[0], len(self.normals)))
+        across = along(self.normals, J)
         transposed = across.T.tocsr()
         squares = (transposed @ across).tocsr()
         balance = float(W.diagonal().sum() / squares.diagonal().sum())

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ..settings import EXACT_TEXT
 from ..settings import MEASURE_TEXT
 from ..settings import MEASURES
+from ..settings import REST_TEXT
 from ..settings import TOLERANCE_TEXT
 from ..settings import Settings
 from ..settings import documented
@@ -32,7 +33,7 @@ class ProjectionSettings(Settings):
     """
 
     steps: int = option(300, "Most steps to take.", int, low=1)
-    tolerance: float = option(1e-12, TOLERANCE_TEXT, float, low=0)
+    tolerance: float = option(1e-12, TOLERANCE_TEXT + REST_TEXT, float, low=0)
     keep: str = option(
         AUTO,
         "What of the drawing the surface keeps. Its plan, seen along the direction that the mesh faces, while heights go where the "

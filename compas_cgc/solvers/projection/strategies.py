@@ -11,6 +11,8 @@ import numpy as np
 
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.space_form import EXACT
+from .across import Across
+from .across import can_be_closed_across
 from .at_rest import brought_to_rest
 from .at_rest import rests
 from .exact import exactly
@@ -116,7 +118,7 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         # By angle defects the nearest surface would come to rest in waves, which are then taken out again.
         yield from exactly(system, equations, settings.measure, near)
         return
-    reached = yield from refine(system, equations, found.reached, ALMOST if rests(system, equations) else SETTLED)
+    reached = yield from refine(system, equations, found.reached, ALMOST if rests(system, equations) else max(SETTLED, settings.tolerance))
     rested = brought_to_rest(system, equations, reached)
     if rested is not None:
         reached = rested
@@ -129,18 +131,30 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
             yield from smoothed(system, equations, reached)
         # Where it does not come to rest in that measure either.
         yield from _told(rested)
-        yield from descend(system, equations, reached.point, patience=FINISH)
+        point = yield from _closed_across(system, equations, reached.point)
+        yield from descend(system, equations, point, patience=FINISH)
     elif settings.measure in EXACT:
         yield from exactly(system, equations, settings.measure, reached.point.vertices)
     else:
         yield from _told(rested)
-        yield from descend_over_saddles(system, equations, reached.point)
+        point = yield from _closed_across(system, equations, reached.point)
+        yield from descend_over_saddles(system, equations, point)
 
 
 def _told(rested: Optional[Reached]) -> Iterator[Taken]:
     """Yield the shape at rest, if there is one."""
     if rested is not None:
         yield Taken(rested.point.vertices, 1.0, 1)
+
+
+def _closed_across(system: System, equations: CurvatureEquations, near: Point) -> Generator[Taken, None, Point]:
+    """Take steps across a shape to the last digits of K, where moves that do so are tiny; return where they lead."""
+    here = near
+    if can_be_closed_across(system, equations, near):
+        for taken in descend(Across(system, near.vertices), equations, near, patience=FINISH):
+            here = system.at(taken.vertices, equations)
+            yield taken
+    return here
 
 
 def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -> bool:

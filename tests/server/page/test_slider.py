@@ -17,16 +17,27 @@ from ...support.server_process import wait_for
 
 WATCH = """
 const { Solving } = await import('/page/solving.js');
-const told = window.told = { last: [], solving: null };
+const told = window.told = { last: [], tolerances: [], solving: null };
 const done = Solving.prototype.done;
 Solving.prototype.done = function (...given) { told.solving = this; return done.apply(this, given); };
 const fetched = window.fetch;
 window.fetch = function (address, options) {
-  if (String(address).includes('follow=true')) told.last.push(Boolean(JSON.parse(options.body).last));
+  if (String(address).includes('follow=true')) {
+    const asked = JSON.parse(options.body);
+    told.last.push(Boolean(asked.last));
+    told.tolerances.push(asked.settings.tolerance ?? null);
+  }
   return fetched.apply(this, [address, options]);
 };
 return true
 """
+HOLD = """
+const slider = document.querySelector('.region [type=range]');
+slider.value = Number(slider.value) + 2;
+slider.dispatchEvent(new Event('input', { bubbles: true }));
+"""
+LET_GO = "document.querySelector('.region [type=range]').dispatchEvent(new Event('change', { bubbles: true }))"
+TOLERANCES = "return JSON.stringify(window.told.tolerances)"
 FOUND = "const { result } = window.told.solving; return JSON.stringify([[...result.xyz], result.message, window.told.last])"
 
 
@@ -61,5 +72,16 @@ def test_the_surface_of_the_slider_is_that_of_a_solve_from_the_drawing(tmp_path)
             roof.set_target(K)
             assert on[-1] and "on from the surface" in message
             assert np.abs(np.reshape(xyz, (-1, 3)) - solve(roof).vertices).max() < 1e-9 * 6.0
+        hands.read(HOLD)
+        held = np.reshape(found()[0], (-1, 3))
+        assert json.loads(hands.read(TOLERANCES))[-2:] == [None, 1e-5]
+        hands.read(LET_GO)
+        wait_for(lambda: json.loads(hands.read(TOLERANCES))[-2:] == [1e-5, None], what="what was held is not found to the last digit")
+        let_go = np.reshape(found()[0], (-1, 3))
+        roof.set_target(float(hands.value(".region [type=number]")))
+        assert 0.0 < np.abs(let_go - held).max() < 1e-5 * 6.0
+        assert np.abs(let_go - solve(roof).vertices).max() < 1e-9 * 6.0
+        hands.read(LET_GO)
+        assert len(json.loads(hands.read(TOLERANCES))) == len(found()[2])
         hands.click("#supports [value=boundary] + span")
         wait_for(lambda: not found()[2][-1], what="with other supports the drawing is another problem, but the last surface is sent")

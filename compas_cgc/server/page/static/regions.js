@@ -10,7 +10,7 @@ const MANY = 12; // regions above which they are grouped
 export class Regions {
   /**
    * @param {HTMLElement} room
-   * @param {{change: (key: string) => void, over: (regions: number[]) => void, name: (region: number, name: string) => void, colour: (region: number, colour: string) => void}} listener
+   * @param {{change: (key: string, held: boolean) => void, release: () => void, over: (regions: number[]) => void, name: (region: number, name: string) => void, colour: (region: number, colour: string) => void}} listener
    */
   constructor(room, listener) {
     this.room = room;
@@ -131,6 +131,8 @@ export class Regions {
       const place = pointed && Math.abs(slider.value) < SNAP ? 0 : Number(slider.value);
       this.lead(regions, (place * reach) / STEPS);
     });
+    // Let go where it was taken up, it has not changed.
+    for (const event of ['change', 'pointerup', 'pointercancel']) slider.addEventListener(event, () => this.listener.release());
     number.addEventListener('change', () => {
       if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.give(regions, number.valueAsNumber);
       else this.refresh();
@@ -173,12 +175,12 @@ export class Regions {
       if (share !== null) this.targets[region] = Number((share * K).toPrecision(4));
     });
     this.led.given = String(this.targets);
-    this.tell(regions);
+    this.tell(regions, true);
   }
 
-  tell(regions) {
+  tell(regions, held = false) {
     this.refresh();
-    this.listener.change(`K ${regions.join(' ')}`);
+    this.listener.change(`K ${regions.join(' ')}`, held);
   }
 
   refresh() {

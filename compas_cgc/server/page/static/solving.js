@@ -10,6 +10,7 @@ import { Solver } from './solver.js';
 import { Verdict } from './verdict.js';
 
 const WORTH = 200; // milliseconds; what is over sooner needs no word
+const COARSE = 1e-5; // tolerance while a slider is held: no eye sees what is left
 const QUICK = 0.3; // seconds; a surface that follows a slider so soon is near the one before, and need not glide there
 
 /** @type {(id: string) => any} the elements are those of index.html */
@@ -30,6 +31,8 @@ export class Solving {
     this.drawn = null;
     this.patience = 0;
     this.stale = false;
+    this.held = false; // a slider is
+    this.coarse = false; // the last solve was for one
     this.charts = new Charts($('chart-error'), $('chart-energy'));
     this.verdict = new Verdict($('verdict'));
     this.solver = new Solver(studio.api, this);
@@ -41,6 +44,7 @@ export class Solving {
     this.solver.reset();
     this.rhythm.settle();
     this.settle();
+    this.held = this.coarse = false;
     this.result = this.studio.painter.before = null;
     this.studio.crown.on = false;
     this.charts.clear();
@@ -49,9 +53,13 @@ export class Solving {
     this.studio.maker.clear();
   }
 
-  /** Something else is asked for. */
-  changed() {
+  /**
+   * Something else is asked for.
+   * @param {boolean} held by a slider that will be let go
+   */
+  changed(held = false) {
     const { painter, regions } = this.studio;
+    this.held = held;
     painter.want(regions.targets);
     // The other colours do not know of targets, and to draw takes time that the solve waits for.
     if (painter.by === 'error') painter.paint();
@@ -60,6 +68,12 @@ export class Solving {
       this.wait();
       this.rhythm.changed();
     } else this.verdict.outdate();
+  }
+
+  /** The slider is let go: what has followed it is found to the last digit. */
+  release() {
+    this.held = false;
+    if (this.coarse) this.rhythm.changed();
   }
 
   /** Somebody waits for a surface: tell so where it takes a while, as words that come and go with every move of a slider are not read. */
@@ -112,7 +126,9 @@ export class Solving {
     this.charts.clear();
     this.drawn = null;
     this.asking = this.request();
-    this.solver.solve({ ...this.asking, ...this.last(this.asking) });
+    this.coarse = this.held;
+    const { settings } = this.asking;
+    this.solver.solve({ ...this.asking, ...this.last(this.asking), settings: this.coarse ? { tolerance: COARSE, ...settings } : settings });
     this.studio.scene.expect();
   }
 

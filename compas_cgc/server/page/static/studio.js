@@ -48,7 +48,8 @@ export class Studio {
     this.scene = new Scene($('canvas'));
     this.painter = new Painter(this.scene, new Legend($('legend')));
     this.regions = new Regions($('regions'), {
-      change: (key) => this.given(key),
+      change: (key, held) => this.given(key, held),
+      release: () => this.solving.release(),
       over: (regions) => this.light(regions),
       name: (region, name) => this.dress(withName(this.data, region, name)),
       colour: (region, colour) => this.dress(withColour(this.data, region, colour), `colour ${region}`),
@@ -313,13 +314,13 @@ export class Studio {
   // ---------------------------------------------------------- what is asked
 
   /** A slider or a setting is another. */
-  given(key) {
+  given(key, held = false) {
     const { method, settings } = this.settings.asked;
     const data = { ...this.data, targets: this.regions.targets.slice(), method, settings };
     this.data = data;
     this.model.targets = data.targets;
     this.history.push({ ...this.history.now, data }, key);
-    this.solving.changed();
+    this.solving.changed(held);
   }
 
   /** Take K that was found for the goals: no step of the history, as nobody has chosen it. */
