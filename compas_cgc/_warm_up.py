@@ -18,9 +18,9 @@ __all__ = ["is_warm", "warm_up"]
 def is_warm() -> bool:
     """Tell whether there has been a warm-up, or a solve, of this version on this machine."""
     from ._compiled import is_stored
-    from .discrete._kernels import angle_sums_and_areas
+    from .discrete._kernels import write_cross_vectors
 
-    return is_stored(angle_sums_and_areas)
+    return is_stored(write_cross_vectors)
 
 
 def warm_up(told: Optional[Callable[[float], object]] = None) -> int:

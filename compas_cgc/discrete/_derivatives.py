@@ -76,12 +76,26 @@ def face_derivatives(
     return True
 
 
-@kernel()
 def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) -> FloatArray:
     """Return the derivatives by all coordinates, in the slots S, (size, 3)."""
     data = np.zeros((size, 3))
-    E, M = np.empty((3, 3)), np.empty((3, 3))
-    D, T, G = np.empty((3, 3, 3)), np.empty((3, 3, 3)), np.empty((3, 3, 3))
+    _add_everywhere(V, F, K, S, *np.empty((2, 3, 3)), *np.empty((3, 3, 3, 3)), data)
+    return data
+
+
+@kernel()
+def _add_everywhere(
+    V: Vertices,
+    F: Faces,
+    K: PerVertex,
+    S: CSRIndices,
+    E: FloatArray,
+    M: FloatArray,
+    D: FloatArray,
+    T: FloatArray,
+    G: FloatArray,
+    data: FloatArray,
+) -> None:
     for f in range(F.shape[0]):
         if face_derivatives(V, F, f, K, E, M, D, T, G):
             for a in range(3):
@@ -90,18 +104,32 @@ def everywhere(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int) ->
                     if at >= 0:
                         for x in range(3):
                             data[at, x] += G[a, b, x]
-    return data
 
 
-@kernel()
 def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vectors) -> FloatArray:
     """Return the derivatives along one direction U (n, 3) per vertex, in the slots S, (size,).
 
     As :func:`face_derivatives`, with every edge and every inward edge multiplied by the directions first.
     """
     data = np.zeros(size)
-    E = np.empty((3, 3))
-    turns, lengths, edge, inwards = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    _add_along(V, F, K, S, U, *np.empty((5, 3, 3)), data)
+    return data
+
+
+@kernel()
+def _add_along(
+    V: Vertices,
+    F: Faces,
+    K: PerVertex,
+    S: CSRIndices,
+    U: Vectors,
+    E: FloatArray,
+    turns: FloatArray,
+    lengths: FloatArray,
+    edge: FloatArray,
+    inwards: FloatArray,
+    data: FloatArray,
+) -> None:
     for f in range(F.shape[0]):
         i, j, k, cx, cy, cz, double, di, dj, dk = corner(V, F, f)
         if double == 0.0:
@@ -148,13 +176,17 @@ def along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, size: int, U: Vect
                     else:
                         change = (0.25 if a == obtuse else 0.125) * inwards[b, b]
                     data[at] -= turns[a, b] + target * change
+
+
+def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
+    """Return the negative cotangent Laplacian, in the slots S, (size,)."""
+    data = np.zeros(size)
+    _add_stiffness(V, F, S, data)
     return data
 
 
 @kernel()
-def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
-    """Return the negative cotangent Laplacian, in the slots S, (size,)."""
-    data = np.zeros(size)
+def _add_stiffness(V: Vertices, F: Faces, S: CSRIndices, data: FloatArray) -> None:
     for f in range(F.shape[0]):
         _, _, _, _, _, _, double, di, dj, dk = corner(V, F, f)
         if double == 0.0:
@@ -167,4 +199,3 @@ def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
                     at = S[f, b, c]
                     if at >= 0 and b != a and c != a:
                         data[at] += half if b == c else -half
-    return data

@@ -56,11 +56,15 @@ def cell_areas(kind: int, double: float, di: float, dj: float, dk: float) -> tup
     return (si + sj) * eighth, (si + sk) * eighth, (sj + sk) * eighth
 
 
-@kernel()
 def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, PerVertex]:
     """Return the sum of angles (n,) and the cell area (n,) at every vertex in one pass, for Eq. 10."""
-    angle = np.zeros(len(V))
-    area = np.zeros(len(V))
+    angle, area = np.zeros(len(V)), np.zeros(len(V))
+    _add_angles_and_areas(V, F, kind, angle, area)
+    return angle, area
+
+
+@kernel()
+def _add_angles_and_areas(V: Vertices, F: Faces, kind: int, angle: PerVertex, area: PerVertex) -> None:
     for f in range(F.shape[0]):
         i, j, k, _, _, _, double, di, dj, dk = corner(V, F, f)
         ti = math.atan2(double, di)
@@ -72,7 +76,6 @@ def angle_sums_and_areas(V: Vertices, F: Faces, kind: int) -> tuple[PerVertex, P
         area[i] += ai
         area[j] += aj
         area[k] += ak
-    return angle, area
 
 
 @kernel()
@@ -82,7 +85,6 @@ def write_cross_vectors(V: Vertices, F: Faces, C: Vectors) -> None:
         _, _, _, C[f, 0], C[f, 1], C[f, 2], _, _, _, _ = corner(V, F, f)
 
 
-@kernel()
 def cross_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return twice the vector area of every face, which is that of Eq. 11 (m, 3)."""
     C = np.empty((F.shape[0], 3))
@@ -90,23 +92,30 @@ def cross_vectors(V: Vertices, F: Faces) -> Vectors:
     return C
 
 
-@kernel()
 def sum_at_vertices(n: int, F: Faces, C: Vectors) -> Vectors:
     """Return the sum of the face vectors `C` around every vertex, Eq. 12 (n, 3)."""
     N = np.zeros((n, 3))
-    for f in range(F.shape[0]):
-        for c in range(3):
-            v = F[f, c]
-            N[v, 0] += C[f, 0]
-            N[v, 1] += C[f, 1]
-            N[v, 2] += C[f, 2]
+    _add_at_vertices(F, C, N)
     return N
 
 
 @kernel()
+def _add_at_vertices(F: Faces, C: Vectors, N: Vectors) -> None:
+    for f in range(F.shape[0]):
+        for c in range(3):
+            for x in range(3):
+                N[F[f, c], x] += C[f, x]
+
+
 def sum_over_corners(F: Faces, N: Vectors) -> Vectors:
     """Return at every vertex the sum, over the faces around it, of the vectors `N` (n, 3) at their corners (n, 3)."""
     total = np.zeros(N.shape)
+    _add_over_corners(F, N, total)
+    return total
+
+
+@kernel()
+def _add_over_corners(F: Faces, N: Vectors, total: Vectors) -> None:
     for f in range(F.shape[0]):
         i, j, k = F[f, 0], F[f, 1], F[f, 2]
         for x in range(3):
@@ -114,13 +123,17 @@ def sum_over_corners(F: Faces, N: Vectors) -> Vectors:
             total[i, x] += around
             total[j, x] += around
             total[k, x] += around
-    return total
 
 
-@kernel()
 def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
     """Return the cotangent sums A_i H_i of Eq. 14 at every vertex (n, 3)."""
     L = np.zeros((len(V), 3))
+    _add_mean_curvature(V, F, L)
+    return L
+
+
+@kernel()
+def _add_mean_curvature(V: Vertices, F: Faces, L: Vectors) -> None:
     for f in range(F.shape[0]):
         i, j, k, _, _, _, double, di, dj, dk = corner(V, F, f)
         if double == 0.0:
@@ -133,7 +146,6 @@ def mean_curvature_vectors(V: Vertices, F: Faces) -> Vectors:
             L[i, x] += at_k - at_j
             L[j, x] += at_i - at_k
             L[k, x] += at_j - at_i
-    return L
 
 
 @kernel(inner=True)

@@ -7,9 +7,7 @@ import math
 from .._compiled import kernel
 from ._cholesky import solve_in_place
 from .arrays import FloatArray
-from .arrays import Indices
 from .arrays import IntArray
-from .arrays import Vertices
 
 __all__ = ["CENTRED", "least_squares"]
 
@@ -18,51 +16,33 @@ CENTRED = 0.2  # what a point's squared distance, against the farthest, is added
 
 @kernel()
 def least_squares(
-    V: Vertices,
-    frames: FloatArray,
-    rows: Indices,
-    others: IntArray,
+    places: FloatArray,
     count: IntArray,
     degree: int,
-    places: FloatArray,
     weighted: FloatArray,
     factor: FloatArray,
     heights: FloatArray,
-    scale: FloatArray,
     lifted: FloatArray,
     squares: FloatArray,
     M: FloatArray,
     r: FloatArray,
     own: FloatArray,
 ) -> None:
-    """Fit a polynomial around each of some vertices (k,), and fill the arrays from `places` (3, k, c) on as `Fit` has them.
+    """Fit a polynomial to the `places` (3, k, c) around each of some vertices, and fill the arrays from `weighted` on as `Fit` has them.
 
-    Of the points (k, c) only the first `count` (k,) of a vertex count; where there is one unknown more than monomials, the
+    Of the points only the first `count` (k,) of a vertex count; where there is one unknown more than monomials, the
     last is the height of the polynomial over the vertex. `M` (t, t), `r` (t,) and `own` (t,) are room to work in.
     """
     terms = degree * (degree + 3) // 2
     unknowns = heights.shape[1]
-    for i in range(rows.shape[0]):
-        at = rows[i]
-        far = 0.0
-        for c in range(others.shape[1]):
-            j = others[i, c]
-            d0, d1, d2 = V[j, 0] - V[at, 0], V[j, 1] - V[at, 1], V[j, 2] - V[at, 2]
-            square = d0 * d0 + d1 * d1 + d2 * d2
-            far = square if square > far else far  # what max calls is compiled too
-            for axis in range(3):
-                places[axis, i, c] = d0 * frames[i, axis, 0] + d1 * frames[i, axis, 1] + d2 * frames[i, axis, 2]
-        scale[i] = math.sqrt(far)
-        size = scale[i] if far > 0.0 else 1.0
+    for i in range(places.shape[1]):
         for k in range(unknowns):
             r[k] = 0.0
             for m in range(unknowns):
                 M[k, m] = 0.0
         if unknowns > terms:
             M[terms, terms] = 1.0 / CENTRED
-        for c in range(others.shape[1]):
-            for axis in range(3):
-                places[axis, i, c] /= size
+        for c in range(places.shape[2]):
             u, v, w = places[0, i, c], places[1, i, c], places[2, i, c]
             # By the roots of their weights, so that their products are those of the least squares.
             root = 1.0 / math.sqrt(u * u + v * v + CENTRED) if c < count[i] else 0.0

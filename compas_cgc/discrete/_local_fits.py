@@ -139,12 +139,18 @@ def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: I
     # What fills shorter rows up lies at the vertex itself.
     others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
     k, c, t = len(rows), len(column), room.shape[1]
-    places, weighted = np.empty((3, k, c)), room[:k, :, :c]
-    factor, heights, scale = np.empty((k, t, t)), np.empty((k, t)), np.empty(k)
-    lifted, squares = np.zeros((k, c)), np.empty((k, 2))
-    found = (places, weighted, factor, heights, scale, lifted, squares)
-    least_squares(V, frames, rows, others, count, degree, *found, np.empty((t, t)), np.empty(t), np.empty(t))
+    places, scale = _places(V[others] - V[rows][:, None], frames)
+    factor, heights, lifted, squares = np.empty((k, t, t)), np.empty((k, t)), np.zeros((k, c)), np.empty((k, 2))
+    weighted = room[:k, :, :c]
+    least_squares(places, count, degree, weighted, factor, heights, lifted, squares, np.empty((t, t)), np.empty(t), np.empty(t))
     return Fit(rows, group, around, frames, others, there, scale, places, weighted, factor, heights, lifted, squares, int(TERMS[degree]))
+
+
+def _places(away: Vectors, frames: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return where points lie that are so far away (k, c, 3), in frames (k, 3, 3) and by the distance of the farthest, and that (k,)."""
+    scale = np.sqrt(np.einsum("kcx,kcx->kc", away, away).max(axis=1))
+    size = np.where(scale > 0.0, scale, 1.0)
+    return np.ascontiguousarray((away @ (frames / size[:, None, None]).transpose(0, 2, 1)).transpose(2, 0, 1)), scale
 
 
 def told(fit: Fit, layout: bool = True) -> FloatArray:

@@ -11,13 +11,13 @@ from scipy import sparse
 
 from . import _derivatives
 from . import _kernels
-from . import _second_derivatives
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import MeshError
 from .arrays import PerVertex
 from .arrays import Vectors
 from .arrays import Vertices
+from .curvature_hessian import CurvatureHessian
 from .sparsity import RingPattern
 from .topology import boundary_mask
 
@@ -103,8 +103,8 @@ class CurvatureEquations:
         moves[self.columns] = directions
         return self.pattern.matrix(_derivatives.along(vertices, self.faces, targets, slots, size, moves))
 
-    def curvature_along(self, vertices: FloatArray, multipliers: FloatArray, moves: FloatArray) -> FloatArray:
-        """Return how the gradient of the weighted sum of the defects changes along a move.
+    def hessian(self, vertices: FloatArray, multipliers: FloatArray) -> CurvatureHessian:
+        """Return the second derivative of the weighted sum of the defects.
 
         With a Lagrangian's multipliers for weights these are the constraints' second derivatives. The
         mixed areas are left out: against the angles theirs are of the order of K times the squared edge.
@@ -115,16 +115,13 @@ class CurvatureEquations:
             ``(n, 3)`` coordinates [L].
         multipliers
             ``(k,)`` weights of the rows.
-        moves
-            ``(n, 3)`` move [L].
 
         Returns
         -------
-        (n, 3) float64
-            [1/L]
+        CurvatureHessian
+            By its products with moves.
         """
-        weights = self._at_vertices(len(vertices), multipliers)
-        return _second_derivatives.defects_along(vertices, self.faces, weights, np.ascontiguousarray(moves))
+        return CurvatureHessian(vertices, self.faces, self._at_vertices(len(vertices), multipliers))
 
     def second_derivative(self, vertices: FloatArray, multipliers: FloatArray) -> sparse.csr_matrix:
         """Return the second derivative of the weighted sum of the residuals, that of the mixed areas included.
@@ -143,7 +140,7 @@ class CurvatureEquations:
         """
         pattern = RingPattern(self.faces, len(vertices), self.columns, self.columns)
         weights = self._at_vertices(len(vertices), multipliers)
-        data = _second_derivatives.entries(vertices, self.faces, weights, self.targets, pattern.slots, pattern.size)
+        data = CurvatureHessian(vertices, self.faces, weights, self.targets).blocks(pattern.slots, pattern.size)
         return sparse.bsr_matrix((data, pattern.indices, pattern.indptr), shape=(3 * len(self.columns),) * 2).tocsr()
 
     def _at_vertices(self, count: int, multipliers: FloatArray) -> FloatArray:

@@ -62,9 +62,11 @@ def _bending_modes(system: System, equations: CurvatureEquations, vertices: Floa
     normals = vertex_normals(vertices, system.faces)[columns]
     stiffness, solve = system.fairness.along_normals()
 
+    hessian = equations.hessian(vertices, signs)
+
     def brought(heights: FloatArray) -> FloatArray:
         move = system.full((heights.reshape(-1, 1) * normals).ravel())
-        return np.einsum("ij,ij->i", equations.curvature_along(vertices, signs, move)[columns], normals)
+        return np.einsum("ij,ij->i", hessian.along(move)[columns], normals)
 
     values, vectors = eigsh(
         LinearOperator((size, size), matvec=brought, dtype=np.float64),

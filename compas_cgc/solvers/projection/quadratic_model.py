@@ -57,9 +57,9 @@ class QuadraticModel:
     """
 
     def __init__(self, system: System, equations: CurvatureEquations, linear: Linearised, point: Point, multipliers: FloatArray):
-        self._system, self._equations, self._linear = system, equations, linear
-        self._point, self._metric = point, linear.solver.metric
+        self._system, self._linear, self._metric = system, linear, linear.solver.metric
         self._weights = system.spread(multipliers)
+        self._along = system.hessian(equations, point.vertices, self._weights)
         self.energy, gradient = system.fairness.energy(point.vertices)
         self.normal = linear.solver.cheapest(linear.right, FINE).move
         downhill = -(linear.reduced(gradient) + linear.solver.transposed @ multipliers) - self._bend(self.normal)
@@ -111,8 +111,7 @@ class QuadraticModel:
 
     def _bend(self, move: FloatArray) -> FloatArray:
         moves = self._system.full(self._linear.expanded(move))
-        change = self._system.curvature_along(self._equations, self._point.vertices, self._weights, moves)
-        return self._linear.reduced(change[self._system.columns].ravel())
+        return self._linear.reduced(self._along(moves)[self._system.columns].ravel())
 
     def _to_edge(self, step: FloatArray, direction: FloatArray, turned: FloatArray, radius: float) -> float:
         """Return how far it is along a direction to the edge of the trust region."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Optional
@@ -229,13 +230,18 @@ class System:
             gradient = self.places.symmetric_vectors(gradient)
         return gradient
 
-    def curvature_along(self, equations: CurvatureEquations, vertices: FloatArray, weights: FloatArray, moves: FloatArray) -> FloatArray:
-        """Return how the gradient of the equations weighed by (k + g,) changes along a move (n, 3)."""
+    def hessian(self, equations: CurvatureEquations, vertices: FloatArray, weights: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Return what tells how the gradient of the equations weighed by (k + g,) changes along a move (n, 3)."""
         k = len(self.rows)
-        change = equations.curvature_along(vertices, weights[:k], moves)
-        for equation, weight in zip(self.goals.equations, weights[k:]):
-            change = change + weight / self.size**equation.power * equation.curvature_along(vertices, moves)
-        return change
+        of_defects = equations.hessian(vertices, weights[:k])
+
+        def along(moves: FloatArray) -> FloatArray:
+            change = of_defects.along(moves)
+            for equation, weight in zip(self.goals.equations, weights[k:]):
+                change = change + weight / self.size**equation.power * equation.curvature_along(vertices, moves)
+            return change
+
+        return along
 
     def at(self, vertices: FloatArray, equations: CurvatureEquations) -> Point:
         """Return what is missing at a shape (n, 3)."""
