@@ -10,7 +10,9 @@ from scipy import sparse
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
+from ...linalg import LinearSolver
 from ...linalg import factorise
+from ...linalg.nearby import nearly_solved
 from ...model.problem import CGCProblem
 from ...model.roles import CREASE
 from .metric import bending_matrix
@@ -24,6 +26,8 @@ LEVEL = 1e-14  # difference of heights, against the extent of a drawing, that is
 SOFT = 0.1  # bending stiffness across creases, as a part of that elsewhere
 HELD = 1e-9  # what holds a plate that nothing else holds, against its stiffness
 TURNS = 4  # renewals of a plate as it turns
+MANY = 5000  # vertices of a plate for which factors of the turn before are near enough
+PRECISE = 1e-9  # residual of its heights then
 FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
 
@@ -51,26 +55,25 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     heights = V @ up
     if np.ptp(heights) <= LEVEL * np.ptp(V):
         return problem
-    sheet = _least(_bending(problem, V, F), heights, fixed)
+    sheet = _Plate(_bending(problem, V, F), fixed).least(heights)
     bending = _bending(problem, V + (sheet - heights)[:, None] * up, F)
     own, drawn = (float(part @ (bending @ part)) for part in (sheet, heights))
     none = FLAT * float(bending.diagonal().sum()) * float(np.ptp(heights)) ** 2
     if drawn <= PULLED * own + none:
         return problem
-    shape = V + (movable * (sheet + _carried(bending, heights - sheet, fixed) - heights))[:, None] * up
+    shape = V + (movable * (sheet + _Plate(bending, ~fixed).carried(heights - sheet) - heights))[:, None] * up
+    near = None
     for _ in range(TURNS if own <= none else 0):
         # The sheet has turned with its supports, and so has what counts as its height.
         up = _up(shape, F, np.zeros_like(fixed))
         if up is None:
             break
-        heights = shape @ up
-        shape = shape + (movable * (_carried(_bending(problem, shape, F), heights, fixed) - heights))[:, None] * up
+        heights, plate = shape @ up, _Plate(_bending(problem, shape, F), ~fixed)
+        if len(V) > MANY:
+            # It hardly turns any more after the first time.
+            near = near or plate.factors()
+        shape = shape + (movable * (plate.carried(heights, near) - heights))[:, None] * up
     return problem.with_vertices(np.where(movable[:, None], shape, V))
-
-
-def _carried(bending: sparse.csr_matrix, heights: FloatArray, fixed: Mask) -> FloatArray:
-    """Return the heights (n,) of a plate through those of some vertices (n,)."""
-    return _least(bending, np.where(fixed, heights, float(heights[fixed].mean())), ~fixed)
 
 
 def _up(vertices: FloatArray, faces: IntArray, fixed: Mask) -> Optional[FloatArray]:
@@ -88,10 +91,25 @@ def _bending(problem: CGCProblem, vertices: FloatArray, faces: IntArray) -> spar
     return bending_matrix(vertices, faces, problem.roles == CREASE, SOFT)
 
 
-def _least(matrix: sparse.csr_matrix, heights: FloatArray, free: Mask) -> FloatArray:
-    """Return the heights (n,), some of which (n,) are let go, at which the others hold them with the least energy."""
-    result, rows = heights.copy(), matrix[np.flatnonzero(free)]
-    own = rows[:, np.flatnonzero(free)]
-    held = own + HELD * float(own.diagonal().max()) * sparse.identity(own.shape[0])
-    result[free] -= factorise(held.tocsr(), symmetric=True, refine=False).solve(rows @ heights)
-    return result
+class _Plate:
+    """The heights of a plate, some of which (n,) are let go, at which the others hold them with the least energy."""
+
+    def __init__(self, bending: sparse.csr_matrix, free: Mask):
+        self._free, self._rows = free, bending[np.flatnonzero(free)]
+        own = self._rows[:, np.flatnonzero(free)]
+        self._own = (own + HELD * float(own.diagonal().max()) * sparse.identity(own.shape[0])).tocsr()
+
+    def factors(self) -> LinearSolver:
+        """Return the factors of its matrix."""
+        return factorise(self._own, symmetric=True, refine=False)
+
+    def least(self, heights: FloatArray, near: Optional[LinearSolver] = None) -> FloatArray:
+        """Return the heights (n,), by factors of a matrix near to its own where there are some."""
+        right, result = self._rows @ heights, heights.copy()
+        move = None if near is None else nearly_solved(self._own, near.solve, right, PRECISE)
+        result[self._free] -= self.factors().solve(right) if move is None else move
+        return result
+
+    def carried(self, heights: FloatArray, near: Optional[LinearSolver] = None) -> FloatArray:
+        """Return the heights (n,) through those that are not let go."""
+        return self.least(np.where(self._free, float(heights[~self._free].mean()), heights), near)

@@ -8,8 +8,10 @@ import pytest
 from compas_cgc import Above
 from compas_cgc import CGCMesh
 from compas_cgc import solve
+from compas_cgc.linalg import factorise
 from compas_cgc.meshing import named_supports
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection import drawing
 from compas_cgc.solvers.projection.drawing import as_meant
 
 from ...support import shapes
@@ -171,3 +173,14 @@ def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them
     kept = solve(star, goals=[Above(0)])
     assert kept.converged and kept.verdict.fair and "under its edge" not in kept.message
     assert kept.vertices[:, 2].min() > -1e-9
+
+
+def test_a_large_plate_turns_as_a_small_one_does(monkeypatch):
+    """With factors of the turn before, where small ones take new factors."""
+    problem = lifted((3, 0, 0, 3))
+    every = as_meant(problem).vertices
+    made = []
+    monkeypatch.setattr(drawing, "MANY", 0)
+    monkeypatch.setattr(drawing, "factorise", lambda *given, **how: made.append(1) or factorise(*given, **how))
+    assert np.abs(as_meant(problem).vertices - every).max() < 1e-6
+    assert len(made) == 3
