@@ -8,6 +8,7 @@ import numpy as np
 
 from ..discrete import boundary_vertices
 from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
 from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
@@ -18,15 +19,19 @@ __all__ = ["summary"]
 
 NOTHING = 1e-9  # of the size of a surface, that is no height
 SUNK = 1e-3  # of it, by which a roof lies under its supports
+FACING = 0.5  # part of the area of a drawing that faces one way from which it has a plan
+KEPT = (0.8, 1.25)  # parts of its plan that a surface may cover and still be taken for what was drawn
 
 
-def summary(problem: CGCProblem, status: str, judged: Optional[Verdict], max_error: float) -> str:
+def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judged: Optional[Verdict], max_error: float) -> str:
     """Return the verdict and the surface in one sentence.
 
     Parameters
     ----------
     problem
-        With its vertices on the surface, without dummies.
+        With its vertices on the surface.
+    drawn
+        ``(n, 3)`` where they were drawn [L]; None where that is not known.
     status
         Of the solve.
     judged
@@ -36,7 +41,7 @@ def summary(problem: CGCProblem, status: str, judged: Optional[Verdict], max_err
     """
     if judged is None:
         return "no surface: what was drawn is left as it is"
-    surface = f"{_heights(problem)}, {_curvature(problem, status, max_error)}, {_held(problem)}"
+    surface = f"{_heights(problem)}{_covered(problem, drawn)}, {_curvature(problem, status, max_error)}, {_held(problem)}"
     return f"not as asked: {surface}" if status != "converged" else f"{judged}{':' if judged.fair else ';'} {surface}"
 
 
@@ -59,6 +64,21 @@ def _sunk(problem: CGCProblem, size: float) -> str:
         f", inside {_number(under, size)} under its edge (goals=[Above({_number(lowest, size)})] keeps it up)"
         if under > SUNK * size
         else ""
+    )
+
+
+def _covered(problem: CGCProblem, drawn: Optional[FloatArray]) -> str:
+    """Return how much of the plan that was drawn a surface covers, where that is far from all of it: with K < 0 free edges draw in."""
+    if drawn is None:
+        return ""
+    faces = problem.faces[problem.real_faces]
+    before, after = (np.cross(V[faces[:, 1]] - V[faces[:, 0]], V[faces[:, 2]] - V[faces[:, 0]]) for V in (drawn, problem.vertices))
+    plan = before.sum(axis=0)
+    if np.linalg.norm(plan) <= FACING * np.linalg.norm(before, axis=1).sum():
+        return ""
+    share = float(after.sum(axis=0) @ plan / (plan @ plan))
+    return (
+        "" if KEPT[0] <= share <= KEPT[1] else f", over {100 * share:.0f} % of the plan that was drawn (a K nearer to 0 keeps more)"
     )
 
 

@@ -166,7 +166,7 @@ class SolveResult:
     @cached_property
     def summary(self) -> str:
         """The verdict and the surface in one sentence: its heights, its K, and what is held."""
-        return summary(self.problem, self.status, self.verdict, self.max_error)
+        return summary(self.problem, self.start, self.status, self.verdict, self.max_error)
 
     @cached_property
     def message(self) -> str:

@@ -350,3 +350,19 @@ def test_a_diverged_flow_is_not_finished():
     solution = flow_and_finish(problem, settings=FlowSettings(steps=400))
     assert solution.status in ("diverged", "step_limit", "stalled")
     assert np.isfinite(solution.vertices).all() and (problem.roles == CREASE).any()
+
+
+def test_a_free_edge_that_draws_in_is_told_with_the_part_of_the_plan_that_is_kept():
+    disc = CGCMesh.from_outline(9.0 * np.array([(np.cos(a), np.sin(a)) for a in np.linspace(0.0, 2 * np.pi, 40, endpoint=False)]), 1.5)
+    for key in disc.vertices():
+        x, y, _ = disc.vertex_coordinates(key)
+        disc.vertex_attribute(key, "z", 2.0 + 1.2 * (x * x - y * y) / 81.0)
+    disc.set_supports([key for key in disc.vertices_on_boundary() if disc.vertex_coordinates(key)[0] < 2.0])
+    disc.set_target(-0.01)
+    curled = solve(disc)
+    drawn = disc.to_problem()
+    before, after = (shapes.plan_area(V, drawn.faces) for V in (drawn.vertices, curled.vertices))
+    share = after / before
+    assert share < 0.75 and f"over {100 * share:.0f} % of the plan that was drawn" in curled.message
+    disc.set_target(-0.001)
+    assert "of the plan" not in solve(disc).message

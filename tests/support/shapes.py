@@ -102,3 +102,9 @@ def delaunay_disk(count: int, seed: int = 0, radius: float = 1.0):
     down = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] < 0
     faces[down] = faces[down][:, ::-1]
     return np.column_stack([points, np.zeros(len(points))]), faces
+
+
+def plan_area(vertices, faces):
+    """The area that triangles cover seen from above, those that face down taken off."""
+    (ax, ay), (bx, by), (cx, cy) = (vertices[faces[:, k], :2].T for k in range(3))
+    return 0.5 * np.sum((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
