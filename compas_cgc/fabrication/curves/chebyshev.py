@@ -18,11 +18,16 @@ from .trace import INSIDE
 from .trace import DirectionField
 from .trace import Traced
 
-__all__ = ["chebyshev_net"]
+__all__ = ["EQUAL", "chebyshev_net"]
+
+EQUAL = 0.03  # of a length, by which a net may be off in one face, where its sides cross several
+ROUNDS = 8  # at most, in which directions give way to lengths
+
+Pair = tuple[FloatArray, FloatArray]  # one for each family
 
 
-def chebyshev_net(field: DirectionField, spacing: float) -> Optional[list[list[Traced]]]:
-    r"""Return both families of asymptotic curves at a spacing, the first two through the middle; None where there are no such coordinates.
+def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[tuple[float, list[list[Traced]]]]:
+    r"""Return both families of asymptotic curves at a spacing, the first two through the middle, and what lengths in a face are off by.
 
     On a surface of constant K < 0 asymptotic curves are the lines of coordinates u, v in which both are lengths along them. These are
     found all at once,
@@ -30,7 +35,8 @@ def chebyshev_net(field: DirectionField, spacing: float) -> Optional[list[list[T
     .. math:: \min_{u, v} \int (\partial_1 u - 1)^2 + (\partial_2 u)^2 + (\partial_2 v - 1)^2 + (\partial_1 v)^2,
 
     with derivatives along the two asymptotic directions, so that what a mesh is off by is shared out over the surface and does not add up
-    from curve to curve, as it does where each is traced by itself.
+    from curve to curve, as it does where each is traced by itself. Directions of a mesh are known less well than its lengths: they are
+    taken anew from the lines found, until the sides are equal.
 
     Parameters
     ----------
@@ -38,32 +44,47 @@ def chebyshev_net(field: DirectionField, spacing: float) -> Optional[list[list[T
         Of a region.
     spacing
         Between curves, along those that they cross [L].
+    K
+        Of the surface, below 0 [1/L²].
 
     Returns
     -------
-    list of two lists of Traced, or None
-        Where the region has a hole, or directions only in a part of it.
+    tuple of a float and two lists of Traced, or None
+        None where the region has a hole, no directions in most of it, or such as turn about.
 
     References
     ----------
     Chebyshev 1878; Eisenhart, *A treatise on the differential geometry of curves and surfaces* (1909), section 120.
     """
-    directions = _combed(field) if opens_to_disks(field.faces) else None
+    directions = _combed(field, K) if opens_to_disks(field.faces) else None
     if directions is None:
         return None
-    return [_lines(field, _coordinate(field, *pair), spacing) for pair in (directions[::-1], directions)]
+    directions, values, off = _coordinates(field, directions)
+    for _ in range(ROUNDS):
+        if off < EQUAL:
+            break
+        directions, values, off = _coordinates(field, directions)
+    return off, [_lines(field, each, spacing) for each in values]
 
 
-def _combed(field: DirectionField) -> Optional[tuple[FloatArray, FloatArray]]:
+def _coordinates(field: DirectionField, directions: Pair) -> tuple[Pair, Pair, float]:
+    """Return the directions (m, 2) of the lines of both coordinates, the coordinates (n,) [L], and what lengths in a face are off by."""
+    first, second = directions
+    u, v = _coordinate(field, second, first), _coordinate(field, first, second)
+    along = _along(field, u, first), _along(field, v, second)
+    return along, (u, v), max(float(np.abs(_derivatives(field, d) @ c - 1.0).max()) for d, c in zip(along, (v, u)))
+
+
+def _combed(field: DirectionField, K: float) -> Optional[Pair]:
     """Return the asymptotic directions of both families in the axes of every face (m, 2), each family pointing one way all over."""
     S = field.operators[field.faces].mean(axis=1)
     x, y = field.axes.transpose(1, 0, 2)
     a, b, c = (np.einsum("fi,fij,fj->f", p, S, q) for p, q in ((x, x), (x, y), (y, y)))
     half, difference = 0.5 * (a + c), 0.5 * (a - c)
-    spread = np.hypot(difference, b)
-    if not (np.abs(half) < spread).all():
+    if not np.median(half**2 - np.hypot(difference, b) ** 2) < 0.0:
         return None
-    largest, aside = 0.5 * np.arctan2(b, difference), 0.5 * np.arccos(-half / spread)
+    # Fits beside free edges are off by more than others, some as far as K > 0: what K is there is known.
+    largest, aside = 0.5 * np.arctan2(b, difference), 0.5 * np.arccos(-half / np.sqrt(half**2 - K))
     mate = field.mate.ravel()
     side = np.flatnonzero(mate >= 0)
     face, beyond = side // 3, mate[side] // 3
@@ -82,6 +103,13 @@ def _combed(field: DirectionField) -> Optional[tuple[FloatArray, FloatArray]]:
             return None
         found.append(sign[:, None] * flat)
     return found[0], found[1]
+
+
+def _along(field: DirectionField, values: PerVertex, directions: FloatArray) -> FloatArray:
+    """Return the directions (m, 2) of the lines along which a coordinate (n,) stays the same, on the side of others (m, 2)."""
+    x, y = (_derivatives(field, np.broadcast_to(axis, directions.shape)) @ values for axis in np.eye(2))
+    lines = np.column_stack([-y, x]) * np.sign(x * directions[:, 1] - y * directions[:, 0])[:, None]
+    return lines / np.maximum(np.hypot(x, y), np.finfo(float).tiny)[:, None]
 
 
 def _derivatives(field: DirectionField, directions: FloatArray) -> sparse.csr_matrix:

@@ -20,9 +20,11 @@ from ...meshing import vertex_labels
 from ...model.given import checked_number
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ..shape_operators import DEGREE
 from ..shape_operators import shape_operators
 from ..solved import chosen_regions
 from ..solved import solved_problem
+from .chebyshev import EQUAL
 from .chebyshev import chebyshev_net
 from .crossings import arc_lengths_of
 from .crossings import bow_of
@@ -44,6 +46,7 @@ SHARE = 1.0 / 12.0  # of a region's size, between curves
 STOP = 0.5  # of the spacing, nearer than which lines of curvature do not run beside each other
 FLAT = 1e-9  # K against one over the area, below which a region counts as flat
 PLAIN = 0.02  # of the largest curvature of a developable region, below which it is plain there and has no rulings
+DEGREES = (4, 3, 2)  # of the polynomials that a net of equal sides begins with: rougher meshes want the lower ones
 PLANE = 1e-4  # curvature times size, below which a region is a plane
 ROUND = 1e-3  # difference of the principal curvatures, against their mean, below which a region is a sphere
 
@@ -228,7 +231,10 @@ def curve_net(
     empty: list[str] = []
     for region in chosen:
         own = np.flatnonzero(label == region)
-        kind = _kind(problem, region, targets[region], own)
+        K = targets[region]
+        if K is None:
+            raise CGCError(f"region {region} has no one target K, by which curves are chosen; set it and solve first")
+        kind = _kind(problem, K, own)
         field = _field(problem, region, own, kind == RULING)
         size = _size(problem, own)
         step = spacing or size * SHARE
@@ -236,7 +242,7 @@ def curve_net(
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
-            equal = chebyshev_net(field, step) if kind == ASYMPTOTIC else None
+            equal = _equal_net(problem, region, own, step, K) if kind == ASYMPTOTIC else None
             traced = grown_net(field, kind, step, size, stop) if equal is None else equal
         else:
             traced = curves_through(field, kind, points, _supports_of(problem, region, through))
@@ -279,9 +285,7 @@ def _size(problem: CGCProblem, faces: IntArray) -> float:
     return float(np.linalg.norm(np.ptp(problem.vertices[problem.faces[faces]].reshape(-1, 3), axis=0)))
 
 
-def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArray) -> int:
-    if target is None:
-        raise CGCError(f"region {region} has no one target K, by which curves are chosen; set it and solve first")
+def _kind(problem: CGCProblem, target: float, own: IntArray) -> int:
     corners = problem.vertices[problem.faces[own]]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
     if abs(target) * area < FLAT:
@@ -289,8 +293,20 @@ def _kind(problem: CGCProblem, region: int, target: Optional[float], own: IntArr
     return CURVATURE if target > 0 else ASYMPTOTIC
 
 
-def _field(problem: CGCProblem, region: int, own: IntArray, ruled: bool) -> DirectionField:
-    S = shape_operators(problem.vertices, problem.faces[own]).operators
+def _equal_net(problem: CGCProblem, region: int, own: IntArray, spacing: float, K: float) -> Optional[list[list[Traced]]]:
+    """Return the net of equal sides of a region of K < 0, or None where it has no coordinates for one."""
+    best: Optional[tuple[float, list[list[Traced]]]] = None
+    for degree in DEGREES:
+        found = chebyshev_net(_field(problem, region, own, False, degree), spacing, K)
+        if found is not None and (best is None or found[0] < best[0]):
+            best = found
+        if best is not None and best[0] < EQUAL:
+            break
+    return None if best is None else best[1]
+
+
+def _field(problem: CGCProblem, region: int, own: IntArray, ruled: bool, degree: int = DEGREE) -> DirectionField:
+    S = shape_operators(problem.vertices, problem.faces[own], degree).operators
     if not np.isfinite(S[problem.faces[own]]).all():
         raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
     # Elsewhere nobody looks.
