@@ -6,9 +6,12 @@ import json
 import os
 from typing import Union
 
-from ..errors import CGCError
+import numpy as np
+
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
+from ..fabrication.dxf import new_document
+from ..fabrication.dxf import show_all
 from ..fabrication.plain_data import build_data
 from ._files import suffix_among
 from ._files import written
@@ -60,15 +63,12 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
 
 
 def _write_dxf(path: str, net: CurveNet) -> None:
-    try:
-        from ezdxf import filemanagement
-    except ImportError:
-        raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
-    document = filemanagement.new("R2010")
+    document = new_document(net.problem.drawing.units)
     space = document.modelspace()
     for curve in net.curves:
         layer = f"{plural(curve.kind)} {curve.family + 1}".upper().replace(" ", "_")
         if layer not in document.layers:
             document.layers.add(layer)
         space.add_polyline3d(curve.points.tolist(), dxfattribs={"layer": layer})
+    show_all(document, np.vstack([curve.points for curve in net.curves]))
     document.saveas(path)

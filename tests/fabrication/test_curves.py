@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from compas_cgc import solve
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication.shape_operators import shape_operators
 from compas_cgc.io.nets import write_net
+from compas_cgc.model.problem import Drawing
 
 from ..support.constant_curvature import cone
 from ..support.constant_curvature import revolved_patch
@@ -188,7 +190,7 @@ def test_curves_do_not_depend_on_where_a_surface_stands():
 
 @pytest.mark.parametrize("suffix", [".3dm", ".dxf", ".json"])
 def test_files_hold_the_curves(suffix, tmp_path):
-    net = curve_net(patch(12, -0.02), 1.0)
+    net = curve_net(replace(patch(12, -0.02), drawing=Drawing(units="Millimeters")), 1.0)
     path = tmp_path / f"net{suffix}"
     write_net(path, net)
     if suffix == ".json":
@@ -196,7 +198,10 @@ def test_files_hold_the_curves(suffix, tmp_path):
     elif suffix == ".dxf":
         ezdxf = pytest.importorskip("ezdxf")
         document = ezdxf.readfile(path)
-        assert not document.audit().errors
+        assert not document.audit().errors and document.header["$INSUNITS"] == 4
+        shown = np.array([document.header["$EXTMIN"], document.header["$EXTMAX"]])
+        points = np.vstack([curve.points for curve in net.curves])
+        assert np.allclose(shown, [points.min(axis=0), points.max(axis=0)])
         found = [len(line) for line in document.modelspace().query("POLYLINE")]
         assert {line.dxf.layer for line in document.modelspace()} == {"ASYMPTOTIC_CURVES_1", "ASYMPTOTIC_CURVES_2"}
     else:

@@ -362,6 +362,12 @@ def read_dxf(path):
     assert not document.audit().errors
     space = document.modelspace()
     lines = [np.array([point[:2] for point in line.get_points()]) for line in space.query('LWPOLYLINE[layer=="OUTLINE"]')]
+    # It opens on all that there is.
+    low, high = np.array([document.header["$EXTMIN"], document.header["$EXTMAX"]])[:, :2]
+    view = document.viewports.get("*Active")[0].dxf
+    everything = np.vstack([list(line.vertices()) for line in space.query("LWPOLYLINE")])
+    assert (low <= everything.min(axis=0) + 1e-9).all() and (everything.max(axis=0) <= high + 1e-9).all()
+    assert np.allclose(tuple(view.center)[:2], 0.5 * (low + high)) and max(high - low) < view.height < 1.2 * max(high - low)
     return lines, [text.dxf.text for text in space.query("TEXT")]
 
 
