@@ -19,6 +19,7 @@ from .write import LayerWriter
 __all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
 
 NURBS = "CGC::NURBS"
+ASTRAY = 0.01  # of K, from which on a surface is farther from it than it should be
 OFF = 4e-5  # of the size of the mesh: what a surface may be off its vertices for the sake of its K
 
 
@@ -31,7 +32,8 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     for region in range(label.max(initial=-1) + 1):
         faces = problem.faces[label == region]
         try:
-            fit = fit_region(problem.vertices, faces, K=_target(problem, faces), within=within)
+            target = _target(problem, faces)
+            fit = fit_region(problem.vertices, faces, K=target, within=within)
         except MeshError as error:
             notes.append(f"region {region} was not fitted: {error}")
             continue
@@ -41,8 +43,17 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
         for edge in fit.edges:
             writer.polyline(edge, writer.attributes(layer, f"edge of region {region}", {"region": str(region)}))
         cut = "; it overhangs, cut it along the edge curves beside it (Rhino: Split)" if fit.edges else ""
-        notes.append(f"region {region} as NURBS: K {K:.4g} (median), within {fit.deviation:.2g}{unit} of the mesh{cut}")
+        notes.append(f"region {region} as NURBS: K {K:.4g} (median){_off(fit, target)}, within {fit.deviation:.2g}{unit} of the mesh{cut}")
     return notes
+
+
+def _off(fit: FittedSurface, target: Optional[float]) -> str:
+    """Return how far the K of a surface is from that asked for, and what helps where that is more than it should be."""
+    if not target:
+        return ""
+    off = float(np.median(np.abs(fit.gaussian / target - 1.0)))
+    # Between its vertices a mesh has its K to the square of its edges only, saddles between domes to less.
+    return f", {100 * off:.2g} % off in the median" + ("; a finer mesh has it nearer" if off > ASTRAY else "")
 
 
 def _target(problem: CGCProblem, faces: IntArray) -> Optional[float]:

@@ -20,6 +20,8 @@ from compas_cgc.analysis.nurbs import has_four_sides
 from compas_cgc.errors import MeshError
 from compas_cgc.io.rhino.nurbs_layer import nurbs_surface
 
+from ...support.roofs import nine_regions
+
 ROOF = Path(__file__).parents[3] / "examples" / "nine_regions.3dm"
 
 
@@ -61,7 +63,7 @@ def test_nine_regions_are_written_side_by_side(tmp_path):
     result = solve(read(ROOF))
     path = tmp_path / "roof.3dm"
     notes = write(path, result, source=ROOF, nurbs=True)
-    assert len(notes) == 9 and all("as NURBS" in note for note in notes)
+    assert len(notes) == 9 and all("as NURBS" in note and "% off in the median" in note for note in notes)
     archive = rhino3dm.File3dm.Read(str(path))
     layers = {layer.Index: layer.FullPath for layer in archive.Layers}
     drawn = [one for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS"]
@@ -72,6 +74,12 @@ def test_nine_regions_are_written_side_by_side(tmp_path):
         assert float(one.Attributes.GetUserString("K")) == pytest.approx(wanted, rel=0.03)
     again = write(path, result, source=path, nurbs=True)
     assert len(again) == 9 and len(rhino3dm.File3dm.Read(str(path)).Objects) == len(archive.Objects)
+
+
+def test_a_surface_whose_k_is_off_asks_for_a_finer_mesh(tmp_path):
+    """A saddle between domes: between its vertices a coarse mesh has another K."""
+    notes = write(tmp_path / "saddle.3dm", solve(nine_regions(18, centre=-0.01)), nurbs=True)
+    assert ["a finer mesh has it nearer" in note for note in notes] == [region == 4 for region in range(9)]
 
 
 def test_the_k_of_the_surface_is_fitted_within_a_hairs_breadth_of_the_vertices():
