@@ -15,10 +15,12 @@ from .development import Development
 from .fitting import Fit
 from .flattening import LONG
 from .flattening import STRAIN
+from .flattening import strain_of_width
 from .flattening import widest_panel
 from .materials import Material
 from .mould_surface import Surface
 from .panelling import Panel
+from .pieces import best_box
 
 __all__ = ["Mould", "MouldReport", "PanelFit"]
 
@@ -65,6 +67,13 @@ class PanelFit:
     faces: Faces  # (f, 3) of the panel, turned over where it is hollow
     on_mould: Vertices  # (p, 3) places of its vertices in space on the mould, whose pole is at the origin [L]
     into_place: Fit  # the rigid motion from there that comes nearest to its place
+
+    @property
+    def width(self) -> float:
+        """Shorter side of the smallest rectangle around it in its mean plane [L]."""
+        away = self.vertices - self.vertices.mean(axis=0)
+        box = best_box(away @ np.linalg.svd(away, full_matrices=False)[2][:2].T, (math.inf, math.inf))
+        return min(box.length, box.width)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures, ready for JSON."""
@@ -156,9 +165,11 @@ class MouldReport:
             )
         if mould.K:
             wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG)
+            widths = [fit.width for fit in own]
+            strains = [100 * strain_of_width(mould.K, width) for width in widths]
             lines.append(
                 f"  flat sheets strained by {100 * STRAIN:g} % instead are at most {wide:.3g} wide if square, sqrt(24 strain / |K|); "
-                f"long ones {strip:.3g}"
+                f"long ones {strip:.3g}; these, {_spread(widths)} wide, would be strained by some {_spread(strains)} %"
             )
         return lines
 

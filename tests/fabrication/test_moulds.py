@@ -16,8 +16,10 @@ from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.fabrication import MATERIALS
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
+from compas_cgc.fabrication import widest_panel
 from compas_cgc.fabrication.caps import smallest_cap
 from compas_cgc.fabrication.fitting import rigid_fits
+from compas_cgc.fabrication.flattening import flatten
 from compas_cgc.fabrication.materials import bending_stress
 from compas_cgc.fabrication.mould_surface import cap_mesh
 from compas_cgc.fabrication.mould_surface import surface_for
@@ -272,6 +274,19 @@ def test_one_mould_for_every_k_and_every_panel_fits(roof):
     assert worst.stress == pytest.approx(70e3 * 0.006 * worst.change / (2 * (1 - 0.23**2)))
     assert "144 panels on 2 moulds, edges as chords" in str(report)
     assert json.loads(json.dumps(report.to_dict()))["moulds"][1]["K"] == -0.01
+
+
+def test_panels_flattened_are_strained_by_the_rule_for_their_own_width():
+    """They are divided in plan: on the roof they are longer than that along one side, and askew."""
+    roof = solve(nine_regions(48), settings={"measure": "exact"})
+    report = moulds(roof, panels(roof, 2.5))
+    widest = max(fit.width for fit in report.panels)
+    assert 2.2 < min(fit.width for fit in report.panels) < widest < 2.9
+    for fit in report.panels:
+        used, faces = np.unique(fit.faces, return_inverse=True)
+        strain = flatten(fit.vertices[used], faces.reshape(-1, 3)).largest
+        assert fit.width == pytest.approx(widest_panel(0.01, strain), rel=0.1)
+    assert f"{widest:.2g} wide, would be strained by some" in str(report)
 
 
 def test_cut_panels_are_congruent_to_their_parts_of_the_mould(roof):
