@@ -76,6 +76,14 @@ def test_the_net_of_a_saddle_on_an_irregular_mesh_has_equal_sides(n, seed):
     assert np.abs(net.lengths - 1.0).max() < 0.02
 
 
+def test_a_net_through_points_has_no_spacing_to_hold_its_sides_against():
+    problem = patch(12, -0.02)
+    middle = np.argsort(np.linalg.norm(problem.vertices - problem.vertices.mean(axis=0), axis=1))
+    net = curve_net(problem, 0.5, through=problem.vertices[middle[[0, 8]]])
+    assert net.spacing is None and len(net.sides) > 0
+    assert "of the spacing" not in str(net)
+
+
 def test_around_a_hole_asymptotic_curves_are_traced_one_by_one():
     """A ring of the catenoid-like surface of K = -0.02 has no coordinates all around: what is traced has nearly equal sides."""
     K, r0, around, rows = -0.02, 4.0, 60, 15

@@ -257,7 +257,7 @@ def curve_net(
         curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
     if not curves:
         raise CGCError("; ".join(empty))
-    one = spacing or (step if len(chosen) == 1 else None)
+    one = None if points is not None else spacing or (step if len(chosen) == 1 else None)
     return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
 
 
