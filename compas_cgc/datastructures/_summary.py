@@ -77,9 +77,7 @@ def _covered(problem: CGCProblem, drawn: Optional[FloatArray]) -> str:
     if np.linalg.norm(plan) <= FACING * np.linalg.norm(before, axis=1).sum():
         return ""
     share = float(after.sum(axis=0) @ plan / (plan @ plan))
-    return (
-        "" if KEPT[0] <= share <= KEPT[1] else f", over {100 * share:.0f} % of the plan that was drawn (a K nearer to 0 keeps more)"
-    )
+    return "" if KEPT[0] <= share <= KEPT[1] else f", over {100 * share:.0f} % of the plan that was drawn (a K nearer to 0 keeps more)"
 
 
 def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
