@@ -130,7 +130,7 @@ class CurveNet:
     lengths
         (s,) of the sides, along the curve [L].
     notes
-        Sentences on regions without curves.
+        Sentences on regions without curves, or without a net of equal sides.
 
     Examples
     --------
@@ -147,7 +147,7 @@ class CurveNet:
     nodes: Vectors  # (k, 3) where curves of two families cross [L]
     sides: IntArray  # (s, 2) nodes that follow each other along a curve
     lengths: FloatArray  # (s,) of the sides, along the curve [L]
-    notes: tuple[str, ...] = ()  # sentences on regions without curves
+    notes: tuple[str, ...] = ()  # sentences on regions without curves, or without a net of equal sides
 
     def summary(self) -> str:
         """Return the counts, how equal the sides are and how straight rulings are, in lines."""
@@ -228,7 +228,7 @@ def curve_net(
     nodes, sides, lengths = [np.zeros((0, 3))], [np.zeros((0, 2), np.int64)], [np.zeros(0)]
     points = _points(problem, through)
     step = spacing
-    empty: list[str] = []
+    notes: list[str] = []
     for region in chosen:
         own = np.flatnonzero(label == region)
         K = targets[region]
@@ -239,16 +239,23 @@ def curve_net(
         size = _size(problem, own)
         step = spacing or size * SHARE
         check_spacing(size, step, region)
+        equal: Optional[list[list[Traced]]] = None
         if _is_flat(field, size) or (kind == CURVATURE and _is_round(field)):
             traced: list[list[Traced]] = [[], []]
         elif points is None:
-            equal = _equal_net(problem, region, own, step, K) if kind == ASYMPTOTIC else None
+            if kind == ASYMPTOTIC:
+                equal = _equal_net(problem, region, own, step, K)
             traced = grown_net(field, kind, step, size, stop) if equal is None else equal
         else:
             traced = curves_through(field, kind, points, _supports_of(problem, region, through))
         if not any(traced):
-            empty.append(f"region {region} has no {NAMES[kind]} to trace{_why(field, kind, size)}")
+            notes.append(f"region {region} has no {NAMES[kind]} to trace{_why(field, kind, size)}")
             continue
+        if kind == ASYMPTOTIC and points is None and equal is None:
+            notes.append(
+                f"region {region} has no net of equal sides, as around a hole or a point where more than two asymptotic curves meet: "
+                "its curves are traced one by one"
+            )
         first = sum(map(len, nodes))
         places, pairs, along = crossings(field, traced)
         nodes.append(places)
@@ -256,9 +263,9 @@ def curve_net(
         lengths.append(along)
         curves += [_curve(region, kind, family, curve, own) for family in (0, 1) for curve in traced[family]]
     if not curves:
-        raise CGCError("; ".join(empty))
+        raise CGCError("; ".join(notes))
     one = None if points is not None else spacing or (step if len(chosen) == 1 else None)
-    return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(empty))
+    return CurveNet(problem, one, curves, np.vstack(nodes), np.vstack(sides), np.concatenate(lengths), tuple(notes))
 
 
 def usual_spacing(problem: CGCProblem, region: int) -> float:
