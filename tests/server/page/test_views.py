@@ -113,10 +113,20 @@ def test_all_views(server, tmp_path, browser, width, dark):
         hands.click("#solve")
         solved()
         look("limit")
+        hands.fill("[name=rise]", "-40")
+        hands.click("#solve")
+        solved("bad")
+        top = hands.read("return document.querySelector('.verdict h2').getBoundingClientRect().top")
+        assert 0 <= top < 860, "bad news are out of sight"
+        look("bad")
+        hands.click("#undo")
+        hands.click("#solve")
+        solved()
         for task in ("mould", "membrane", "net"):
             hands.click(f"#make-tabs [value={task}] + span")
             hands.click("#make")
             wait_for(lambda: hands.text("#make-said") and "…" not in hands.text("#make-said"), what=f"{task} is not made")
+            assert hands.shown("#make-files"), (task, hands.text("#make-said"))
             look(task)
 
         # What unrolls, with its flat pieces.

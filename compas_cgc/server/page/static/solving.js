@@ -182,6 +182,7 @@ export class Solving {
     this.verdict.show(result, model);
     const drawn = this.charts.end(result.history);
     this.rest({ downloads: true, making: result.status !== 'cancelled', course: drawn });
+    if (result.status !== 'converged') this.heard();
     this.studio.stepped();
   }
 
@@ -189,6 +190,12 @@ export class Solving {
   failed(message, stopped = false) {
     this.verdict.fail(message, this.result !== null, stopped);
     this.rest({ downloads: false, making: false, course: false });
+    this.heard();
+  }
+
+  /** Bring bad news into sight: on a narrow screen they may be far from the button that was pressed. */
+  heard() {
+    $('verdict').scrollIntoView({ block: 'nearest' });
   }
 
   rest(shown) {

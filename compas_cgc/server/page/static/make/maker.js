@@ -8,6 +8,7 @@ import { drawSheets } from './sheets.js';
 
 const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net' };
 const LEFT = ['rough', 'regions', 'seams', 'through', 'nodes', 'along']; // options for scripts
+const FIRST = { pressure: 1 }; // forces are those of a load: one to begin with
 const SUFFIXES = { arrays: 'json' };
 
 /** The section of the results that builds. */
@@ -70,7 +71,7 @@ export class Maker {
     this.clear();
     this.room.querySelector('#make-text').textContent = this.task.text;
     const shown = this.task.options.filter(({ name }) => !LEFT.includes(name));
-    this.room.querySelector('#make-options').replaceChildren(...shown.map((option) => labelled(option)));
+    this.room.querySelector('#make-options').replaceChildren(...shown.map((option) => labelled(option, FIRST[option.name])));
   }
 
   /** Take away what is shown of the last. */
