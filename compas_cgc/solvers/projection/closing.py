@@ -33,6 +33,7 @@ SOFT = (1e-9, 1e-7, 1e-5)  # weights of the metric in the matrix, against that o
 ROUNDS = 20  # of refinement with factors for another shape
 SLOW = 0.9  # part of the residual left by one, from which new factors are made
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much
+HOPELESS = 0.9  # of the right side, left by a move that is not worth its step: along asymptotic lines K is mended by moves in the surface
 TINY = 1e-300
 
 
@@ -136,8 +137,10 @@ class _Direct(LeastNorm):
         self.preconditioner = None
 
     def cheapest(self, right: FloatArray, tolerance: float, floor: float = 0.0) -> Cheapest:
-        """Return the cheapest move across that fulfils ``J dz = right``."""
+        """Return the cheapest move across that fulfils ``J dz = right``, no numbers where moves across hardly do anything for it."""
         heights, multipliers, missing = self._least(np.zeros(self.J.shape[1] // 3), right, max(tolerance, LEAST), floor)
+        if norm(missing) > HOPELESS * norm(right):
+            heights = np.full_like(heights, np.nan)
         return Cheapest(self.metric.lifted(heights), multipliers, missing)
 
     def without_effect(self, gradient: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:

@@ -135,7 +135,8 @@ def _exactly(system: System, near: System, equations: CurvatureEquations, here: 
             if taken.length < SHORT:
                 break
             yield taken._replace(equations=exact)
-            if _is_met(system, exact, system.at(taken.vertices, exact), settings):
+            here = system.at(taken.vertices, exact)
+            if _is_met(system, exact, here, settings):
                 return
     yield from exactly(system, equations, settings.measure, here.vertices)
 
