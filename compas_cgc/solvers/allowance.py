@@ -12,11 +12,12 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .settings import Settings
 
-__all__ = ["FLOW_STEP", "Allowance"]
+__all__ = ["AS_MEANT", "DRAWN", "FLOW_STEP", "Allowance"]
 
 # Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
 EACH, ALL = 16_500, 20_000
 DRAWN = 8000  # of them for a search from a drawn shape, which it has lost by then: smoothed, the drawing leads there sooner
+AS_MEANT = 7000  # for that, so that enough is left to smooth what it comes to
 REASONS = 2500  # more of them for a search for why there is none
 FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
@@ -57,9 +58,9 @@ class Allowance:
         """Whether nothing is left."""
         return self._left <= 0.0
 
-    def solved(self, run: Callable[[], Optional[Solution]], drawn: bool = False) -> Optional[Solution]:
-        """Return what a run, from a drawn shape or another, comes to within the work that it may take, None where that is nothing."""
-        granted = min(self._left, (DRAWN if drawn else EACH) * self._unit)
+    def solved(self, run: Callable[[], Optional[Solution]], most: float = math.inf) -> Optional[Solution]:
+        """Return what a run comes to within the work that it may take, at most so much, None where that is nothing."""
+        granted = min(self._left, min(EACH, most) * self._unit)
         work = Work(granted if self._left < math.inf else math.inf)
         with work.counted():
             solution = run()

@@ -19,6 +19,8 @@ from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.verdict import verdict
+from .allowance import AS_MEANT
+from .allowance import DRAWN
 from .allowance import Allowance
 from .anew import solved_anew
 from .choices import FLOW
@@ -115,13 +117,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "edges":
             found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
         elif choice.start == "meant":
-            found = allowed.solved(partial(solved_as_drawn, problem, run))
+            found = allowed.solved(partial(solved_as_drawn, problem, run), *([AS_MEANT] if choice is LOST else []))
         elif choice.start == "smoothed":
             found = allowed.solved(partial(solved_smoothed, problem, _nearest(rough, tried), run))
         elif choice.start == "turned":
             found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
-            found = allowed.solved(partial(run, posed), drawn=LOST in choices and not tried)
+            found = allowed.solved(partial(run, posed), *([DRAWN] if LOST in choices and not tried else []))
         if found is None:
             continue
         solution = found
