@@ -31,6 +31,7 @@ ON = 1e-4  # residual, against the curvature asked for, that is on them
 SETTLED = 1e-7  # longest move, against the size of the mesh, that is none
 POINTLESS = 3e-3  # decrease, against the energy, that is not worth steps that have to be cut back
 AIMLESS = 0.5  # of a step, against the one before, that has not come nearer, where the energy is settled
+FLAT = 1e-12  # energy, the square of bending over the size of the mesh, that is none: multipliers of equations that say nothing lead off
 ROUNDING = 1e-4  # step, against the root of the energy, whose decrease drowns in rounding
 
 
@@ -58,6 +59,8 @@ def refine(system: System, equations: CurvatureEquations, reached: Reached, enou
         system = system.renewed(here, equations, multipliers)
         linear = system.linearised(here, equations, kept)
         model = QuadraticModel(system, equations, linear, here, multipliers)
+        if model.energy <= FLAT:
+            break
         kept = linear.kept
         scale = math.sqrt(max(model.energy, 0.0))
         radius = radius or max(model.slope, FIRST * scale)
