@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from ._least_squares import substituted
 from ._local_fits import COLUMNS
 from ._local_fits import Fit
 from ._local_fits import _powers
 from ._local_fits import corners_of
 from ._local_fits import fan_corners
 from ._local_fits import fits_around
-from ._local_fits import substituted
 from ._local_fits import told
 from .arrays import Faces
 from .arrays import FloatArray

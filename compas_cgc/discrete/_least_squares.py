@@ -1,80 +1,82 @@
-"""Compiled least squares of polynomials over the tangent planes of vertices."""
+"""Least squares of polynomials over the tangent planes of many vertices at once."""
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
-from .._compiled import kernel
-from ._cholesky import solve_in_place
+import numpy as np
+
+from ._cholesky import SOFT
 from .arrays import FloatArray
-from .arrays import IntArray
+from .arrays import Mask
 
-__all__ = ["CENTRED", "least_squares"]
+__all__ = ["CENTRED", "Polynomials", "least_squares", "substituted"]
 
 CENTRED = 0.2  # what a point's squared distance, against the farthest, is added to in its weight
 
 
-@kernel()
-def least_squares(
-    places: FloatArray,
-    count: IntArray,
-    degree: int,
-    weighted: FloatArray,
-    factor: FloatArray,
-    heights: FloatArray,
-    lifted: FloatArray,
-    squares: FloatArray,
-    M: FloatArray,
-    r: FloatArray,
-    own: FloatArray,
-) -> None:
-    """Fit a polynomial to the `places` (3, k, c) around each of some vertices, and fill the arrays from `weighted` on as `Fit` has them.
+class Polynomials(NamedTuple):
+    """What the least squares around some vertices (k,) found, the monomials without the constant."""
 
-    Of the points only the first `count` (k,) of a vertex count; where there is one unknown more than monomials, the
-    last is the height of the polynomial over the vertex. `M` (t, t), `r` (t,) and `own` (t,) are room to work in.
+    factor: FloatArray  # (t, t, k) of the least squares, below the diagonal and on it
+    heights: FloatArray  # (k, t) what the monomials are taken times
+    lifted: FloatArray  # (k, c) heights of the polynomials over the points, the constant left out, zero at what fills rings up
+    squares: FloatArray  # (k, 2) sums of the squares of the points' distances from the polynomials, and of their quadratic parts
+
+
+def least_squares(places: FloatArray, there: Mask, degree: int, weighted: FloatArray) -> Polynomials:
+    """Fit a polynomial of some degree to the `places` (3, k, c) around each of some vertices, of which those count that are `there` (k, c).
+
+    Into `weighted` (k, t, c) go the monomials times the roots of the weights; where it has one row more than there are monomials,
+    the last unknown is the height of the polynomial over the vertex.
     """
+    u, v, w = places
     terms = degree * (degree + 3) // 2
-    unknowns = heights.shape[1]
-    for i in range(places.shape[1]):
-        for k in range(unknowns):
-            r[k] = 0.0
-            for m in range(unknowns):
-                M[k, m] = 0.0
-        if unknowns > terms:
-            M[terms, terms] = 1.0 / CENTRED
-        for c in range(places.shape[2]):
-            u, v, w = places[0, i, c], places[1, i, c], places[2, i, c]
-            # By the roots of their weights, so that their products are those of the least squares.
-            root = 1.0 / math.sqrt(u * u + v * v + CENTRED) if c < count[i] else 0.0
-            own[unknowns - 1] = root
-            own[0], own[1] = u * root, v * root
-            first = 0
-            for d in range(2, degree + 1):
-                for m in range(d):
-                    own[first + d + m] = u * own[first + m]
-                own[first + 2 * d] = v * own[first + d - 1]
-                first += d
-            for k in range(unknowns):
-                weighted[i, k, c] = own[k]
-                r[k] += own[k] * root * w
-                for m in range(k + 1):
-                    M[k, m] += own[k] * own[m]
-        solve_in_place(M, r, unknowns, 0.0)
-        for k in range(unknowns):
-            heights[i, k] = r[k]
-            for m in range(unknowns):
-                factor[i, k, m] = M[k, m]
-        squares[i, 0] = squares[i, 1] = 0.0
-        over = r[terms] if unknowns > terms else 0.0
-        for c in range(count[i]):
-            whole = second = 0.0
-            for k in range(terms):
-                whole += r[k] * weighted[i, k, c]
-                if 2 <= k < 5:
-                    second += r[k] * weighted[i, k, c]
-            u, v, w = places[0, i, c], places[1, i, c], places[2, i, c]
-            root = math.sqrt(u * u + v * v + CENTRED)
-            lifted[i, c] = whole * root
-            off, bent = lifted[i, c] + over - w, second * root
-            squares[i, 0] += off * off
-            squares[i, 1] += bent * bent
+    length = np.sqrt(u * u + v * v + CENTRED)
+    # By the roots of their weights, so that their products are those of the least squares.
+    root = np.where(there, 1.0 / length, 0.0)
+    weighted[:, -1] = root
+    np.multiply(u, root, out=weighted[:, 0])
+    np.multiply(v, root, out=weighted[:, 1])
+    first = 0
+    for d in range(2, degree + 1):
+        np.multiply(u[:, None], weighted[:, first : first + d], out=weighted[:, first + d : first + 2 * d])
+        np.multiply(v, weighted[:, first + d - 1], out=weighted[:, first + 2 * d])
+        first += d
+    M = (weighted @ weighted.transpose(0, 2, 1)).transpose(1, 2, 0)
+    if weighted.shape[1] > terms:
+        M[terms, terms] += 1.0 / CENTRED
+    factor = _factored(M)
+    heights = substituted(factor, (weighted @ (root * w)[..., None])[..., 0])
+    lifted = _summed(heights[:, :terms], weighted[:, :terms]) * length
+    over = heights[:, terms:].sum(axis=1, keepdims=True)
+    off = np.where(there, lifted + over - w, 0.0)
+    bent = _summed(heights[:, 2:5], weighted[:, 2:5]) * length
+    squares = np.stack([np.einsum("kc,kc->k", sums, sums) for sums in (off, bent)], axis=1)
+    return Polynomials(factor, heights, lifted, squares)
+
+
+def substituted(factor: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the solutions (k, t) of systems with lower triangles (t, t, k) for factors."""
+    x = np.ascontiguousarray(right.T)
+    for k in range(len(x)):
+        x[k] = (x[k] - np.einsum("mk,mk->k", factor[k, :k], x[:k])) / factor[k, k]
+    for k in range(len(x) - 1, -1, -1):
+        x[k] = (x[k] - np.einsum("mk,mk->k", factor[k + 1 :, k], x[k + 1 :])) / factor[k, k]
+    return np.ascontiguousarray(x.T)
+
+
+def _factored(M: FloatArray) -> FloatArray:
+    """Return the Cholesky factors, below the diagonal and on it, of matrices (t, t, k); soft pivots are lifted."""
+    L = np.array(M, order="C")
+    least = SOFT * np.einsum("iik->k", L)
+    for j in range(len(L)):
+        L[j:, j] -= np.einsum("imk,mk->ik", L[j:, :j], L[j, :j])
+        L[j, j] = np.sqrt(np.maximum(L[j, j], least))
+        L[j + 1 :, j] /= L[j, j]
+    return L
+
+
+def _summed(heights: FloatArray, monomials: FloatArray) -> FloatArray:
+    """Return the sums (k, c) of monomials (k, t, c) times heights (k, t)."""
+    return (heights[:, None] @ monomials)[:, 0]

@@ -1,6 +1,6 @@
 """Polynomial fits around vertices, many at a time, and what they say about angle defects.
 
-Their least squares are compiled; all else is in NumPy, as for a first solve it would take as long to compile as everything else.
+All in NumPy: for a first solve their kernels would take as long to compile as everything else.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class Fit(NamedTuple):
     scale: FloatArray  # (k,) distance of the farthest [L]
     places: FloatArray  # (3, k, c) u, v and height
     weighted: FloatArray  # (k, t, c) monomials times the roots of the weights, a constant last where a polynomial is not pinned
-    factor: FloatArray  # (k, t, t) of the least squares, below the diagonal and on it
+    factor: FloatArray  # (t, t, k) of the least squares, below the diagonal and on it
     heights: FloatArray  # (k, t) what the monomials are taken times
     lifted: FloatArray  # (k, c) heights of the polynomials over the points, the constant left out, zero at what fills rings up
     squares: FloatArray  # (k, 2) sums of the squares of the points' distances from the polynomials, and of their quadratic parts
@@ -138,12 +138,10 @@ def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: I
     there = column < count[:, None]
     # What fills shorter rows up lies at the vertex itself.
     others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
-    k, c, t = len(rows), len(column), room.shape[1]
     places, scale = _places(V[others] - V[rows][:, None], frames)
-    factor, heights, lifted, squares = np.empty((k, t, t)), np.empty((k, t)), np.zeros((k, c)), np.empty((k, 2))
-    weighted = room[:k, :, :c]
-    least_squares(places, count, degree, weighted, factor, heights, lifted, squares, np.empty((t, t)), np.empty(t), np.empty(t))
-    return Fit(rows, group, around, frames, others, there, scale, places, weighted, factor, heights, lifted, squares, int(TERMS[degree]))
+    weighted = room[: len(rows), :, : len(column)]
+    found = least_squares(places, there, degree, weighted)
+    return Fit(rows, group, around, frames, others, there, scale, places, weighted, *found, int(TERMS[degree]))
 
 
 def _places(away: Vectors, frames: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -250,13 +248,3 @@ def _powers(u: FloatArray, v: FloatArray, degree: int) -> list[FloatArray]:
         level = [*(u * own for own in level), v * level[-1]]
         found = found + level
     return found
-
-
-def substituted(L: FloatArray, r: FloatArray) -> FloatArray:
-    """Return the solutions (k, t) of systems with lower triangles (k, t, t) for factors."""
-    x = r.copy()
-    for k in range(L.shape[1]):
-        x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k, :k], x[:, :k])) / L[:, k, k]
-    for k in range(L.shape[1] - 1, -1, -1):
-        x[:, k] = (x[:, k] - np.einsum("im,im->i", L[:, k + 1 :, k], x[:, k + 1 :])) / L[:, k, k]
-    return x
