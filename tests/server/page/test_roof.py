@@ -181,6 +181,48 @@ def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
     assert opened == pytest.approx(sorted([15.708, length]), rel=3e-3)
 
 
+def test_what_is_drawn_is_not_lost(server, tmp_path):
+    """Enter or another tool closes the outline and ends a fold; what cannot be read is said, and stays to be mended."""
+    with open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.click("#begin")
+        hands.click("#draw-field")
+        for text in ("0, 0", "10<0", "6<90"):
+            hands.type(f"{text}\n")
+        for text, said in (("0, 0", "a point already"), ("five", "a length such as 5")):
+            hands.type(f"{text}\n")
+            assert said in hands.text("#draw-hint") and hands.value("#draw-field") == text
+            hands.chord("a")
+        hands.type("10<180\n")
+        hands.type("\n")
+        wait_for(lambda: "Outline 10 × 6 m" in hands.text("#plan-list"), what="Enter does not close the outline")
+        for text in ("5, 0", "6<90"):
+            hands.type(f"{text}\n")
+        hands.click("#draw-tools [value=column] + span")
+        wait_for(lambda: "Fold 6 m" in hands.text("#plan-list"), what="the fold is lost with the tool")
+        hands.click("#draw-tools [value=line] + span")
+        hands.click("#draw-field")
+        for text in ("1, 1", "2<0"):
+            hands.type(f"{text}\n")
+        hands.read("document.getElementById('draw-field').dispatchEvent(new KeyboardEvent('keydown', {key: 'Escape', bubbles: true}))")
+        hands.click("#draw-tools [value=column] + span")
+        assert hands.read("return document.querySelectorAll('#plan-list li').length") == 2, "what is left by Escape is gone"
+
+
+def test_an_outline_that_crosses_itself_is_told_so(server, tmp_path):
+    with open_hands("chromium", tmp_path) as hands:
+        hands.open(f"{server.url}/#new")
+        hands.seen(".example")
+        hands.click("#begin")
+        hands.click("#draw-field")
+        for text in ("0, 0", "10, 0", "-10, 10", "10, 0"):
+            hands.type(f"{text}\n")
+        hands.type("\n")
+        hands.click("[name=mesh]")
+        wait_for(lambda: "area that can be meshed" in hands.text("#desk-trouble"), what="nothing is said")
+
+
 @pytest.mark.slow
 def test_the_tools_on_the_surface(server, tmp_path):
     """Points and sides are held, folds led and erased, by pointer and by keys; a section has its dimensions."""

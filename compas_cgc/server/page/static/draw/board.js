@@ -7,7 +7,7 @@ import { typedPoint } from './typed.js';
 
 const STILL = 5; // pixels that a click may move
 const HINTS = {
-  line: ['Click where the roof begins, or type a place such as 0, 0.', 'Click the next point, or type a length. The first point closes the line; Enter ends a fold.'],
+  line: ['Click where the roof begins, or type a place such as 0, 0.', 'Click the next point, or type a length; Enter closes the line.'],
   rectangle: ['Click a corner.', 'Click the opposite corner, or type both sides: 12, 8.'],
   circle: ['Click the centre.', 'Click the rim, or type the radius.'],
   column: ['Click where a column stands, or type its place.', ''],
@@ -15,7 +15,12 @@ const HINTS = {
   move: ['Drag points and columns; click a dimension to change it.', ''],
 };
 
-const ON = 'The outline is closed: make the surface, or click where a fold or a hole begins.';
+const ON = [
+  'The outline is closed: make the surface, or click where a fold or a hole begins.',
+  'Click the next point, or type a length. The first point closes a hole; Enter ends a fold.',
+];
+const UNREAD = ['Type a place such as 3, 4.', 'Type a length such as 5, one with its angle as in 5 < 30, or how far to go, as in 3, 4.'];
+const TWICE = 'There is a point already.';
 
 /** The board. */
 export class Board {
@@ -53,6 +58,7 @@ export class Board {
     this.hot = null;
     this.press = null;
     this.asking = null;
+    this.trouble = ''; // with what was typed
     this.typing.field.value = '';
   }
 
@@ -64,7 +70,15 @@ export class Board {
 
   /** @param {string} tool */
   choose(tool) {
+    // What was drawn with the tool before is not lost.
+    this.finish();
     this.reset(tool);
+    this.draw();
+  }
+
+  /** Leave what is being drawn. */
+  leave() {
+    this.reset(this.tool);
     this.draw();
   }
 
@@ -88,12 +102,15 @@ export class Board {
     if (!this.plan) return;
     const { draft, pointer, tool, hot } = this;
     this.ink.draw(this.plan, { draft, pointer, tool, hot, shape: this.shape(pointer?.at) });
-    const [begin, next] = HINTS[tool];
-    const first = tool === 'line' && rolesOf(this.plan).includes('outline') ? ON : begin;
-    this.typing.hint.textContent = this.asking ? 'Type the new length.' : draft.length ? next : first;
+    const [begin, next] = tool === 'line' && this.hasOutline() ? ON : HINTS[tool];
+    this.typing.hint.textContent = this.trouble || (this.asking ? 'Type the new length.' : draft.length ? next : begin);
     const places = !draft.length && !this.asking;
     this.typing.label.textContent = this.asking ? 'Length' : places ? 'Place' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
     this.typing.field.parentElement.hidden = (tool === 'move' || tool === 'hold') && !this.asking;
+  }
+
+  hasOutline() {
+    return rolesOf(this.plan).includes('outline');
   }
 
   /** Return the corners of the rectangle or circle that is being drawn. */
@@ -223,13 +240,14 @@ export class Board {
 
   // ---------------------------------------------------------- drawing
 
-  /** Put the next point. */
+  /** Put the next point; tell whether it was put. */
   put(at) {
     const point = at.map(tidy);
     const { draft, tool } = this;
+    this.trouble = '';
     if (tool === 'column') {
       this.change({ ...this.plan, columns: [...this.plan.columns, { x: point[0], y: point[1], height: 0 }] });
-      return;
+      return true;
     }
     const [first] = draft;
     const again = first && Math.hypot(point[0] - first[0], point[1] - first[1]) < 1e-9;
@@ -238,13 +256,16 @@ export class Board {
       const line = tool === 'circle' ? circle(first[0], first[1], Math.hypot(point[0] - first[0], point[1] - first[1])) : { points: shape, closed: true, held: [] };
       if (tool === 'circle' || (point[0] !== first[0] && point[1] !== first[1])) this.add(line);
     } else if (again && draft.length > 2) this.add({ points: draft, closed: true, held: [] });
-    else if (!draft.some(([x, y]) => Math.hypot(x - point[0], y - point[1]) < 1e-9)) this.draft = [...draft, point];
+    else if (draft.some(([x, y]) => Math.hypot(x - point[0], y - point[1]) < 1e-9)) return false;
+    else this.draft = [...draft, point];
     this.draw();
+    return true;
   }
 
-  /** End an open line. */
+  /** End a line: a fold, or the outline as long as there is none. */
   finish() {
-    if (this.tool === 'line' && this.draft.length > 1) this.add({ points: this.draft, closed: false, held: [] });
+    const { draft, tool } = this;
+    if (tool === 'line' && draft.length > 1) this.add({ points: draft, closed: draft.length > 2 && !this.hasOutline(), held: [] });
   }
 
   add(line) {
@@ -309,12 +330,15 @@ export class Board {
       return;
     }
     if (!value.trim()) {
+      this.trouble = '';
       this.finish();
       return;
     }
     const point = typedPoint(value, this.draft.at(-1) ?? null, this.pointer?.at ?? null);
-    this.typing.field.value = '';
-    if (point) this.put(point);
+    const put = point && this.put(point);
+    if (put) this.typing.field.value = '';
+    else this.trouble = point ? TWICE : UNREAD[this.draft.length ? 1 : 0];
+    this.draw();
   }
 
   /** Take back the last point; tell whether there was one. */
@@ -329,7 +353,7 @@ export class Board {
     if (event.key === 'Enter') {
       event.preventDefault();
       this.take();
-    } else if (event.key === 'Escape') this.choose(this.tool);
+    } else if (event.key === 'Escape') this.leave();
     else if (event.key === 'Backspace' && !this.typing.field.value) this.back();
   }
 
@@ -348,7 +372,7 @@ export class Board {
       this.zoomTo(middle, this.ink.toScreen(middle), event.key === '+' ? 1.2 : 1 / 1.2);
     } else if (event.key === 'f') this.ink.fit(boundsOf(this.plan));
     else if (event.key === 'Enter') this.finish();
-    else if (event.key === 'Escape') this.reset(this.tool);
+    else if (event.key === 'Escape') this.leave();
     else if (event.key === 'Backspace') this.back();
     else return;
     event.preventDefault();

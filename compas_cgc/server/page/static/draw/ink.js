@@ -48,9 +48,11 @@ export class Ink {
   fit(bounds) {
     const { x0, y0, x1, y1 } = bounds ?? { x0: -2, y0: -2, x1: 22, y1: 14 };
     const { width, height } = this.frame;
-    const [margin, floor] = [Math.min(90, 0.16 * width), 110];
-    const scale = Math.min((width - 2 * margin) / Math.max(x1 - x0, 1e-9), (height - 2 * floor) / Math.max(y1 - y0, 1e-9), 400 / Math.max(x1 - x0, y1 - y0, 1e-9) * 4);
-    this.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, scale: Math.max(1e-6, scale) };
+    // Above are the tools; below, in up to two lines where it is narrow, what can be typed.
+    const [margin, top, floor] = [Math.min(90, 0.16 * width), 90, width < 600 ? 140 : 110];
+    const fitting = Math.min((width - 2 * margin) / Math.max(x1 - x0, 1e-9), (height - top - floor) / Math.max(y1 - y0, 1e-9), 400 / Math.max(x1 - x0, y1 - y0, 1e-9) * 4);
+    const scale = Math.max(1e-6, fitting);
+    this.view = { x: (x0 + x1) / 2, y: (y0 + y1) / 2 - (floor - top) / 2 / scale, scale };
   }
 
   /**

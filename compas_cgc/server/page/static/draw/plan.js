@@ -85,7 +85,9 @@ export function boundsOf({ lines, columns }) {
 export function suggestedEdge(plan) {
   const outline = plan.lines[rolesOf(plan).indexOf('outline')];
   if (!outline) return null;
-  const length = Math.sqrt(areaOf(outline.points)) / NARROW;
+  // Where the outline crosses itself its parts may cancel each other: that is told when it is meshed.
+  const { x0, y0, x1, y1 } = boundsOf({ lines: [outline], columns: [] });
+  const length = (Math.sqrt(areaOf(outline.points)) || Math.hypot(x1 - x0, y1 - y0)) / NARROW;
   const decade = 10 ** Math.floor(Math.log10(length));
   const step = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find((each) => each * decade >= length * 0.93);
   return Number((step * decade).toPrecision(2));
