@@ -137,7 +137,10 @@ class MembraneState:
     def summary(self) -> str:
         """Return the forces in lines."""
         N1, N2 = self.forces.T
-        lines = [f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}, tension positive"]
+        lines = [
+            f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}, tension positive, "
+            "in force per length as the load is in force per area"
+        ]
         for kind, name in enumerate(("supports", "creases", "free edges")):
             load = np.linalg.norm(self.edge_loads.load[self.edge_loads.kind == kind], axis=1)
             if len(load):

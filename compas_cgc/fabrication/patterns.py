@@ -143,7 +143,7 @@ class Patterns:
         area, in_space = (in_square_metres(area, units) for area in (self.area, self.area_in_space))
         lines = [
             f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, "
-            f"area {area} m2, in space {in_space} m2 (to {abs(self.area / self.area_in_space - 1.0):.1e})"
+            f"area {area} m², in space {in_space} m² (to {abs(self.area / self.area_in_space - 1.0):.1e})"
         ]
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])

@@ -164,9 +164,13 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     loose = loose[~np.isin(loose, [v for loop in boundary_loops(F) for v in loop])]
     if len(loose):
         text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
-        remarks.append(f"a crease ends at vertices {listed(names[loose])}, inside of a region, {text}")
+        remarks.append(f"{_creases_end_at(names[loose])}, inside of a region, {text}")
     remarks += turns_about(problem)
     return [Diagnostic(text, fatal=False) for text in remarks]
+
+
+def _creases_end_at(names: IntArray) -> str:
+    return f"a crease ends at vertex {names[0]}" if len(names) == 1 else f"creases end at vertices {listed(names)}"
 
 
 def turns_about(problem: CGCProblem) -> list[str]:

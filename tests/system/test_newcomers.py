@@ -307,7 +307,7 @@ def test_arguments_that_do_not_fit_get_their_sentence(mistake):
 # What is no mistake in the end, and what is said all the same.
 REMARKS = {
     "upside down": (lambda: (lambda mesh: mesh.flip() or mesh)(posed()), "the normals point down, so the surface hangs"),
-    "a crease that ends inside": (lambda: creased(INSIDE), "a crease ends at vertices 22, 24, inside of a region"),
+    "a crease that ends inside": (lambda: creased(INSIDE), "creases end at vertices 22, 24, inside of a region"),
 }
 
 

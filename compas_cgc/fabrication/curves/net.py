@@ -20,6 +20,7 @@ from ...meshing import vertex_labels
 from ...model.given import checked_number
 from ...model.problem import CGCProblem
 from ...model.problem import PosesProblem
+from ..materials import metres_per_unit
 from ..shape_operators import DEGREE
 from ..shape_operators import shape_operators
 from ..solved import chosen_regions
@@ -151,11 +152,11 @@ class CurveNet:
 
     def summary(self) -> str:
         """Return the counts, how equal the sides are and how straight rulings are, in lines."""
-        lines = []
+        lines, metres = [], metres_per_unit(self.problem.drawing.units)
         for kind in NAMES.values():
             own = [curve for curve in self.curves if curve.kind == kind]
             if own:
-                text = f"{len(own)} {plural(kind) if len(own) > 1 else kind}, {sum(curve.length for curve in own):.6g} long together"
+                text = f"{len(own)} {plural(kind) if len(own) > 1 else kind}, {metres * sum(curve.length for curve in own):.6g} m long together"
                 if kind == NAMES[RULING]:
                     bow = np.array([curve.straightness for curve in own])
                     text += f", off their chords by {100 * np.median(bow):.2g} % (median), {100 * bow.max():.2g} % at most"

@@ -6,6 +6,7 @@ import { roundAbove } from './numbers.js';
 
 const ROOM = 1.5; // the darkest colours are for a K so much larger than any, or a surface of one K would be all dark
 const FINE = 1e-6; // errors below this part of the target are shown as none
+const ALIKE = 1e-4; // heights that differ by less, against the size of the surface, are shown as the same
 const MOST = 0.98; // of the values are within the colours of a fit, whose largest stand alone
 
 /** Knows K and its targets, and colours by them. */
@@ -113,7 +114,7 @@ export class Painter {
       case 'before': {
         if (!this.before) return null;
         const values = Float64Array.from(this.targets, (_, vertex) => this.xyz[3 * vertex + 2] - this.before[3 * vertex + 2]);
-        return { values, limit: roundAbove(largest(values)), what: `Higher than the solution before${length}` };
+        return { values, limit: roundAbove(Math.max(largest(values), ALIKE * largest(this.xyz))), what: `Higher than the solution before${length}` };
       }
       default:
         return null;

@@ -97,6 +97,7 @@ export class Regions {
   follow(follows) {
     this.room.classList.toggle('follows', follows);
     for (const { slider, number } of this.rows) slider.disabled = number.disabled = follows;
+    this.refresh();
   }
 
   /**
@@ -189,7 +190,8 @@ export class Regions {
       const first = leading(regions.map((region) => this.targets[region]));
       const K = this.targets[regions[first]];
       const same = values.size === 1 && K !== null;
-      number.value = same ? K : '';
+      // K that was found has more digits than there is room for.
+      number.value = !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K;
       number.placeholder = same ? '' : 'various';
       slider.value = Math.round(((K ?? 0) / reach) * STEPS);
       radius.textContent = same ? shape(K, this.model.unit) : K === null ? '' : 'in proportion';

@@ -11,7 +11,7 @@ const HEADS = {
   infeasible: ['bad', 'No such surface'],
   cancelled: ['warn', 'Stopped'],
 };
-const ROUGH = 'K is met at every vertex, but the surface is not one to build';
+const ROUGH = 'K is met at every vertex, but the surface is not one to build.';
 const QUADRICS =
   'A second measure: the median K of quadrics fitted to the mesh, in the region where it differs most from its target';
 
@@ -35,8 +35,7 @@ export class Verdict {
       if (why) term.title = why;
       list.append(term, detail);
     }
-    const parts = [element('h2', head), element('p', lead(result)), list, details(result)];
-    this.fill(mood, parts);
+    this.fill(mood, [element('h2', head), ...lead(result), list, details(result)]);
   }
 
   /**
@@ -75,11 +74,24 @@ function isRough(result) {
   return result.status === 'converged' && result.report.verdict?.fair === false;
 }
 
+/** Return what is said first: what came out, and of a rough surface what would mend it and why it is not one to build. */
 function lead(result) {
-  if (isRough(result)) return `${ROUGH}: ${result.report.verdict.reasons.join('; ')}.`;
-  if (result.status !== 'converged') return capital(result.message);
-  const surface = result.message.slice(0, -result.ending.length).replace(/^fair: |; $/g, '');
-  return capital(surface);
+  if (result.status !== 'converged') return [element('p', capital(result.message))];
+  const { verdict } = result.report;
+  const text = result.message.slice(0, -result.ending.length).replace(/; $/, '');
+  if (!isRough(result)) return [element('p', capital(text.replace(/^fair: /, '')))];
+  const { mend } = parted(result.ending);
+  const why = document.createElement('ul');
+  why.className = 'reasons';
+  why.append(...verdict.reasons.map((reason) => element('li', capital(reason))));
+  const heights = text.replace(`rough: ${verdict.reasons.join('; ')}; `, '');
+  return [element('p', ROUGH), ...(mend ? [element('p', capital(mend))] : []), why, element('p', capital(heights))];
+}
+
+/** Return what the ending says would mend a surface, and how the steps ended. */
+function parted(ending) {
+  const at = ending.search(/\bconverged in\b/);
+  return at > 0 ? { mend: ending.slice(0, at).replace(/; $/, ''), end: ending.slice(at) } : { mend: '', end: ending };
 }
 
 function figures(result, model) {
@@ -107,7 +119,7 @@ function details(result) {
   box.append(element('summary', 'What the solver says'));
   // Where the solve has chosen it, the sentence itself ends with the method.
   if (!result.ending.includes('by the method')) box.append(element('p', how));
-  box.append(element('p', capital(result.ending)));
+  box.append(element('p', capital(isRough(result) ? parted(result.ending).end : result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));
   return box;
 }

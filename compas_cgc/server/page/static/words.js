@@ -7,6 +7,7 @@ const SAID = [
   [/supports "boundary" fixes the whole edge/g, 'choose “Whole edge” under Supports'],
   [/mesh\.set_supports\('boundary'\) or --supports boundary fixes the whole edge/g, 'choose “Whole edge” under Supports'],
   [/a list of vertices as supports/g, 'with the tools Point and Side'],
+  [/\(goals=\[Above\([^()]*\)\] keeps it up\)/g, '(“Nothing lower than” keeps it up)'],
   [/, as targets\b/g, ' with the sliders'],
   [/; install it: pip install '[^']*'/g, '; whoever runs the server can install it'],
 ];
