@@ -156,7 +156,8 @@ class CurveNet:
         for kind in NAMES.values():
             own = [curve for curve in self.curves if curve.kind == kind]
             if own:
-                text = f"{len(own)} {plural(kind) if len(own) > 1 else kind}, {metres * sum(curve.length for curve in own):.6g} m long together"
+                length = metres * sum(curve.length for curve in own)
+                text = f"{len(own)} {plural(kind) if len(own) > 1 else kind}, {length:.6g} m long together"
                 if kind == NAMES[RULING]:
                     bow = np.array([curve.straightness for curve in own])
                     text += f", off their chords by {100 * np.median(bow):.2g} % (median), {100 * bow.max():.2g} % at most"
