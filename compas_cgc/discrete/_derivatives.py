@@ -6,7 +6,6 @@ import numpy as np
 
 from .._compiled import kernel
 from ._kernels import corner
-from ._kernels import cross_vectors
 from .arrays import CSRIndices
 from .arrays import Faces
 from .arrays import FloatArray
@@ -92,16 +91,23 @@ def _add_along(V: Vertices, F: Faces, K: PerVertex, S: CSRIndices, U: Vectors, E
 
 
 def stiffness(V: Vertices, F: Faces, S: CSRIndices, size: int) -> FloatArray:
-    """Return the negative cotangent Laplacian, in the slots S, (size,).
+    """Return the negative cotangent Laplacian, in the slots S, (size,)."""
+    data = np.zeros(size)
+    _add_stiffness(V, F, S, data)
+    return data
 
-    In NumPy, as it is wanted far less often than it would be compiled.
-    """
-    corners = V[F]
-    a, b = corners[:, [1, 2, 0]] - corners, corners[:, [2, 0, 1]] - corners
-    dots = np.einsum("fcx,fcx->fc", a, b)
-    double = np.linalg.norm(cross_vectors(V, F), axis=1)[:, None]
-    half = np.divide(0.5 * dots, double, out=np.zeros(dots.shape), where=double > 0.0)
-    values = -half[:, [[0, 2, 1], [2, 1, 0], [1, 0, 2]]]
-    values[:, range(3), range(3)] = half[:, [1, 2, 0]] + half[:, [2, 0, 1]]
-    into = S >= 0
-    return np.bincount(S[into], values[into], size).astype(np.float64, copy=False)
+
+@kernel()
+def _add_stiffness(V: Vertices, F: Faces, S: CSRIndices, data: FloatArray) -> None:
+    for f in range(F.shape[0]):
+        _, _, _, _, _, _, double, di, dj, dk = corner(V, F, f)
+        if double == 0.0:
+            continue
+        dots = (di, dj, dk)
+        for a in range(3):
+            half = 0.5 * dots[a] / double
+            for b in range(3):
+                for c in range(3):
+                    at = S[f, b, c]
+                    if at >= 0 and b != a and c != a:
+                        data[at] += half if b == c else -half
