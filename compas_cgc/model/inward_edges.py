@@ -18,6 +18,7 @@ from .roles import FIXED
 __all__ = ["inward_edges"]
 
 TURN = np.radians(2.0)  # to the right, of an edge with the surface to its left
+CORNER, STRAIGHT = np.radians(20.0), np.radians(1.0)  # likewise, of a corner, and of parts that are straight beside it
 LOOKED_AT = 64  # vertices of a region, the sharpest, that are looked at
 DIRECTIONS = (0.5, 0.25, 0.75)  # of the lines through a vertex, between the two sides that meet there
 LEVEL = 1e-6  # height, against the size of the mesh, that is none
@@ -62,7 +63,13 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
             f"at {one} and {other}, and a smooth surface of K > 0 is never straight; {mend}"
         )
     if over is None or under is None or not over.over > 0.0 > under.over:
-        return None
+        corner = _straight_corner(problem, faces)
+        if corner is None:
+            return None
+        return (
+            f"the held edge turns inwards {_at(problem, corner, digits)} between straight parts, and past that corner a smooth surface of "
+            f"K > 0 would have to lie both under and over their plane; {mend}"
+        )
     dome, bowl = (_at(problem, line.vertex, digits) for line in (over, under))
     return (
         f"the region {region} has K > 0 and so bulges to one side, but its held edge turns inwards {dome}, {over.over:.3g} over the "
@@ -79,19 +86,43 @@ def _place(point: FloatArray, digits: int) -> str:
     return f"({x:g}, {y:g})"
 
 
-def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
-    """Return the lines through held vertices where the edge of a region turns inwards."""
-    V, held = problem.vertices, problem.roles == FIXED
+def _rim(V: FloatArray, faces: IntArray) -> Edges:
+    """Return the edges around a region with the surface to their left in plan (e, 2), none where it has no plan."""
     edges = edge_faces(faces)
     rim: Edges = edges[edges[:, 3] < 0, :2]
     corners = V[faces][:, :, :2]
     up = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     if not (up > 0.0).all() and not (up < 0.0).all():
-        return []  # It has no plan.
-    if up[0] < 0.0:
-        rim = rim[:, ::-1]
-    after = dict(rim.tolist())
-    before = {v: u for u, v in rim.tolist()}
+        return rim[:0]
+    return rim if up[0] > 0.0 else rim[:, ::-1]
+
+
+def _straight_corner(problem: CGCProblem, faces: IntArray) -> Optional[int]:
+    """Return the held vertex where the edge of a region turns inwards the most between parts that are straight in space.
+
+    Along a straight edge a surface of K > 0 is as steep as can be, to the side that it bulges away from; in line with the edge, past
+    an inward corner, it lies to the other side.
+    """
+    V, held = problem.vertices, problem.roles == FIXED
+    rim = _rim(V, faces)
+    after, before = dict(rim.tolist()), dict(rim[:, ::-1].tolist())
+    if len(after) < len(rim):
+        return None
+    rows = np.array([(before[before[v]], before[v], v, after[v], after[after[v]]) for v in after], dtype=np.int64).reshape(-1, 5)
+    rows = rows[held[rows].all(axis=1) & ~np.isin(rows[:, 2], problem.creases)]
+    sides = np.diff(V[rows], axis=1)
+    turn = -np.arctan2(cross(sides[:, 1, :2], sides[:, 2, :2]), np.einsum("ki,ki->k", sides[:, 1, :2], sides[:, 2, :2]))
+    bends = np.linalg.norm(np.cross(sides[:, ::2], sides[:, 1::2]), axis=2)
+    straight = bends < STRAIGHT * np.linalg.norm(sides[:, ::2], axis=2) * np.linalg.norm(sides[:, 1::2], axis=2)
+    turn = np.where(straight.all(axis=1), turn, 0.0)
+    return int(rows[np.argmax(turn), 2]) if turn.max(initial=0.0) > CORNER else None
+
+
+def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
+    """Return the lines through held vertices where the edge of a region turns inwards."""
+    V, held = problem.vertices, problem.roles == FIXED
+    rim = _rim(V, faces)
+    after, before = dict(rim.tolist()), dict(rim[:, ::-1].tolist())
     middle = np.array([v for v in after if held[v] and v in before and held[before[v]] and held[after[v]]], dtype=np.int64)
     if not len(middle) or len(after) < len(rim):
         return []

@@ -24,6 +24,7 @@ from ..model.goals.wholes import Whole
 from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.result import Solution
+from ..model.stepped_edges import stepped_edges
 from .half_sphere import cap_of_the_rise
 from .limits import raised
 from .projection.plate import relaxed
@@ -87,9 +88,9 @@ def _after(said: str) -> Why:
 
 
 def contradiction(problem: CGCProblem) -> str:
-    """Return the sentence on supports that no surface with K > 0 passes through, empty without any."""
+    """Return the sentence on supports that no surface passes through, or none with K > 0, empty without any."""
     real = problem.without_dummies()
-    return next(iter(two_sided_supports(real) or inward_edges(real)), "")
+    return next(iter(two_sided_supports(real) or inward_edges(real) or stepped_edges(real)), "")
 
 
 def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] = "", enough: str = "") -> Why:

@@ -7,6 +7,7 @@ import pytest
 
 from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
+from compas_cgc.discrete import edge_faces
 from compas_cgc.model.inward_edges import inward_edges
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
@@ -53,6 +54,23 @@ def test_a_dome_holds_at_an_inward_corner_and_a_wave_around_a_hole_does_not():
     assert inward_edges(plan("hole", heights=lambda x, y: -0.1 * (x**2 + y**2))) == []
     (said,) = inward_edges(plan("hole", heights=lambda x, y: 0.1 * x * (x**2 + y**2)))
     assert "as of a dome" in said and "as of a bowl" in said
+
+
+def test_a_corner_between_straight_parts_is_named_where_creases_lie_across():
+    problem = plan("corner", n=16)
+    x, y = problem.vertices[problem.faces].mean(axis=1)[:, :2].T
+    edges, side = edge_faces(problem.faces), np.maximum(abs(x), abs(y)) < 1.0
+    inner = edges[edges[:, 3] >= 0]
+    around = inner[side[inner[:, 2]] != side[inner[:, 3]], :2]
+    creased = problem.with_creases(around.tolist())
+    (said,) = inward_edges(creased)
+    assert "(0, 0) between straight parts" in said
+    parted = (abs(x) < 1.0) & (abs(y) < 1.0) & (x < y)  # and a crease leads to the corner from within
+    side = side.astype(int) + parted
+    led = problem.with_creases(inner[side[inner[:, 2]] != side[inner[:, 3]], :2].tolist())
+    assert inward_edges(led) == []
+    bent = plan("corner", heights=lambda x, y: -0.1 * (x**2 + y**2), n=16).with_creases(around.tolist())
+    assert inward_edges(bent) == []
 
 
 def test_a_rough_solve_names_the_corner():
