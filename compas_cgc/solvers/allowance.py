@@ -18,6 +18,7 @@ __all__ = ["AS_MEANT", "DRAWN", "FLOW_STEP", "Allowance"]
 EACH, ALL = 16_500, 20_000
 DRAWN = 8000  # of them for a search from a drawn shape, which it has lost by then: smoothed, the drawing leads there sooner
 AS_MEANT = 7000  # for that, so that enough is left to smooth what it comes to
+SMALL = 400  # vertices, of which smaller meshes are taken to have as many: they are solved soon, and need as many steps
 REASONS = 2500  # more of them for a search for why there is none
 FLOW_STEP = 40  # that a step of the flow takes as long as
 GIVEN_UP = "; it was given up for the time it takes, method='projection' goes on"
@@ -36,7 +37,7 @@ class Allowance:
 
     def __init__(self, problem: CGCProblem, settings: Optional[Settings]):
         given = settings is not None and settings.to_dict().get("steps") is not None
-        self._unit = rights(1, 3 * len(problem.vertices))
+        self._unit = rights(1, 3 * max(SMALL, len(problem.vertices)))
         self._left = math.inf if given else ALL * self._unit
         self._dearest = 0.0
 

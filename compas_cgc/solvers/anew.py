@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Callable
 from typing import Optional
 
@@ -10,6 +11,7 @@ from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.result import Solution
 from ..model.result import SolveState
+from ..model.verdict import verdict
 from .coarse import Coarse
 from .coarse import laid_out_anew
 from .projection.projector import Projector
@@ -19,7 +21,9 @@ __all__ = ["solved_anew"]
 FEWEST, MOST = 200, 3000  # vertices: with fewer the shape of the plan is lost, and with more it takes minutes
 
 
-def solved_anew(problem: CGCProblem, solve: Callable[[CGCProblem], Solution], callback: Callback = None) -> Optional[Solution]:
+def solved_anew(
+    problem: CGCProblem, solve: Callable[[CGCProblem], Solution], freed: Callable[[CGCProblem], Solution], callback: Callback = None
+) -> Optional[Solution]:
     """Return the solution from the surface that a problem has on a mesh laid out anew.
 
     Angle defects hold an irregular mesh so tightly, where K < 0 above all, that a search wrinkles it on its way. On near-regular
@@ -31,6 +35,8 @@ def solved_anew(problem: CGCProblem, solve: Callable[[CGCProblem], Solution], ca
         Vertices, faces, roles and targets.
     solve
         Solves the problem with that surface drawn.
+    freed
+        The same, with vertices that may leave it: where it is fairer than what stretched triangles make of it.
     callback
         Called after every step on the other mesh, with the shape carried over.
 
@@ -48,7 +54,23 @@ def solved_anew(problem: CGCProblem, solve: Callable[[CGCProblem], Solution], ca
     carried = anew.carried(solution.vertices)
     if solution.status == "cancelled":
         return solution._replace(vertices=carried)
-    return solve(problem.with_vertices(carried)) if solution.status == "converged" else None
+    if solution.status != "converged":
+        return None
+    drawn = problem.with_vertices(carried)
+    kept = solve(drawn)
+    roughness = _roughness(problem, kept)
+    if kept.status == "cancelled" or roughness <= _roughness(anew.problem, solution):
+        return kept
+    other = freed(drawn)
+    return other if other.status == "cancelled" or _roughness(problem, other) < roughness else kept
+
+
+def _roughness(problem: CGCProblem, solution: Solution) -> float:
+    """Return that of the verdict, 0 of a fair surface and infinite where the equations are not met."""
+    if solution.status != "converged":
+        return math.inf
+    judged = verdict(problem.with_vertices(solution.vertices), problem.vertices)
+    return 0.0 if judged.fair else judged.roughness
 
 
 def _carried(anew: Coarse, callback: Callback) -> Callback:

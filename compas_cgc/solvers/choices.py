@@ -37,19 +37,23 @@ class Choice(NamedTuple):
 FLOW_STEPS = 400
 # What it has not reached by then it does not reach, and meshes of some size would take their time.
 FLOW = Choice("flow", "the paper's flow reaches K̄ >= 0 from afar", False, MappingProxyType({"steps": FLOW_STEPS}))
-SECOND = [
-    Choice("projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), "anew"),
-    Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed"),
-    Choice("projection", "free of the drawing it is fairer", True, MappingProxyType({"keep": "nothing", "retry": False})),
+FREED = MappingProxyType({"keep": "nothing", "retry": False})
+ANEW = Choice(
+    "projection", "on a mesh laid out anew first it is fairer", True, MappingProxyType({"keep": "shape", "nearness": 0.5}), start="anew"
+)
+SMOOTHED = Choice("projection", "from what was found, smoothed, it is fairer", True, MappingProxyType({"keep": "shape"}), "smoothed")
+OTHERS = [
+    Choice("projection", "free of the drawing it is fairer", True, FREED),
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False}), "meant"),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
+SECOND = [ANEW, SMOOTHED, *OTHERS]
 EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
 EDGES_FREE = Choice(
     "projection",
     "with edges turned, free of the drawing, it is fairer",
     True,
-    MappingProxyType({"keep": "nothing", "retry": False}),
+    FREED,
     "edges",
 )
 DOMED = Choice("projection", "it finds the fairest surface, with creases, on from a dome without them", start="domed")
@@ -85,8 +89,10 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.constraints:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        lost = [LOST] if is_drawn(problem) else []
-        return [Choice("projection", "it alone reaches negative K̄"), EDGES, *lost, STALLED, *SECOND[:2], EDGES_FREE, *SECOND[2:]]
+        first = Choice("projection", "it alone reaches negative K̄")
+        # What is drawn knows its shape, and edges turned as it asks keep that; a plan is better laid out anew.
+        second = [EDGES, LOST, STALLED, ANEW] if is_drawn(problem) else [ANEW, EDGES, STALLED]
+        return [first, *second, SMOOTHED, EDGES_FREE, *OTHERS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]

@@ -67,13 +67,13 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
     if problem.constraints and not whole:
         return _first(columns) or _carried(problem, cold)
     # That there is none with such a goal has been said, and how much of it can be had.
-    return _first(partial(contradiction, problem), columns) or _carried(problem, cold, None if whole else "")
+    return _first(partial(contradiction, problem), partial(_step, problem), columns) or _carried(problem, cold, None if whole else "")
 
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
     asking = list(dict.fromkeys(goal_name(own) for own in problem.constraints if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
-    told = _first(partial(contradiction, problem), columns) or _first(partial(cap_of_the_rise, problem))
+    told = _first(partial(contradiction, problem), partial(_step, problem), columns, partial(cap_of_the_rise, problem))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
     return told or _carried(problem, cold, nothing, LAYOUT)
 
@@ -88,9 +88,14 @@ def _after(said: str) -> Why:
 
 
 def contradiction(problem: CGCProblem) -> str:
-    """Return the sentence on supports that no surface passes through, or none with K > 0, empty without any."""
+    """Return the sentence on supports that no surface with K > 0 passes through, empty without any."""
     real = problem.without_dummies()
-    return next(iter(two_sided_supports(real) or inward_edges(real) or stepped_edges(real)), "")
+    return next(iter(two_sided_supports(real) or inward_edges(real)), "")
+
+
+def _step(problem: CGCProblem) -> str:
+    """Return the sentence on a step of the held edges, which some surfaces take with a fold that nobody sees, empty without any."""
+    return next(iter(stepped_edges(problem.without_dummies())), "")
 
 
 def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] = "", enough: str = "") -> Why:

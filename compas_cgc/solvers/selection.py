@@ -25,6 +25,7 @@ from .allowance import Allowance
 from .anew import solved_anew
 from .choices import FLOW
 from .choices import FLOW_STEPS
+from .choices import FREED
 from .choices import LOST
 from .choices import Choice
 from .choices import choose
@@ -113,7 +114,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
             own = _own_settings(METHODS[choice.method], settings, options)
             found = allowed.solved(partial(solved_from_dome, posed, own, callback))
         elif choice.start == "anew":
-            found = allowed.solved(partial(solved_anew, problem, run, callback))
+            freed = partial(run_method, METHODS[choice.method], settings=settings, options=FREED, callback=callback)
+            found = allowed.solved(partial(solved_anew, problem, run, freed, callback))
         elif choice.start == "edges":
             found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
         elif choice.start == "meant":

@@ -9,10 +9,12 @@ from compas_cgc import solve
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete.smooth_measure import is_irregular
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.model.result import Solution
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers import selection
+from compas_cgc.solvers.anew import solved_anew
 
 from ..support import shapes
 from ..system.fairness_study import case
@@ -112,6 +114,30 @@ def test_a_pseudosphere_on_an_anisotropic_mesh_is_found_on_one_laid_out_anew(mon
     found = solve(problem, callback=lambda state: steps.append(len(state.vertices)))
     assert found.converged and found.verdict.fair, str(found.verdict)
     assert "laid out anew" in found.message and set(steps) == {len(problem.vertices)}
+
+
+@pytest.mark.parametrize("number", [11100, 11062])
+def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew(number):
+    """On 72 vertices, for which there is time; and on stretched triangles, which hold its smooth shape only where they may slide."""
+    problem = case(number).problem
+    assert not solve(problem, method="projection").verdict.fair
+    found = solve(problem)
+    assert found.converged and found.verdict.fair, str(found.verdict)
+    assert "laid out anew" in found.message and np.array_equal(found.problem.faces, problem.faces)
+
+
+def test_what_the_mesh_has_spoilt_is_freed_and_what_is_fair_is_not():
+    problem = case(11100).problem
+    fair = Solution(solve(problem).vertices, "converged", "", 1, 0.0, 0.0, [])
+    asked = []
+
+    def told(name, solution):
+        return lambda drawn: asked.append(name) or solution
+
+    lost = fair._replace(vertices=problem.vertices, status="stalled")
+    assert solved_anew(problem, told("kept", fair), told("freed", lost)) is fair and asked == ["kept"]
+    assert solved_anew(problem, told("kept", lost), told("freed", fair)) is fair and asked == ["kept", "kept", "freed"]
+    assert solved_anew(problem, told("kept", lost), told("freed", lost)) is lost
 
 
 def test_a_cone_on_an_anisotropic_mesh_is_measured_smoothly():
