@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from compas_cgc.cli.main import main
+from compas_cgc.datastructures import CGCMesh
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.linalg.work import Work
@@ -21,6 +22,7 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.model.verdict import verdict
+from compas_cgc.solvers.allowance import Allowance
 from compas_cgc.solvers.limits import largest_target
 from compas_cgc.solvers.projection import project
 from compas_cgc.solvers.run import solve
@@ -139,12 +141,19 @@ def test_a_solve_is_given_up_after_a_count_of_work_and_ends_at_the_same_place_ea
 @pytest.mark.parametrize("goals", [[], [{"kind": "rise", "rise": 3.0}]])
 def test_a_failure_takes_no_more_work_than_there_is_with_what_is_said_of_it(monkeypatch, goals):
     most, work, problem = 400.0, Work(1e9), roof(-30.0)
+    monkeypatch.setattr("compas_cgc.solvers.allowance.SMALL", 0)
     monkeypatch.setattr("compas_cgc.solvers.allowance.ALL", 300)
     monkeypatch.setattr("compas_cgc.solvers.allowance.REASONS", 100)
     with work.counted():
         result = solve(problem, goals=goals)
     assert not (result.converged and result.verdict.fair)
     assert 0.0 < 1e9 - work.left <= 1.1 * rights(most, 3 * len(problem.vertices))
+
+
+def test_a_small_mesh_may_take_the_work_of_four_hundred_vertices_and_a_larger_one_that_of_its_own():
+    small, large = Allowance(roof(1.0), None), Allowance(CGCMesh.from_meshgrid(dx=1.0, nx=24).to_problem(), None)
+    assert small.for_reasons().left == rights(22_500, 3 * 400)
+    assert large.for_reasons().left == rights(22_500, 3 * 625)
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
