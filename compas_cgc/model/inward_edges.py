@@ -60,7 +60,7 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
         turn, (one, other) = np.degrees(level.turn), (_place(end, digits) for end in level.ends)
         return (
             f"the held edge turns inwards by {turn:.0f} degrees {_at(problem, level.vertex, digits)}, level with the held edges across, "
-            f"at {one} and {other}, and a smooth surface of K > 0 is never straight; {mend}"
+            f"at {one} and {other}, and a smooth surface of K > 0, however small, is never straight; {mend}"
         )
     if over is None or under is None or not over.over > 0.0 > under.over:
         corner = _straight_corner(problem, faces)
@@ -68,12 +68,13 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
             return None
         return (
             f"the held edge turns inwards {_at(problem, corner, digits)} between straight parts, and past that corner a smooth surface of "
-            f"K > 0 would have to lie both under and over their plane; {mend}"
+            f"K > 0, however small, would have to lie both under and over their plane; {mend}"
         )
     dome, bowl = (_at(problem, line.vertex, digits) for line in (over, under))
     return (
-        f"the region {region} has K > 0 and so bulges to one side, but its held edge turns inwards {dome}, {over.over:.3g} over the "
-        f"straight way between held edges, as of a dome, and {bowl}, {-under.over:.3g} under it, as of a bowl; {mend}"
+        f"the region {region} has K > 0 and so, however small that is, bulges to one side, but its held edge turns inwards {dome}, "
+        f"{over.over:.3g} over the straight way between held edges, as of a dome, and {bowl}, {-under.over:.3g} under it, as of a bowl; "
+        f"{mend}"
     )
 
 
