@@ -468,6 +468,8 @@ class CGCMesh(Mesh):
         if isinstance(vertices, str):
             keys = self._real_keys()
             chosen = [keys[v] for v in named_supports(*self.arrays(), vertices)]
+            if not chosen and self.vertex and not self.face:
+                raise ValueError(f"the mesh has no faces, so it has no {vertices}; make it with faces of three different vertices or more")
             if not chosen and self.vertex and not self.boundary_loops():
                 raise ValueError(f"the mesh is closed, it has no {vertices}; name vertices to hold it at: mesh.set_supports([...])")
         else:

@@ -54,7 +54,9 @@ def _instead(name: str) -> str:
         return f"it is said of the mesh before: mesh.{ON_THE_MESH[name]}"
     if name in ("rise", "height", "volume", "clearance"):
         return f"it is a goal: solve(mesh, goals=[compas_cgc.{name.capitalize()}(...)])"
-    return ""
+    # tol, tolerances, max_steps: a part of a name is no misspelling of it. Symbols of the paper are parts of any word.
+    meant = next((each for each in options() if min(len(name), len(each)) > 2 and (name in each or each in name)), None)
+    return f"settings have a place of their own: solve(mesh, settings={{{meant!r}: ...}})" if meant else ""
 
 
 @names_what_was_meant(_instead)

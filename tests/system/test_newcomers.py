@@ -88,6 +88,14 @@ def millimetres() -> CGCMesh:
     return mesh
 
 
+def loose() -> CGCMesh:
+    vertices, faces = arrays()
+    mesh = CGCMesh.from_vertices_and_faces(vertices[faces.ravel()].tolist(), np.arange(faces.size).reshape(-1, 3).tolist())
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    return mesh
+
+
 def only(**what) -> CGCMesh:
     mesh = plan()
     if "supports" in what:
@@ -178,6 +186,11 @@ MISTAKES = {
     "faces from one": (
         lambda: CGCMesh.from_vertices_and_faces(arrays()[0].tolist(), (arrays()[1] + 1).tolist()),
         "count vertices from 1, and here it is from 0: subtract 1",
+    ),
+    "triangles that share no vertices": (lambda: solve(loose()), r"its faces share no vertices: weld it, mesh.weld\(\)"),
+    "the boundary of no faces": (
+        lambda: CGCMesh.from_vertices_and_faces(SQUARE, [[0, 1, 1]]).set_supports("boundary"),
+        "the mesh has no faces, so it has no boundary; make it with faces of three different vertices",
     ),
     "vertices in plan": (lambda: CGCMesh.from_vertices_and_faces(arrays()[0][:, :2].tolist(), arrays()[1].tolist()), "add z, 0 for a plan"),
     "arrays in plan": (lambda: CGCProblem(arrays()[0][:, :2], arrays()[1]), r"must have the shape \(n, 3\), not \(49, 2\)"),
@@ -291,6 +304,8 @@ ARGUMENTS = {
     "moulds of a size": (lambda: moulds(posed(), size=2.0), r"said of the panels: moulds\(surface, panels\(surface, size=...\)\)"),
     "a study without a folder": (lambda: run_study(posed(), None), "lacks 'folder'"),
     "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write method=... and the like"),
+    "a setting by part of its name": (lambda: solve(posed(), tol=1e-3), r"no 'tol'; .*settings=\{'tolerance': ...\}"),
+    "a setting with a word before": (lambda: solve(posed(), max_steps=9), r"no 'max_steps'; .*settings=\{'steps': ...\}"),
     "a symbol of the paper": (lambda: FlowSettings(mu=3), r"FlowSettings\(\) takes no 'mu'; did you mean 'mu0'"),
     "a problem of one thing": (lambda: CGCProblem("a.3dm"), "lacks 'faces'; write CGCProblem\\(vertices, faces"),
     "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "is given 'size' twice"),
@@ -330,6 +345,21 @@ def test_what_is_meant_is_taken():
     mesh = plan()
     mesh.set_supports([0.0, 6.0])
     assert mesh.supports() == [0, 6] and mesh.vertices_near([[0, 0], [6, 6]]) == [0, 48]
+
+
+def test_a_file_of_lines_says_how_they_are_meshed(tmp_path):
+    path = tmp_path / "plan.obj"
+    path.write_text("v 0 0 0\nv 6 0 0\nv 6 6 0\nl 1 2 3 1\n")
+    with pytest.raises(ValueError, match=r"plan.obj holds lines and no faces; .*CGCMesh.from_outline\(points, edge_length\)"):
+        read(path)
+
+
+def test_loose_triangles_welded_are_solved():
+    mesh = loose()
+    mesh.weld()
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    assert solve(mesh).converged
 
 
 @pytest.mark.parametrize(
