@@ -55,7 +55,7 @@ def clean_problem(
         If vertices and faces do not form a mesh.
     """
     if creases and not len(faces):
-        raise FileError(f"{source} holds lines and no faces; mesh its outline: CGCMesh.from_outline(points, edge_length)")
+        raise FileError(f"{source} holds lines and no faces; mesh its outline (CGCMesh.from_outline(points, edge_length))")
     _check(source, vertices, faces)
     try:
         clean = tidy(vertices, faces, 0.0)

@@ -116,7 +116,7 @@ def _role_problems(problem: CGCProblem, names: IntArray, sound: bool) -> list[Di
     if sound and not np.isin(problem.roles, (INTERNAL, FREE)).any():
         # Triangles that share no vertices are as many meshes as faces, each with nothing inside: finer ones are no better.
         loose = len(problem.faces) > 1 and len(np.unique(problem.faces)) == problem.faces.size
-        mend = "its faces share no vertices: weld it, mesh.weld()" if loose else "refine the mesh or free some supports or creases"
+        mend = "its faces share no vertices: weld it (mesh.weld())" if loose else "refine the mesh or free some supports or creases"
         problems.append(Diagnostic(f"there is no internal vertex, so no curvature to ask for; {mend}"))
     return problems
 

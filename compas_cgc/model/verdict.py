@@ -43,6 +43,7 @@ LEVEL = 0.01  # bending, against the radius of the fit, likewise: nobody sees wa
 BOTH = 0.05  # part of a region with K > 0 that may bulge to the other side
 SHARP = 1.6  # fold, against the most that a smooth surface through the vertices has, that is too sharp
 SLIGHT = np.radians(3.0)  # fold that nobody sees
+KINK = np.radians(8.0)  # fold of a single edge, besides the most of a smooth surface and as much again as it may differ, that is seen
 TIP = np.radians(9.0)  # turn of a surface of K > 0 across a single support, besides that of its curvature, that is seen
 CREASED = 0.02  # part of the edges that may fold too sharply
 NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
@@ -161,6 +162,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     edges, fold, called = _folds(problem, fits, off_creases)
     torn = fault(problem, fits, off_creases[:, :2])
     sharp = (fold > SHARP * called) & (fold > SLIGHT)
+    kinked = fold - SHARP * called
     angle = _smallest_angle(V, F)
     kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
 
@@ -188,6 +190,11 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, {between}")
     if too_sharp > CREASED:
         reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
+    elif kinked.max(initial=0.0) > KINK:
+        worst = int(np.argmax(kinked))
+        a, b = problem.names.vertices[edges[worst]].tolist()
+        bent, most_bent = np.degrees([fold[worst], called[worst]])
+        reasons.append(f"it is kinked: between vertices {a} and {b} it folds by {bent:.0f} degrees, where {most_bent:.0f} are called for")
     if len(torn.vertices):
         at = problem.names.vertices[torn.worst]
         reasons.append(

@@ -69,6 +69,18 @@ def test_a_crease_may_fold_and_an_edge_may_not():
     assert not verdict(folded).fair and verdict(folded).sharpest_fold > 40
 
 
+def test_a_single_kink_is_seen_on_any_mesh():
+    """Its share of a fine mesh is nothing, to the eye it is all: one vertex, a fifth of an edge too high."""
+    for n in (20, 30):
+        problem = cap(n)
+        middle = int(np.argmin(np.linalg.norm(problem.vertices[:, :2] - 0.5, axis=1)))
+        kinked = problem.vertices.copy()
+        kinked[middle] *= 1.0 + 0.2 / n
+        found = verdict(problem.with_vertices(kinked))
+        assert not found.fair and found.folds_too_sharp < 0.01 and middle in found.places
+        assert found.reasons[0].startswith("it is kinked: between vertices")
+
+
 def test_what_is_drawn_out_or_lost_is_named():
     problem = cap()
     lost = verdict(problem, 1.5 * problem.vertices)

@@ -187,7 +187,7 @@ MISTAKES = {
         lambda: CGCMesh.from_vertices_and_faces(arrays()[0].tolist(), (arrays()[1] + 1).tolist()),
         "count vertices from 1, and here it is from 0: subtract 1",
     ),
-    "triangles that share no vertices": (lambda: solve(loose()), r"its faces share no vertices: weld it, mesh.weld\(\)"),
+    "triangles that share no vertices": (lambda: solve(loose()), r"its faces share no vertices: weld it \(mesh.weld\(\)\)"),
     "the boundary of no faces": (
         lambda: CGCMesh.from_vertices_and_faces(SQUARE, [[0, 1, 1]]).set_supports("boundary"),
         "the mesh has no faces, so it has no boundary; make it with faces of three different vertices",
