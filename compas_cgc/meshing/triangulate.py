@@ -49,9 +49,14 @@ def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices
         F = np.array(faces, dtype=np.int64).reshape(-1, 3)
         owner = np.flatnonzero((F != np.roll(F, 1, axis=1)).all(axis=1))
         return F[owner], owner
-    parts = [triangulate(vertices, face) for face in faces]
-    owner = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    return np.array([triangle for part in parts for triangle in part], dtype=np.int64).reshape(-1, 3), owner
+    quads = _plain_quads(vertices, faces)
+    others = np.setdiff1d(np.arange(len(faces)), quads)
+    parts = [triangulate(vertices, faces[i]) for i in others]
+    halves = np.array([faces[i] for i in quads], dtype=np.int64).reshape(-1, 4)[:, [0, 1, 2, 2, 3, 0]].reshape(-1, 3)
+    rest = np.array([triangle for part in parts for triangle in part], dtype=np.int64).reshape(-1, 3)
+    owner = np.concatenate([np.repeat(quads, 2), np.repeat(others, [len(part) for part in parts])])
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate([halves, rest])[order], owner[order]
 
 
 def distinct_corners(face: Sequence[int]) -> list[int]:
@@ -103,6 +108,22 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
         del left[ear]
     triangles.append([corners[k] for k in left])
     return triangles
+
+
+def _plain_quads(vertices: Coordinates, faces: Polygons) -> Indices:
+    """Return the positions of the quads of four different corners that the diagonal from the first to the third splits."""
+    quads = np.array([i for i, face in enumerate(faces) if len(face) == 4 == len(set(face))], dtype=np.int64)
+    if not len(quads):
+        return quads
+    a, b, c, d = np.moveaxis(np.array([[vertices[v] for v in faces[i]] for i in quads], dtype=np.float64), 1, 0)
+    normal = np.cross(c - a, d - b)
+
+    def turn(start: FloatArray, end: FloatArray, point: FloatArray) -> FloatArray:
+        """Return how far to the left of an edge a point lies, in any unit."""
+        return np.einsum("ij,ij->i", np.cross(end - start, point - start), normal)
+
+    holds_d = (turn(a, b, d) >= 0) & (turn(b, c, d) >= 0) & (turn(c, a, d) >= 0)
+    return quads[(turn(a, b, c) > 0) & ~holds_d]
 
 
 def _is_ear(points: FloatArray, left: list[int], k: int, normal: FloatArray) -> bool:

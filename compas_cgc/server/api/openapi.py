@@ -50,8 +50,8 @@ _EVENT = {
     "type": "object",
     "required": ["event", "data"],
     "properties": {
-        "event": {"enum": ["progress", "done", "failed", "surface", "result"]},
-        "data": {"type": "string", "description": "JSON: the status of the job, or its result"},
+        "event": {"enum": ["progress", "done", "failed", "surface", "verdict", "result"]},
+        "data": {"type": "string", "description": "JSON: the status of the job, or its surface, what is said of that, or its result"},
     },
 }
 EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": _EVENT}}}

@@ -248,17 +248,22 @@ def _stream(id: str, with_surface: bool = False) -> Response:
     engine = jobs()
 
     def stream() -> Iterator[bytes]:
+        shown = judged = None
         for job in engine.follow(id):
             if job is None:
                 yield b": still here\n\n"
                 continue
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
             told = status(job, engine.positions().get(id))
-            yield f"event: {kind}\ndata: {json.dumps(told, ensure_ascii=False)}\n\n".encode()
+            yield _event(kind, told)
             arrived = engine.arrived(id) if with_surface else None
-            if arrived is not None:
-                data = {"vertices": packed(np.frombuffer(arrived).reshape(-1, 3))}
-                yield f"event: surface\ndata: {json.dumps(data)}\n\n".encode()
+            if arrived is not None and arrived is not shown:
+                shown = arrived
+                yield _event("surface", {"vertices": packed(np.frombuffer(arrived).reshape(-1, 3))})
+            said = engine.judged(id) if with_surface else None
+            if said is not None and said is not judged:
+                judged = said
+                yield _event("verdict", said)
             if with_surface and told["has_result"]:
                 # Where it is gone by now, the client asks for it and is told so.
                 with suppress(RequestError):
@@ -268,6 +273,11 @@ def _stream(id: str, with_surface: bool = False) -> Response:
     # Called in the end, even when the stream was never begun.
     answer.call_on_close(_wait_slots().release)
     return answer
+
+
+def _event(kind: str, data: dict) -> bytes:
+    """Return an event as the stream has it."""
+    return f"event: {kind}\ndata: {json.dumps(data, ensure_ascii=False)}\n\n".encode()
 
 
 def _wait_slots() -> BoundedSemaphore:

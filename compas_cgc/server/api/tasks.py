@@ -48,7 +48,8 @@ class Progress:
 
     def __init__(self, live: bool = False):
         self.live = live
-        self.last = 0.0
+        # What is over within the first interval is told once, in the end.
+        self.last = time.monotonic()
         self.news: dict = {"step": 0}
 
     def __call__(self, state: SolveState) -> bool:
@@ -65,12 +66,22 @@ class Progress:
         if self.live:
             report({**self.news, "arrived": vertices.astype("<f8").tobytes()})
 
+    def judged(self, result: SolveResult) -> None:
+        """Report what is said of a surface: who watches reads it while it is measured and packed."""
+        if self.live and result.verdict is not None:
+            verdict = {"fair": result.verdict.fair, "reasons": list(result.verdict.reasons)}
+            report({**_figures(result), "judged": {"status": result.status, "message": result.message, "ending": result.ending, **verdict}})
+
 
 def run_request(request: SolveRequest) -> SolveResult:
     """Solve a request and report on the way; on from the last surface with the methods that go on from one."""
     method = request.method if request.settings is None else method_of(request.settings)
     problem = gone_on(request.problem, request.last if method in ("auto", "projection") else None)
-    return solve(problem, method=request.method, settings=request.settings, callback=Progress(request.live))
+    progress = Progress(request.live)
+    result = solve(problem, method=request.method, settings=request.settings, callback=progress)
+    if result.converged:
+        progress.judged(result)
+    return result
 
 
 def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Mapping[str, Reader] = READERS) -> JobOutput:

@@ -55,6 +55,7 @@ class RunningJob:
         self.progress: dict = {}
         self.surface: Optional[bytes] = None
         self.arrived: Optional[bytes] = None
+        self.judged: Optional[dict] = None
         self.changes = 0
 
 
@@ -208,6 +209,12 @@ class Jobs:
             running = self._running.get(id)
             return running.arrived if running is not None else None
 
+    def judged(self, id: str) -> Optional[dict]:
+        """Return what is said of the surface of a live job, before it is measured and kept."""
+        with self._change:
+            running = self._running.get(id)
+            return running.judged if running is not None else None
+
     def cancel(self, id: str) -> Job:
         """Ask a job to stop; does nothing to one that is over."""
         self.get(id)
@@ -357,7 +364,8 @@ class Jobs:
                 self.store.set_started(id)
                 running.since = time.monotonic()
             running.surface = news.pop("surface", running.surface)
-            running.arrived = news.pop("arrived", None)
+            running.arrived = news.pop("arrived", running.arrived)
+            running.judged = news.pop("judged", running.judged)
             running.progress = news
             running.changes += 1
             self._change.notify_all()

@@ -181,7 +181,10 @@ def test_a_surface_is_shown_while_it_is_judged():
         with connected(told):
             output = solve_job("json", {}, accept(asked(live=live), LIMITS), LIMITS)
         arrived = [news["arrived"] for news in told.news if "arrived" in news]
-        assert arrived == ([unpack_result(output.content)[0].vertices.tobytes()] if live else [])
+        result = unpack_result(output.content)[0]
+        assert arrived == ([result.vertices.tobytes()] if live else [])
+        judged = [news["judged"] for news in told.news if "judged" in news]
+        assert [said["message"] for said in judged] == ([result.message] if live else [])
 
 
 class Told(NamedTuple):

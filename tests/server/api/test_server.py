@@ -265,6 +265,18 @@ def test_one_request_solves_and_brings_the_surface(server):
     assert ask(server, "POST", "/api/v1/jobs?follow=oops", body)[0] == 422
 
 
+def test_who_watches_sees_the_surface_and_then_the_words_before_all_is_measured(server):
+    body = json.dumps(request(id="watched-1", live=True)).encode()
+    content = ask(server, "POST", "/api/v1/jobs?follow=true", body)[2]
+    blocks = [dict(line.split(b": ", 1) for line in block.split(b"\n")) for block in content.split(b"\n\n") if block.startswith(b"event")]
+    told = {block[b"event"]: json.loads(block[b"data"]) for block in blocks}
+    assert [block[b"event"] for block in blocks if block[b"event"] != b"progress"] == [b"surface", b"verdict", b"done", b"result"]
+    found, said = told[b"result"], told[b"verdict"]
+    assert told[b"surface"]["vertices"] == found["vertices"]
+    assert {name: said[name] for name in ("status", "message", "ending")} == {name: found[name] for name in ("status", "message", "ending")}
+    assert (said["fair"], said["reasons"]) == (found["report"]["verdict"]["fair"], found["report"]["verdict"]["reasons"])
+
+
 def test_health_answers_while_all_workers_are_busy(server):
     ids = [json.loads(post(server, endless())[2])["id"] for _ in range(3)]
     wait_for(lambda: server.client.health()["busy"] == 2)

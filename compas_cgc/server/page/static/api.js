@@ -152,11 +152,11 @@ export class Api {
   }
 
   /**
-   * Solve, and give the states of the job as they change, a surface while it is judged, and the result in the end, all by one request;
+   * Solve, and give the states of the job as they change, a surface while it is judged, what is said of it, and the result in the end, all by one request;
    * nothing where no stream is free.
    * @param {object} job
    * @param {AbortSignal} signal
-   * @returns {AsyncGenerator<{status?: import('./types.js').Status, arrived?: Float64Array, result?: import('./types.js').Result}>}
+   * @returns {AsyncGenerator<{status?: import('./types.js').Status, arrived?: Float64Array, judged?: import('./types.js').Judged, result?: import('./types.js').Result}>}
    */
   async *solving(job, signal) {
     const answer = await this.request('/api/v1/jobs?follow=true', { method: 'POST', body: JSON.stringify(job), signal });
@@ -223,9 +223,10 @@ async function* eventsOf(answer) {
   }
 }
 
-/** @returns {{status?: import('./types.js').Status, arrived?: Float64Array, result?: import('./types.js').Result}} */
+/** @returns {{status?: import('./types.js').Status, arrived?: Float64Array, judged?: import('./types.js').Judged, result?: import('./types.js').Result}} */
 function toldBy(event, data) {
   if (event === 'surface') return { arrived: Float64Array.from(unpack(data.vertices)) };
+  if (event === 'verdict') return { judged: data };
   return event === 'result' ? { result: surfaceOf(data) } : { status: data };
 }
 

@@ -10,6 +10,7 @@ const POLL = 200; // milliseconds
  * @property {(status: import('./types.js').Status) => void} progress
  * @property {(xyz: Float32Array) => void} surface
  * @property {(xyz: Float64Array) => void} arrived as asked, while it is judged
+ * @property {(said: import('./types.js').Judged) => void} judged of what has arrived, while it is measured
  * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
  * @property {(message: string) => void} failed
  */
@@ -99,6 +100,7 @@ export class Solver {
       status = told.status ?? status;
       if (told.status) this.tell(run, status);
       if (told.arrived && this.run === run) this.listener.arrived(told.arrived);
+      if (told.judged && this.run === run) this.listener.judged(told.judged);
     }
     // No stream was free, or it was cut.
     while (!isOver(status)) {

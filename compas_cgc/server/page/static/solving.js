@@ -157,6 +157,11 @@ export class Solving {
     this.drawn = xyz;
   }
 
+  /** Called by the solver with what is said of the surface that is drawn. */
+  judged(said) {
+    if (this.drawn) this.verdict.judge(said);
+  }
+
   /** Called by the solver in the end. */
   done(result, status) {
     if (!result) {

@@ -84,6 +84,15 @@ export interface Result {
   report: any;
 }
 
+/** What is said of a surface before all of its figures are known. */
+export interface Judged {
+  status: string;
+  message: string;
+  ending: string;
+  fair: boolean;
+  reasons: string[];
+}
+
 /** An option as a JSON schema. */
 export interface Option {
   name: string;

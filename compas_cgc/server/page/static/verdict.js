@@ -28,14 +28,22 @@ export class Verdict {
    * @param {import('./model.js').Model} model
    */
   show(result, model) {
-    const [mood, head] = isRough(result) ? ['warn', 'Rough'] : (HEADS[result.status] ?? ['warn', result.status]);
     const list = document.createElement('dl');
     for (const [name, value, why] of figures(result, model)) {
       const [term, detail] = [element('dt', name), element('dd', value)];
       if (why) term.title = why;
       list.append(term, detail);
     }
-    this.fill(mood, [element('h2', head), ...lead(result), list, details(result)]);
+    this.fill(head(result).mood, [...first(result), list, details(result)]);
+  }
+
+  /**
+   * Tell of a surface whose figures are not known yet; those of the one before stay until they are.
+   * @param {import('./types.js').Judged} said
+   */
+  judge({ fair, reasons, ...said }) {
+    const result = { ...said, report: { verdict: { fair, reasons } } };
+    this.fill(head(result).mood, [...first(result), ...this.room.querySelectorAll(':scope > dl, :scope > details')]);
   }
 
   /**
@@ -72,6 +80,15 @@ export class Verdict {
 
 function isRough(result) {
   return result.status === 'converged' && result.report.verdict?.fair === false;
+}
+
+function head(result) {
+  const [mood, text] = isRough(result) ? ['warn', 'Rough'] : (HEADS[result.status] ?? ['warn', result.status]);
+  return { mood, text };
+}
+
+function first(result) {
+  return [element('h2', head(result).text), ...lead(result)];
 }
 
 /** Return what is said first: what came out, and of a rough surface what would mend it and why it is not one to build. */
