@@ -11,6 +11,7 @@ from ..discrete import boundary_vertices
 from ..discrete import edge_faces
 from ..discrete.arrays import Edges
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..meshing.carry_over import CarryOver
@@ -48,26 +49,45 @@ class Coarse:
         ``(k, 2)`` and ``(n, 2)`` vertices of both in plan [L].
     regions
         ``(k, r)`` and ``(n, r)`` bool: the vertices of each region between creases.
+    kept
+        ``(h,)`` vertices of the finer mesh that are the first of the coarser one, all that are fixed there among them.
+    up
+        ``(3,)`` direction that the plan is seen against.
     """
 
-    def __init__(self, problem: CGCProblem, fine: CGCProblem, plans: tuple[FloatArray, FloatArray], regions: tuple[Mask, Mask]):
-        self.problem = problem
-        self._fine = fine
+    def __init__(
+        self,
+        problem: CGCProblem,
+        fine: CGCProblem,
+        plans: tuple[FloatArray, FloatArray],
+        regions: tuple[Mask, Mask],
+        kept: Indices,
+        up: FloatArray,
+    ):
+        self.problem, self.kept = problem, kept
+        self._fine, self._up = fine, up
         self._parts = [
             (here, there, CarryOver(plans[0][here], plans[1][there]))
             for here, there in ((np.flatnonzero(regions[0][:, r]), np.flatnonzero(regions[1][:, r])) for r in range(regions[0].shape[1]))
         ]
 
-    def carried(self, vertices: FloatArray) -> FloatArray:
-        """Return the vertices (n, 3) of the finer mesh for those (k, 3) of the coarser one; what is fixed stays."""
-        moved = vertices - self.problem.vertices
+    def carried(self, vertices: FloatArray, anew: bool = False) -> FloatArray:
+        """Return the vertices (n, 3) of the finer mesh for those (k, 3) of the coarser one; what is fixed stays.
+
+        The moves from the drawing are carried over or, where its heights mean nothing, the heights `anew`: those of a curved drawing are
+        read between its vertices, and what they are off there would come back as waves.
+        """
+        before, moved = self._fine.vertices, vertices - self.problem.vertices
+        if anew:
+            moved = moved + np.outer(self.problem.vertices @ self._up, self._up)
+            before = before - np.outer(before @ self._up, self._up)
         total, count = np.zeros((len(self._fine.vertices), 3)), np.zeros(len(self._fine.vertices))
         for here, there, carry in self._parts:
             total[there] += carry(moved[here])
             count[there] += 1.0
         loose = self._fine.movable & (count > 0.0)
         result = self._fine.vertices.copy()
-        result[loose] += (total / np.maximum(count, 1.0)[:, None])[loose]
+        result[loose] = (before + total / np.maximum(count, 1.0)[:, None])[loose]
         return result
 
 
@@ -100,9 +120,10 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
     if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.constraints):
         return None
-    plan = _plan(V, F)
-    if plan is None:
+    seen = _plan(V, F)
+    if seen is None:
         return None
+    plan, up = seen
     plan = plan @ _evened(plan, F) if stretched else plan
     fixed = _fixed(problem)
     lines = _lines(problem, fixed)
@@ -122,7 +143,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     if not here.any(axis=0).all():
         return None
     places = np.vstack([plan[found.kept], np.einsum("pk,pkx->px", found.weights, plan[F[found.within]])])
-    return Coarse(coarse, problem, (places, plan), (here, belongs))
+    return Coarse(coarse, problem, (places, plan), (here, belongs), found.kept, up)
 
 
 def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
@@ -148,8 +169,8 @@ def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
     )
 
 
-def _plan(V: FloatArray, F: IntArray) -> Optional[FloatArray]:
-    """Return the vertices (n, 2) seen against the direction that all faces face, None where there is no such direction."""
+def _plan(V: FloatArray, F: IntArray) -> Optional[tuple[FloatArray, FloatArray]]:
+    """Return the vertices (n, 2) seen against the direction (3,) that all faces face, and that; None where there is no such direction."""
     crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     facing = crosses.sum(axis=0)
     length = float(np.linalg.norm(facing))
@@ -160,7 +181,7 @@ def _plan(V: FloatArray, F: IntArray) -> Optional[FloatArray]:
         return None
     side = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
     side /= np.linalg.norm(side)
-    return np.asarray(V @ np.array([side, np.cross(up, side)]).T)
+    return V @ np.array([side, np.cross(up, side)]).T, up
 
 
 def _evened(plan: FloatArray, F: IntArray) -> FloatArray:

@@ -20,6 +20,7 @@ from ..model.problem import problem_of
 from ..model.result import Solution
 from ..model.verdict import Verdict
 from .coarse import coarsened
+from .projection.drawing import as_meant
 from .rising import GROWTH
 from .rising import Bracket
 from .rising import Cold
@@ -150,14 +151,16 @@ def raised(
         raise ProblemError(["there is no limit to look for without targets other than zero; say what is asked (mesh.set_target(K))"])
     count = len(problem.vertices)
     fewer = max(round(PART * vertices), EACH * (int(problem.regions().max(initial=0)) + 1))
-    coarse = coarsened(problem, fewer) if count > vertices else None
+    # Spikes of columns that were pulled out of a sheet hide its plan.
+    drawn = as_meant(problem)
+    coarse = coarsened(drawn, fewer) if count > vertices else None
     if coarse is None:
         rising = Rising(problem, tolerance, solves, own or Work(math.inf), most, cold)
         bracket = rising.narrowed(rising.begun())
         if bracket.carried is not None or rising.over:
             return _told(problem, bracket, rising.count)
         # Where it is the layout of the mesh that is rough, one laid out anew tells what the supports can carry.
-        coarse = coarsened(problem, count // 2)
+        coarse = coarsened(drawn, count // 2)
         if coarse is None:
             return _told(problem, bracket, rising.count)
     elsewhere = Rising(coarse.problem, tolerance, solves, work or Work(math.inf), most)

@@ -16,6 +16,7 @@ from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
+from ..coarse import Coarse
 from ..coarse import coarsened
 from ..coarse import laid_out_anew
 from .closing import Closing
@@ -33,9 +34,10 @@ from .settings import ProjectionSettings
 from .sliding import can_slide
 from .strategies import ways
 from .strategies import ways_on
+from .system import KeptDrawing
 from .system import System
 
-__all__ = ["MANY", "ways_from_coarse"]
+__all__ = ["MANY", "OnCoarse", "on_coarse", "ways_from_coarse"]
 
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
@@ -45,6 +47,7 @@ OFF = 1.0  # residual of a shape carried over, against the curvature asked for, 
 LARGE = 20_000  # vertices that may move, from which there is no other way
 SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
+LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
 MEMORY = 3  # steps in which residuals may grow, of a large mesh or to an exact one: where K < 0 the last sway before they converge
 MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
@@ -54,8 +57,20 @@ class _Found(NamedTuple):
     solved: bool
 
 
+class OnCoarse(NamedTuple):
+    """What a coarser mesh tells of a large drawing."""
+
+    kept: KeptDrawing
+    coarse: Coarse
+
+
 def ways_from_coarse(
-    problem: CGCProblem, system: System, equations: CurvatureEquations, start: Point, settings: ProjectionSettings
+    problem: CGCProblem,
+    system: System,
+    equations: CurvatureEquations,
+    start: Point,
+    settings: ProjectionSettings,
+    coarse: Optional[Coarse] = None,
 ) -> Iterator[Taken]:
     """Take steps from the fairest shape on a coarser mesh of the same drawing, and in other ways where there is none.
 
@@ -70,17 +85,19 @@ def ways_from_coarse(
         The same, ready to be solved, and its drawing.
     settings
         Parameters.
+    coarse
+        The coarser mesh, where it is there already.
     """
     here: Optional[Point] = None
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
     slides = _slides(system, equations, settings)
     if system.keep != "shape" and (len(system.columns) >= MANY or slides):
         count = len(problem.vertices)
-        coarse = coarsened(problem, max(COARSE, count // PART)) if count >= MANY else laid_out_anew(problem, max(FEWEST, count))
+        coarse = coarse or (_coarsened(problem) if count >= MANY else laid_out_anew(problem, max(FEWEST, count)))
         measure = "defect" if settings.measure in EXACT else settings.measure
         found = None if coarse is None else _solved(coarse.problem, replace(settings, keep=system.keep, measure=measure))
         if coarse is not None and found is not None:
-            here = system.at(system.settled(coarse.carried(found.vertices)), equations)
+            here = system.at(system.settled(coarse.carried(found.vertices, anew=True)), equations)
             yield Taken(here.vertices, 1.0, 1, False)
             if found.solved and (slides or system.missing(here, equations) <= OFF):
                 for taken in _from(system, equations, here, settings):
@@ -92,6 +109,38 @@ def ways_from_coarse(
                 # What does not end on a coarser mesh would take its time not to end on this one.
                 return
     yield from ways(system, equations, start, settings, False)
+
+
+def on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optional[OnCoarse]:
+    """Return what is kept of a large drawing that bends, as a coarser mesh of it tells; None where there is no such mesh, or no need.
+
+    On the mesh itself to let its heights go takes as long as to solve it.
+
+    Parameters
+    ----------
+    problem
+        The problem in its local frame.
+    settings
+        Parameters.
+    """
+    if len(problem.vertices) < LARGE or _is_flat(problem.vertices):
+        return None
+    coarse = _coarsened(problem)
+    if coarse is None:
+        return None
+    keep, rest = System(coarse.problem, settings).kept
+    return OnCoarse(KeptDrawing(keep, problem.vertices if keep == "shape" else coarse.carried(rest, anew=True)), coarse)
+
+
+def _coarsened(problem: CGCProblem) -> Optional[Coarse]:
+    return coarsened(problem, max(COARSE, len(problem.vertices) // PART))
+
+
+def _is_flat(vertices: FloatArray) -> bool:
+    """Return whether vertices (n, 3) lie in a plane, but for rounding."""
+    away = vertices - vertices.mean(axis=0)
+    least, _, largest = np.linalg.eigvalsh(away.T @ away)
+    return bool(least <= LEVEL * largest)
 
 
 def _slides(system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> bool:

@@ -15,6 +15,7 @@ from ...linalg import factorise
 from ...linalg.nearby import nearly_solved
 from ...model.problem import CGCProblem
 from ...model.roles import CREASE
+from ..coarse import coarsened
 from .metric import bending_matrix
 from .placement import movable_vertices
 
@@ -27,6 +28,7 @@ SOFT = 0.1  # bending stiffness across creases, as a part of that elsewhere
 HELD = 1e-9  # what holds a plate that nothing else holds, against its stiffness
 TURNS = 4  # renewals of a plate as it turns
 MANY = 5000  # vertices of a plate for which factors of the turn before are near enough
+LARGE, COARSE = 20_000, 2000  # vertices of a plate that is found on a coarser mesh, and of that
 PRECISE = 1e-9  # residual of its heights then
 FACING = 0.5  # part of the area that faces one way from which a mesh has a plan
 
@@ -61,6 +63,11 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     none = FLAT * float(bending.diagonal().sum()) * float(np.ptp(heights)) ** 2
     if drawn <= PULLED * own + none:
         return problem
+    if len(V) > LARGE:
+        # A plate is smooth: it is found on a coarser mesh in a small part of the time.
+        carried = _carried_on_coarse(problem, V + (sheet - heights)[:, None] * up)
+        if carried is not None:
+            return problem.with_vertices(np.where(movable[:, None], carried, V))
     shape = V + (movable * (sheet + _Plate(bending, ~fixed).carried(heights - sheet) - heights))[:, None] * up
     near = None
     for _ in range(TURNS if own <= none else 0):
@@ -74,6 +81,19 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
             near = near or plate.factors()
         shape = shape + (movable * (plate.carried(heights, near) - heights))[:, None] * up
     return problem.with_vertices(np.where(movable[:, None], shape, V))
+
+
+def _carried_on_coarse(problem: CGCProblem, sheet: FloatArray) -> Optional[FloatArray]:
+    """Return the vertices (n, 3) of a sheet (n, 3) carried along by its supports as on a coarser mesh, None where there is none."""
+    coarse = coarsened(problem.with_vertices(sheet), COARSE)
+    if coarse is None:
+        return None
+    drawn = coarse.problem.vertices.copy()
+    held = np.flatnonzero(~coarse.problem.movable[: len(coarse.kept)])
+    drawn[held] = problem.vertices[coarse.kept[held]]
+    pulled = coarse.problem.with_vertices(drawn)
+    meant = as_meant(pulled)
+    return None if meant is pulled else coarse.carried(meant.vertices)
 
 
 def _up(vertices: FloatArray, faces: IntArray, fixed: Mask) -> Optional[FloatArray]:

@@ -91,6 +91,11 @@ class Fairness:
         self._second: Optional[sparse.csr_matrix] = None
 
     @property
+    def rest(self) -> FloatArray:
+        """The drawing (n, 3), as it counts."""
+        return self._drawing
+
+    @property
     def bending(self) -> sparse.csr_matrix:
         """The bending energy of a coordinate (n, n)."""
         return self._bending

@@ -30,6 +30,7 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Solution
 from .coarse_to_fine import MANY
+from .coarse_to_fine import on_coarse
 from .coarse_to_fine import ways_from_coarse
 from .drawing import as_meant
 from .energy import energy_meter
@@ -111,7 +112,9 @@ class Projector:
         self._local = as_meant(drawn)
         own = mirrors_and_own(self._local) if symmetric else []
         # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
-        self._system = System(self._local, self.settings, bind(drawn, problem.constraints), own=own)
+        self._coarse = on_coarse(self._local, self.settings)
+        kept = None if self._coarse is None else self._coarse.kept
+        self._system = System(self._local, self.settings, bind(drawn, problem.constraints), own=own, kept=kept)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []
@@ -170,7 +173,8 @@ class Projector:
         elif warm:
             steps = ways(system, equations, drawn, settings, True)
         else:
-            steps = ways_from_coarse(local, system, equations, drawn, settings)
+            coarse = self._coarse.coarse if self._coarse is not None and local is self._local else None
+            steps = ways_from_coarse(local, system, equations, drawn, settings, coarse)
         for taken in until_spent(steps) if status == "stalled" else ():
             mesh = taken.system or system
             here = mesh.at(taken.vertices, taken.equations or asked)

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -49,7 +50,7 @@ from .symmetry import images
 from .symmetry import keep_faces
 from .vectors import norm
 
-__all__ = ["System"]
+__all__ = ["KeptDrawing", "System"]
 
 MEASURE, LINES = 0.5, 3.0  # right sides that the equations take as long as to measure, and to write down
 EPS = float(np.finfo(float).eps)
@@ -60,6 +61,13 @@ RELAXING = 2  # times that drawn heights are let go
 SETTLING = 5  # moves that bring a shape onto curved constraints
 FINEST = 1e-8  # residual of multipliers
 MET = 1e-13  # of a goal of the whole surface, as a part of its size, that is rounding
+
+
+class KeptDrawing(NamedTuple):
+    """What is kept of a drawing."""
+
+    keep: str  # "plan", "shape" or "nothing"
+    rest: FloatArray  # (n, 3) the drawing, with heights that count in what bending means
 
 
 class System:
@@ -77,6 +85,8 @@ class System:
         Whether K is found where the problem says that it is unknown; else it is taken as given.
     own
         Symmetries that are kept, where no mirrors say which. Default: none.
+    kept
+        What is kept of the drawing, where that is known already.
 
     Raises
     ------
@@ -91,6 +101,7 @@ class System:
         goals: Optional[BoundGoals] = None,
         found: bool = True,
         own: Sequence[Image] = (),
+        kept: Optional[KeptDrawing] = None,
     ):
         self.goals = bind(problem) if goals is None else goals
         V, F, constraints = problem.vertices, problem.faces, problem.constraints
@@ -125,16 +136,7 @@ class System:
             return Fairness(replace(problem, vertices=rest), self.faces, self.columns, self.size, own, constraints)
 
         self._fairness = fairness
-        self.keep = "plan" if settings.keep == AUTO else settings.keep
-        self.fairness = fairness(self.keep, V)
-        # Supports pulled out of a flat sheet bend it, but nobody meant it so.
-        flat = flat_share(V, self.faces, vertex_areas(V, self.faces) / self.size**2)
-        if settings.keep == AUTO and flat < FLAT_SHARE and self.fairness.drawn():
-            self.keep, self.fairness = "shape", fairness("shape", V)
-        if self.keep != "shape":
-            # The drawn heights are not kept, so they must not count in what bending means either.
-            for _ in range(RELAXING if self.fairness.bends() else 0):
-                self.fairness = fairness(self.keep, self.fairness.relaxed())
+        self.keep, self.fairness = self._kept(V) if kept is None else (kept.keep, fairness(*kept))
         group = _groups(problem, unknown_regions(problem) if found else [], symmetries)[self.rows]
         if (group >= 0).any():
             group = np.where(group >= 0, np.unique(group, return_inverse=True)[1] - int((group < 0).any()), -1)
@@ -150,6 +152,25 @@ class System:
         valence = np.bincount(F.ravel(), minlength=len(V))[self.rows]
         # Rounding of a sum of angles [rad], and of goals (k + g,).
         self.floor: FloatArray = np.append(EPS * (8.0 + 2.0 * valence.astype(np.float64)), np.full(len(self.goals.equations), MET))
+
+    def _kept(self, V: FloatArray) -> tuple[str, Fairness]:
+        """Return what is kept of the drawing (n, 3), and what is fair."""
+        keep = "plan" if self._settings.keep == AUTO else self._settings.keep
+        fairness = self._fairness(keep, V)
+        # Supports pulled out of a flat sheet bend it, but nobody meant it so.
+        flat = flat_share(V, self.faces, vertex_areas(V, self.faces) / self.size**2)
+        if self._settings.keep == AUTO and flat < FLAT_SHARE and fairness.drawn():
+            return "shape", self._fairness("shape", V)
+        if keep != "shape":
+            # The drawn heights are not kept, so they must not count in what bending means either.
+            for _ in range(RELAXING if fairness.bends() else 0):
+                fairness = self._fairness(keep, fairness.relaxed())
+        return keep, fairness
+
+    @property
+    def kept(self) -> KeptDrawing:
+        """What is kept of the drawing."""
+        return KeptDrawing(self.keep, self.fairness.rest)
 
     @property
     def patches(self) -> IntArray:

@@ -11,22 +11,28 @@ from compas_cgc import solve
 from compas_cgc.linalg import factorise
 from compas_cgc.meshing import named_supports
 from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.projection import coarse_to_fine
 from compas_cgc.solvers.projection import drawing
+from compas_cgc.solvers.projection import projector
 from compas_cgc.solvers.projection.drawing import as_meant
+from compas_cgc.solvers.projection.fairness import Fairness
+from compas_cgc.solvers.projection.projector import Projector
 
 from ...support import shapes
 
 N = 11
+RELAXED = Fairness.relaxed
 CORNERS = [0, N, N * (N + 1), (N + 1) ** 2 - 1]
 
 
-def lifted(heights, target=0.01, relief=0.0, width=(10.0, 10.0)) -> CGCProblem:
+def lifted(heights, target=0.01, relief=0.0, width=(10.0, 10.0), cells=N) -> CGCProblem:
     """A sheet over a rectangle, flat but for a relief, whose corners were lifted."""
-    vertices, faces = shapes.grid(N)
+    vertices, faces = shapes.grid(cells)
+    corners = [0, cells, cells * (cells + 1), (cells + 1) ** 2 - 1]
     x, y, _ = vertices.T
     vertices = np.column_stack([width[0] * x, width[1] * y, relief * np.sin(np.pi * x) * np.sin(np.pi * y)])
-    vertices[CORNERS, 2] = heights
-    return CGCProblem(vertices, faces, targets=target).with_supports(CORNERS)
+    vertices[corners, 2] = heights
+    return CGCProblem(vertices, faces, targets=target).with_supports(corners)
 
 
 @pytest.mark.parametrize("heights", [(3, 3, 3, 3), (3, 0, 0, 3), (3, 3, 0, 0), (1, 2, 2, 3), (0, 0, 1.7, 3.3)])
@@ -184,3 +190,33 @@ def test_a_large_plate_turns_as_a_small_one_does(monkeypatch):
     monkeypatch.setattr(drawing, "factorise", lambda *given, **how: made.append(1) or factorise(*given, **how))
     assert np.abs(as_meant(problem).vertices - every).max() < 1e-6
     assert len(made) == 3
+
+
+@pytest.mark.parametrize(("relief", "off"), [(0.0, 0.05), (1.0, 0.25)])
+def test_a_plate_of_many_vertices_is_found_on_fewer(monkeypatch, relief, off):
+    """As smooth as on all of them, and through the supports."""
+    problem = lifted((3, 0, 0, 3), relief=relief, cells=40)
+    plate = as_meant(problem).vertices
+    made = []
+    monkeypatch.setattr(drawing, "LARGE", 1000)
+    monkeypatch.setattr(drawing, "COARSE", 200)
+    monkeypatch.setattr(drawing, "factorise", lambda matrix, **how: made.append(matrix.shape[0]) or factorise(matrix, **how))
+    found = as_meant(problem).vertices
+    assert max(made) < 300 and np.array_equal(found[problem.supports], problem.vertices[problem.supports])
+    assert np.abs(found - plate).max() < off
+    slope = np.diff(found[:, 2].reshape(41, 41), axis=0)
+    assert np.abs(np.diff(slope, axis=0)).max() < 2.0 * np.abs(np.diff(np.diff(plate[:, 2].reshape(41, 41), axis=0), axis=0)).max()
+
+
+def test_what_is_kept_of_a_large_drawing_is_told_by_a_coarser_mesh(monkeypatch):
+    problem = lifted((3, 0, 0, 3), cells=40)
+    whole = Projector(problem).solve()
+    asked = []
+    for module in (coarse_to_fine, projector):
+        monkeypatch.setattr(module, "MANY", 1000)
+    monkeypatch.setattr(coarse_to_fine, "LARGE", 1000)
+    monkeypatch.setattr(coarse_to_fine, "COARSE", 400)
+    monkeypatch.setattr(Fairness, "relaxed", lambda own: asked.append(len(own.rest)) or RELAXED(own))
+    found = Projector(problem).solve()
+    assert found.status == whole.status == "converged" and max(asked) < 600
+    assert np.abs(found.vertices - whole.vertices).max() < 0.05
