@@ -63,8 +63,9 @@ def read_ply(path: Path) -> ReadProblem:
         tables = dict(zip((element.name for element in elements), rows))
         table = tables["vertex"]
         vertices = np.column_stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"])
-        corners = next(name for name in ("vertex_indices", "vertex_index") if name in tables["face"])
-        faces = [[int(i) for i in face] for face in tables["face"][corners]]
+        shapes = tables.get("face", {"vertex_indices": []})
+        corners = next(name for name in ("vertex_indices", "vertex_index") if name in shapes)
+        faces = [[int(i) for i in face] for face in shapes[corners]]
         edges = tables.get("edge", {})
         marked = zip(edges["vertex1"], edges["vertex2"], edges["crease"]) if "crease" in edges else ()
         creases = [[int(u), int(v)] for u, v, on in marked if on]

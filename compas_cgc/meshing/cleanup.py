@@ -19,6 +19,8 @@ from .weld import weld
 
 __all__ = ["Tidy", "mean_edge", "quad_array", "tidy"]
 
+VERTICES, FACES = ("vertex", "vertices"), ("face", "faces")
+
 
 @dataclass(frozen=True)
 class Tidy:
@@ -63,17 +65,17 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     merged = int(np.count_nonzero(used)) - len(welded.vertices)
     if merged:
         near = f"within {reach:.3g}{unit}" if reach > 0 else "at the same place"
-        notes.append(f"{merged} vertices were welded to others {near}, {len(welded.vertices)} are left")
+        notes.append(_told(merged, VERTICES, f"welded to others {near}, {len(welded.vertices)} are left"))
     if not used.all():
-        notes.append(f"{np.count_nonzero(~used)} vertices without a face were left out")
+        notes.append(_told(np.count_nonzero(~used), VERTICES, "left out", "without a face"))
     triangles, quad = split_quads(welded.vertices, welded.faces)
     if len(triangles) > len(quads) or polygons:
-        notes.append(f"{len(triangles) - len(quads) + polygons} quads and polygons were split into triangles")
+        notes.append(_told(len(triangles) - len(quads) + polygons, ("quad or polygon", "quads and polygons"), "split into triangles"))
     cleaned = clean_faces(triangles)
     if cleaned.degenerate:
-        notes.append(f"{cleaned.degenerate} faces with less than three different corners were left out")
+        notes.append(_told(cleaned.degenerate, FACES, "left out", "with less than three different corners"))
     if cleaned.duplicate:
-        notes.append(f"{cleaned.duplicate} faces that lie on others were left out")
+        notes.append(_told(cleaned.duplicate, ("face that lies on another", "faces that lie on others"), "left out"))
     if not len(cleaned.faces):
         raise MeshError("no face with three different corners is left of the mesh; make it again in the units of the file")
     kept = np.zeros(len(welded.vertices), bool)
@@ -81,9 +83,14 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     new = np.where(kept, np.cumsum(kept) - 1, -1)
     oriented = orient(new[cleaned.faces])
     if oriented.turned.any():
-        notes.append(f"{np.count_nonzero(oriented.turned)} faces were turned over to run like their neighbours")
+        notes.append(_told(np.count_nonzero(oriented.turned), FACES, "turned over to run like the neighbours"))
     index = np.where(welded.index >= 0, new[welded.index], -1)
     return Tidy(welded.vertices[kept], oriented.faces, index, whose[quad[cleaned.kept]], notes)
+
+
+def _told(count: Union[int, np.integer], kind: tuple[str, str], done: str, which: str = "") -> str:
+    """Return the note on what was done to one or several of a kind."""
+    return " ".join(filter(None, (f"{count} {kind[int(count != 1)]}", which, "was" if count == 1 else "were", done)))
 
 
 def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]]) -> tuple[IntArray, IntArray, int]:

@@ -169,7 +169,9 @@ def polygons(value: object, count: int, limits: Limits) -> Polygons:
     if flat.ndim != 1 or flat.dtype.kind not in "iu":
         raise Unprocessable("'faces' must hold whole numbers only, the positions of vertices counted from 0")
     if flat.min() < 0 or flat.max() >= count:
-        raise Unprocessable(f"a face names vertex {int(flat.max() if flat.max() >= count else flat.min())}; there are {count}, from 0 on")
+        from_one = "; take 1 from all of them, as these faces count from 1" if flat.min() == 1 and flat.max() == count else ""
+        wrong = int(flat.max() if flat.max() >= count else flat.min())
+        raise Unprocessable(f"a face names vertex {wrong}; there are {count}, counted from 0{from_one}")
     return value
 
 

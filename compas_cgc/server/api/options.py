@@ -161,11 +161,18 @@ def _check_creases(creases: object, count: Optional[int]) -> None:
 def _check_vertices(value: object, count: Optional[int], what: str) -> None:
     if not isinstance(value, list):
         raise Unprocessable(f"{what} must be a list of vertices")
+    place = next((v for v in value if isinstance(v, list)), None)
+    if place is not None:
+        raise Unprocessable(
+            f"{what} must be vertices by their positions in 'vertices', counted from 0, not coordinates such as {place!s:.60}"
+        )
     vertices = [whole(v, f"every vertex of {what}") for v in value]
     wrong = [v for v in vertices if v < 0 or (count is not None and v >= count)]
     if wrong:
         one = len(wrong) == 1
-        raise Unprocessable(f"{what} names {'vertex' if one else 'vertices'} {listed(wrong)}, which {'does' if one else 'do'} not exist")
+        there = "" if count is None else f"; there are {count}, counted from 0"
+        named = f"{'vertex' if one else 'vertices'} {listed(wrong)}, which {'does' if one else 'do'} not exist"
+        raise Unprocessable(f"{what} names {named}{there}")
 
 
 def check_targets(value: object, count: Optional[int]) -> None:
@@ -190,7 +197,7 @@ def check_targets(value: object, count: Optional[int]) -> None:
         for key, K in value.items():
             number(K, f"the target of region {key}")
     elif value is not None:
-        number(value, "'targets'")
+        number(value, "'targets' for all vertices")
 
 
 def _check_constraints(value: object, method: str, count: Optional[int], name: str) -> None:

@@ -209,6 +209,20 @@ def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
             accept(asked(targets=targets), LIMITS)
 
 
+@pytest.mark.parametrize(
+    "wrong, part",
+    [
+        ({"faces": [[1, 2, 9], [2, 10, 9], [9, 10, 49]]}, "a face names vertex 49; there are 49, counted from 0; take 1 from all of them"),
+        ({"faces": [[0, 1, 8], [1, 9, 49]]}, "a face names vertex 49; there are 49, counted from 0$"),
+        ({"supports": [[0.0, 0.0, 0.0]]}, "counted from 0, not coordinates such as .0.0, 0.0, 0.0.$"),
+        ({"supports": [999]}, "'supports' names vertex 999, which does not exist; there are 49, counted from 0"),
+    ],
+)
+def test_vertices_that_are_counted_otherwise_are_told_how(wrong, part):
+    with pytest.raises(Unprocessable, match=part):
+        accept(asked(**wrong), LIMITS)
+
+
 def test_supports_that_do_not_exist_are_all_named():
     with pytest.raises(Unprocessable, match="'supports' names vertices 77, -1, which do not exist"):
         check_options({"supports": [0, 77, -1]}, 10, Limits())
