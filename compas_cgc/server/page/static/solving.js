@@ -157,9 +157,9 @@ export class Solving {
     this.drawn = xyz;
   }
 
-  /** Called by the solver with what is said of the surface that is drawn. */
+  /** Called by the solver with what is said of the surface that is drawn: while a slider is held, the words need not wait for the figures. */
   judged(said) {
-    if (this.drawn) this.verdict.judge(said);
+    if (this.drawn && this.coarse) this.verdict.judge(said);
   }
 
   /** Called by the solver in the end. */
