@@ -165,16 +165,27 @@ def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
     assert not result.converged and "three faces" in result.message
 
 
-@pytest.mark.parametrize("K", [-0.005, pytest.param(-0.003, marks=pytest.mark.slow), pytest.param(0.005, marks=pytest.mark.slow)])
-def test_a_large_surface_is_made_exact_by_moves_across_it(K):
-    vertices, faces = grid(81, 15.0)
+# Of the last three moves across the surface alone leave some residual, which is met by moves along it too.
+@pytest.mark.parametrize(
+    "n, K, width",
+    [
+        (81, -0.005, 15.0),
+        (95, -0.0045, 16.0),
+        pytest.param(105, -0.0035, 14.0, marks=pytest.mark.slow),
+        pytest.param(120, -0.004, 15.0, marks=pytest.mark.slow),
+        pytest.param(81, 0.005, 15.0, marks=pytest.mark.slow),
+    ],
+)
+def test_a_large_surface_is_made_exact_as_directly_as_any(n, K, width):
+    vertices, faces = grid(n, width)
     problem = CGCProblem(vertices, faces).with_supports("corners").with_targets(K)
-    spent = []
+    spent, steps = [], []
     for settings in ({}, {"measure": "exact"}):
         work = Work(1e12)
         with work.counted():
             result = solve(problem, method="projection", settings=settings)
         assert result.verdict.fair
         spent.append(1e12 - work.left)
-    assert result.iterations <= 14 and opened(problem, result.vertices) < 5e-14
+        steps.append(result.iterations)
+    assert steps[1] <= steps[0] + 1 and opened(problem, result.vertices) < 5e-14
     assert spent[1] < 1.75 * spent[0]

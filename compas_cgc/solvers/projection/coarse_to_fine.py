@@ -14,6 +14,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
 from ...discrete.smooth_measure import is_regular
 from ...discrete.space_form import EXACT
+from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
 from ..coarse import Coarse
@@ -48,7 +49,8 @@ LARGE = 20_000  # vertices that may move, from which there is no other way
 SHORT = 1.0  # part of a step across the surface below which that way does not lead there
 ROUNDINGS = 4.0  # residuals of so many rounding errors are zero
 LEVEL = 1e-24  # squared distances from a plane, against those along it, that are none
-MEMORY = 3  # steps in which residuals may grow, of a large mesh or to an exact one: where K < 0 the last sway before they converge
+MEMORY = 3  # steps in which residuals may grow, of a large mesh: where K < 0 the last sway before they converge
+ALMOST = 1e-5  # residual, against the curvature asked for, of a shape that has not strayed
 MET = 1e-12  # error, against the targets, that is as good as none on a coarser mesh
 
 
@@ -89,6 +91,7 @@ def ways_from_coarse(
         The coarser mesh, where it is there already.
     """
     here: Optional[Point] = None
+    asked = exact_equations(equations, settings.measure)
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
     slides = _slides(system, equations, settings)
     if system.keep != "shape" and (len(system.columns) >= MANY or slides):
@@ -102,7 +105,7 @@ def ways_from_coarse(
             if found.solved and (slides or system.missing(here, equations) <= OFF):
                 for taken in _from(system, equations, here, settings):
                     yield taken
-                    here = system.at(taken.vertices, taken.equations or equations)
+                    here = system.at(taken.vertices, taken.equations or asked)
                 if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
                     return
             elif len(system.columns) >= LARGE:
@@ -163,31 +166,23 @@ def _from(system: System, equations: CurvatureEquations, carried: Point, setting
             here = system.at(last.vertices, last.equations)
             if _is_met(system, equations, here, settings) or settings.measure == "smooth":
                 return
-    here = carried
     if settings.measure in EXACT and may_slide(system, equations, settings.measure, carried.vertices):
         # What is carried over is smooth; angle defects would only put waves into it.
         yield from exactly(system, equations, settings.measure, carried.vertices)
         return
+    exact = closing_equations(equations, settings.measure, carried.vertices)
+    asked = equations if exact is None else exact
+    here = start = system.at(carried.vertices, asked)
     if system.places.trivial:
-        here = yield from _to_rounding(near, equations, carried, settings, SHORT)
-    if not _is_met(system, equations, here, settings):
-        here = yield from _to_rounding(system, equations, carried, settings)
-    if settings.measure in EXACT:
-        yield from _exactly(system, near, equations, here, settings)
-
-
-def _exactly(system: System, near: System, equations: CurvatureEquations, here: Point, settings: ProjectionSettings) -> Iterator[Taken]:
-    """Go on from a fair shape to one that is exact: across the surface for as long as whole steps lead there."""
-    exact = closing_equations(equations, settings.measure, here.vertices)
-    if near is not system and exact is not None:
-        for taken in _descended(near, exact, system.at(here.vertices, exact), MEMORY):
-            if taken.length < SHORT:
-                break
-            yield taken._replace(equations=exact)
-            here = system.at(taken.vertices, exact)
-            if _is_met(system, exact, here, settings):
-                return
-    yield from exactly(system, equations, settings.measure, here.vertices)
+        here = yield from _to_rounding(near, asked, start, settings, SHORT)
+    if _is_met(system, asked, here, settings):
+        return
+    # The last digits are met from where moves across leave off, as that is as fair; what is farther away has strayed.
+    rest = here if system.missing(here, asked) <= ALMOST else start
+    if exact is None:
+        yield from _to_rounding(system, equations, rest, settings)
+    else:
+        yield from exactly(system, equations, settings.measure, rest.vertices)
 
 
 def _is_met(system: System, equations: CurvatureEquations, point: Point, settings: ProjectionSettings) -> bool:
