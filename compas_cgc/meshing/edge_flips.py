@@ -15,6 +15,7 @@ from ..discrete.plan import cross
 __all__ = ["Diagonals", "diagonals", "flipped", "flipped_to_valence", "turn", "valences"]
 
 SWEEPS = 60
+SEVERAL = 10
 
 
 class Diagonals(NamedTuple):
@@ -63,9 +64,18 @@ def flipped(plan: FloatArray, faces: IntArray, kept: IntArray, gain: Callable[[D
     return faces
 
 
-def flipped_to_valence(n: int, faces: IntArray, kept: IntArray, allowed: Callable[[IntArray, Diagonals], Mask]) -> IntArray:
-    """Return triangles (m, 3) on n vertices after flips that bring valences nearer to 6, and are allowed of triangles and edges."""
+def flipped_to_valence(
+    n: int, faces: IntArray, kept: IntArray, allowed: Callable[[IntArray, Diagonals], Mask], fewest: int = 0
+) -> IntArray:
+    """Return triangles (m, 3) on n vertices after flips that bring valences nearer to 6, and are allowed of triangles and edges.
+
+    An inner vertex with less than the `fewest` edges counts for several that are one off.
+    """
     faces = faces.copy()
+
+    def cost(excess: IntArray) -> FloatArray:
+        return excess**2 + SEVERAL * np.maximum(fewest - 6 - excess, 0)
+
     inner = np.ones(n)
     sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     edges, count = np.unique(sides, axis=0, return_counts=True)
@@ -75,8 +85,8 @@ def flipped_to_valence(n: int, faces: IntArray, kept: IntArray, allowed: Callabl
         one, other, a, b, c, d = free
         excess = valences(n, faces) - 6
         quad, steps = np.column_stack([a, b, c, d]), np.array([-1, -1, 1, 1])
-        before = (inner[quad] * excess[quad] ** 2).sum(axis=1)
-        after = (inner[quad] * (excess[quad] + steps) ** 2).sum(axis=1)
+        before = (inner[quad] * cost(excess[quad])).sum(axis=1)
+        after = (inner[quad] * cost(excess[quad] + steps)).sum(axis=1)
         good = (after < before) & allowed(faces, free)
         if not good.any():
             break

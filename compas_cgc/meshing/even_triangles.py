@@ -23,6 +23,7 @@ __all__ = ["even_triangles"]
 DELAUNAY, SIX = 4, 3  # rounds of turning edges for the angles, and then for six neighbours
 SLIDES = 3  # for each
 PART = 0.5  # of the way to the middle, in a slide
+FEWEST = 5  # edges of a vertex: with four, only few places of its neighbours leave its angles the sum that K < 0 asks for
 LEAST = np.radians(16.0)  # angle that is left when an edge is turned for six neighbours; sliding makes it larger again
 
 
@@ -60,7 +61,7 @@ def even_triangles(vertices: Vertices, faces: Faces, free: IntArray, creases: Ed
             here = _slid(here, own, free)
             own = delaunay_turned(here, own, creases)
         else:
-            own = flipped_to_valence(n, own, kept, keeps_angles)
+            own = flipped_to_valence(n, own, kept, keeps_angles, FEWEST)
             here = _slid(here, own, free)
     turned = faces.copy()
     turned[around] = own
