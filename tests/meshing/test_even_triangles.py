@@ -7,6 +7,7 @@ import pytest
 
 from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete.corners import corner_angles
+from compas_cgc.meshing.edge_flips import valences
 from compas_cgc.meshing.even_triangles import even_triangles
 
 from ..support.roofs import obtuse_share
@@ -61,3 +62,11 @@ def test_creases_stay_and_so_does_what_does_not_slide():
     assert (here[~left] == problem.vertices[~left]).all()
     away = ~np.isin(problem.faces, np.flatnonzero(left)).any(axis=1)
     assert (faces[away] == problem.faces[away]).all() and (faces != problem.faces).any()
+
+
+@pytest.mark.parametrize("shake, seed", [(0.45, 8), (0.55, 4), (0.55, 8)])
+def test_no_vertex_is_left_with_four_edges(shake, seed):
+    """Where K < 0 only few places of its neighbours leave the angles of such a vertex their sum: one alone kept 9,801 from sliding."""
+    problem = shaken_square(40, -0.01, shake, seed)
+    _, faces = even_triangles(problem.vertices, problem.faces, np.flatnonzero(problem.asked), np.empty((0, 2), np.int64))
+    assert valences(len(problem.vertices), faces)[problem.asked].min() == 5

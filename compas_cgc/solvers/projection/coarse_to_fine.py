@@ -17,6 +17,7 @@ from ...discrete.space_form import EXACT
 from ...discrete.space_form import exact_equations
 from ...linalg import SingularMatrixError
 from ...model.problem import CGCProblem
+from ...model.verdict import verdict
 from ..coarse import Coarse
 from ..coarse import coarsened
 from ..coarse import laid_out_anew
@@ -43,6 +44,7 @@ __all__ = ["MANY", "OnCoarse", "on_coarse", "ways_from_coarse"]
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
 FEWEST = 200  # or of one as fine, with even triangles
+DETOUR = 1000  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
 PART = 50  # or one for so many of the finer, where that is more
 OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
 LARGE = 20_000  # vertices that may move, from which there is no other way
@@ -74,7 +76,7 @@ def ways_from_coarse(
     settings: ProjectionSettings,
     coarse: Optional[Coarse] = None,
 ) -> Iterator[Taken]:
-    """Take steps from the fairest shape on a coarser mesh of the same drawing, and in other ways where there is none.
+    """Take steps from the fairest shape on a coarser mesh of the same drawing, or a more even one, and in other ways where there is none.
 
     What is fair is settled on the coarser mesh. The shape is carried over by local polynomials, and the nearest one that
     fulfils the equations is found by moves across it, with the one or two matrices that this takes factorised.
@@ -93,20 +95,25 @@ def ways_from_coarse(
     here: Optional[Point] = None
     asked = exact_equations(equations, settings.measure)
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
-    slides = _slides(system, equations, settings)
-    if system.keep != "shape" and (len(system.columns) >= MANY or slides):
+    many, irregular = len(system.columns) >= MANY, _is_detour(system, equations, settings)
+    if system.keep != "shape" and (many or irregular):
         count = len(problem.vertices)
-        coarse = coarse or (_coarsened(problem) if count >= MANY else laid_out_anew(problem, max(FEWEST, count)))
-        measure = "defect" if settings.measure in EXACT else settings.measure
-        found = None if coarse is None else _solved(coarse.problem, replace(settings, keep=system.keep, measure=measure))
-        if coarse is not None and found is not None:
+        coarse = coarse or (_coarsened(problem) if count >= MANY else laid_out_anew(problem, min(COARSE, max(FEWEST, count))))
+        # With vertices as few as these the plain way may be gone as well, and lead to a surface that is fair where this one does not.
+        judged = not many and settings.measure not in EXACT
+        found = None if coarse is None else _solved(coarse.problem, _on_coarser(settings, system))
+        if coarse is not None and found is not None and (not judged or _is_fair(coarse.problem, found.vertices)):
             here = system.at(system.settled(coarse.carried(found.vertices, anew=True)), equations)
             yield Taken(here.vertices, 1.0, 1, False)
-            if found.solved and (slides or system.missing(here, equations) <= OFF):
-                for taken in _from(system, equations, here, settings):
-                    yield taken
-                    here = system.at(taken.vertices, taken.equations or asked)
-                if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
+            if found.solved and (irregular or system.missing(here, equations) <= OFF):
+                last: Optional[Taken] = None
+                for last in _from(system, equations, here, settings):
+                    yield last._replace(settled=not judged)
+                    here = system.at(last.vertices, last.equations or asked)
+                met = _is_met(system, equations, here, settings)
+                if judged and met and last is not None and _is_fair(problem, here.vertices):
+                    yield last
+                if len(system.columns) >= LARGE or (met and not judged):
                     return
             elif len(system.columns) >= LARGE:
                 # What does not end on a coarser mesh would take its time not to end on this one.
@@ -146,10 +153,21 @@ def _is_flat(vertices: FloatArray) -> bool:
     return bool(least <= LEVEL * largest)
 
 
-def _slides(system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> bool:
-    """Return whether an irregular mesh is slid along a smooth surface in the end, for which angle defects on it are a detour."""
-    slides = settings.measure in EXACT and system.can_be_laid_out_anew and can_slide(system, equations)
-    return slides and not is_regular(system.faces, np.isin(np.arange(len(system.places.start)), system.rows))
+def _on_coarser(settings: ProjectionSettings, system: System) -> ProjectionSettings:
+    """Return the settings of a coarser mesh: it keeps the same of the drawing, and needs no exact measure."""
+    return replace(settings, keep=system.keep, measure="defect" if settings.measure in EXACT else settings.measure)
+
+
+def _is_fair(problem: CGCProblem, vertices: FloatArray) -> bool:
+    return verdict(problem.with_vertices(vertices), problem.vertices).fair
+
+
+def _is_detour(system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> bool:
+    """Return whether an irregular mesh ends in another measure where K < 0, for which angle defects on it are a detour, and a long one."""
+    elsewhere = settings.measure in EXACT or (settings.measure != "defect" and len(system.columns) >= DETOUR)
+    if not elsewhere or not system.can_be_laid_out_anew or not can_slide(system, equations):
+        return False
+    return not is_regular(system.faces, np.isin(np.arange(len(system.places.start)), system.rows))
 
 
 def _from(system: System, equations: CurvatureEquations, carried: Point, settings: ProjectionSettings) -> Iterator[Taken]:
@@ -223,7 +241,10 @@ def _solved(problem: CGCProblem, settings: ProjectionSettings) -> _Found:
     equations = system.equations(problem.targets)
     here = best = system.at(problem.vertices, equations)
     goal = MET * problem.target_scale
-    for count, taken in enumerate(ways_from_coarse(problem, system, equations, here, settings)):
+    steps = ways(system, equations, here, settings, False)
+    if len(system.columns) >= MANY:
+        steps = ways_from_coarse(problem, system, equations, here, settings)
+    for count, taken in enumerate(steps):
         here = system.at(taken.vertices, taken.equations or equations)
         best = min(best, here, key=lambda point: point.badness)
         if taken.settled and here.fulfils(goal, system.floor):
