@@ -73,8 +73,8 @@ def flipped_to_valence(
     """
     faces = faces.copy()
 
-    def cost(excess: IntArray) -> FloatArray:
-        return excess**2 + SEVERAL * np.maximum(fewest - 6 - excess, 0)
+    def cost(excess: IntArray) -> IntArray:
+        return np.asarray(excess**2 + SEVERAL * np.maximum(fewest - 6 - excess, 0))
 
     inner = np.ones(n)
     sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)

@@ -12,11 +12,12 @@ from ..model.problem import CGCProblem
 from ..model.result import Solution
 from .settings import Settings
 
-__all__ = ["AS_MEANT", "DRAWN", "FLOW_STEP", "Allowance"]
+__all__ = ["AS_MEANT", "DRAWN", "FLOW_STEP", "PLANNED", "Allowance"]
 
 # Right sides solved for, with all coordinates unknown, or what takes as long; a thousand take 0.3 s for 1,000 vertices.
 EACH, ALL = 16_500, 20_000
 DRAWN = 8000  # of them for a search from a drawn shape, which it has lost by then: smoothed, the drawing leads there sooner
+PLANNED = 10_000  # and for one from a plan of many vertices, which another mesh of it leads on from
 AS_MEANT = 7000  # for that, so that enough is left to smooth what it comes to
 SMALL = 400  # vertices, of which smaller meshes are taken to have as many: they are solved soon, and need as many steps
 REASONS = 2500  # more of them for a search for why there is none

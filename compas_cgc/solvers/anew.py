@@ -1,4 +1,4 @@
-"""A start for irregular meshes: the surface on a mesh of the same drawing laid out anew, carried over."""
+"""A start for irregular and fine meshes: the surface on another mesh of the same drawing, carried over."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from .coarse import Coarse
 from .coarse import laid_out_anew
 from .projection.projector import Projector
 
-__all__ = ["solved_anew"]
+__all__ = ["MANY", "solved_anew"]
 
 FEWEST, MOST = 200, 3000  # vertices: with fewer the shape of the plan is lost, and with more it takes minutes
+MANY, COARSER = 1000, 4  # vertices of a regular one that has a coarser one by so much: waves that a search puts into it have no room there
 
 
 def solved_anew(
@@ -27,7 +28,8 @@ def solved_anew(
     """Return the solution from the surface that a problem has on a mesh laid out anew.
 
     Angle defects hold an irregular mesh so tightly, where K < 0 above all, that a search wrinkles it on its way. On near-regular
-    triangles it does not, and from the smooth shape that it comes to the irregular mesh needs to be moved by little.
+    triangles it does not, and from the smooth shape that it comes to the irregular mesh needs to be moved by little. A regular mesh that
+    a search gets lost on has a coarser one for that.
 
     Parameters
     ----------
@@ -43,11 +45,15 @@ def solved_anew(
     Returns
     -------
     Solution or None
-        None where the mesh is regular, there is no such other mesh, or no surface on it.
+        None where there is no such other mesh, or no surface on it.
     """
-    if problem.constraints or len(problem.vertices) > MOST or is_regular(problem.faces, problem.asked):
+    count = len(problem.vertices)
+    if problem.constraints or count > MOST:
         return None
-    anew = laid_out_anew(problem, max(FEWEST, len(problem.vertices)))
+    regular = is_regular(problem.faces, problem.asked)
+    if regular and count < MANY:
+        return None
+    anew = laid_out_anew(problem, count // COARSER if regular else max(FEWEST, count))
     if anew is None:
         return None
     solution = Projector(anew.problem).solve(callback=_carried(anew, callback))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -21,8 +22,11 @@ from ..model.result import Solution
 from ..model.verdict import verdict
 from .allowance import AS_MEANT
 from .allowance import DRAWN
+from .allowance import PLANNED
 from .allowance import Allowance
+from .anew import MANY
 from .anew import solved_anew
+from .choices import ANEW
 from .choices import FLOW
 from .choices import FLOW_STEPS
 from .choices import FREED
@@ -125,7 +129,7 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "turned":
             found = allowed.solved(partial(solved_turned, problem, _nearest(rough, tried), run))
         else:
-            found = allowed.solved(partial(run, posed), *([DRAWN] if LOST in choices and not tried else []))
+            found = allowed.solved(partial(run, posed), math.inf if tried else _for_the_first(problem, choices))
         if found is None:
             continue
         solution = found
@@ -159,6 +163,13 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     if why.surface is not None and settings is None:
         return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
     return _told(best if why.text else with_half_a_sphere(problem, best), choice, tried, why.text)
+
+
+def _for_the_first(problem: CGCProblem, choices: list[Choice]) -> float:
+    """Return the right sides that the first search may take, where another start leads there sooner than it would."""
+    if LOST in choices:
+        return DRAWN
+    return PLANNED if ANEW in choices and len(problem.vertices) >= MANY else math.inf
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:

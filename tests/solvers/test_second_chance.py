@@ -126,6 +126,15 @@ def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew(number):
     assert "laid out anew" in found.message and np.array_equal(found.problem.faces, problem.faces)
 
 
+@pytest.mark.slow
+def test_a_search_that_is_lost_on_a_fine_mesh_is_gone_on_with_from_a_coarser_one():
+    """A part of the rim held and K < 0 over 1,998 vertices of a regular mesh: it stalled after all the work that there is."""
+    problem = case(12022).problem
+    result = solve(problem)
+    assert result.converged and result.verdict.fair and "laid out anew" in result.message, result.message
+    assert np.array_equal(result.faces, problem.faces)
+
+
 def test_what_the_mesh_has_spoilt_is_freed_and_what_is_fair_is_not():
     problem = case(11100).problem
     fair = Solution(solve(problem).vertices, "converged", "", 1, 0.0, 0.0, [])
