@@ -1,4 +1,4 @@
-"""Faces that lie flat in corners: the other diagonal is the one to read curvature across."""
+"""Corners of held edges, and faces that lie flat in them: the other diagonal is the one to read curvature across."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from ..discrete.corners import corner_angles
+from ..discrete.topology import boundary_mask
 from .edge_flips import diagonals
 
-__all__ = ["flat_corners", "turned_corners"]
+__all__ = ["flat_corners", "has_corners", "turned_corners"]
 
 BLUNT = np.radians(150.0)  # angle of a corner from which a face in it cuts off next to nothing
 WIDE = np.radians(75.0)  # angle at its other ends from which the face across may be none that turns
@@ -64,6 +65,23 @@ def turned_corners(vertices: FloatArray, faces: IntArray, held: Mask, creases: E
             turned |= {one, other}
             found[one], found[other] = (a, d, c), (d, b, c)
     return found if turned else faces
+
+
+def has_corners(vertices: FloatArray, faces: IntArray, held: Mask) -> bool:
+    """Return whether a held edge makes a corner that is no blunt one.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` [L].
+    faces
+        ``(m, 3)``.
+    held
+        ``(n,)`` vertices that stay where they are.
+    """
+    n = len(held)
+    within = np.bincount(faces.ravel(), corner_angles(vertices, faces).ravel(), n)
+    return bool((held & boundary_mask(n, faces) & (within < BLUNT)).any())
 
 
 def _turns(corners: FloatArray) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..discrete import boundary_vertices
 from ..discrete import face_areas
 from ..discrete import face_normals
 from ..discrete.arrays import Faces
@@ -26,6 +27,7 @@ from ..meshing.existence import plane_of
 from .bulging import two_sided_supports
 from .goals.binding import unknown_regions
 from .goals.contradictions import goal_problems
+from .measures import is_smooth_alone
 from .measures import read_across
 from .problem import CGCProblem
 from .problem import PosesProblem
@@ -215,10 +217,13 @@ def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
 
 
 def _corner_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Name faces that lie flat in corners, where angle defects read K: auto does so on regular meshes."""
+    """Name faces that lie flat in corners, where angle defects read K: auto does so on most regular meshes."""
     if int((problem.asked & (problem.targets > 0.0)).sum()) < FINE or not is_regular(problem.faces, problem.asked):
         return []
-    flat = np.flatnonzero((read_across(problem) != problem.faces).any(axis=1) & (problem.roles == FIXED)[problem.faces].all(axis=1))
+    held = problem.roles == FIXED
+    if held[boundary_vertices(problem.vertices, problem.faces)].all() and is_smooth_alone(problem):
+        return []
+    flat = np.flatnonzero((read_across(problem) != problem.faces).any(axis=1) & held[problem.faces].all(axis=1))
     if not len(flat):
         return []
     faces = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from compas_cgc import CGCMesh
 from compas_cgc import check
@@ -16,50 +17,73 @@ WAYS = {
     "in turns": lambda i, j: (i + j) % 2 == 0,
     "in turns, the others": lambda i, j: (i + j) % 2 == 1,
     "row by row": lambda i, j: j % 2 == 0,
+    "in quarters": lambda i, j: (i < N / 2) == (j < N / 2),
     "by chance": lambda i, j: np.random.default_rng(3).random(i.shape) < 0.5,
 }
 
 
-def square(way):
+def square(way, n=N):
     """Return a unit square of quads split one way or the other."""
-    j, i = (axis.ravel() for axis in np.mgrid[:N, :N])
-    a = (N + 1) * j + i
-    b, c, d = a + 1, a + N + 2, a + N + 1
+    j, i = (axis.ravel() for axis in np.mgrid[:n, :n])
+    a = (n + 1) * j + i
+    b, c, d = a + 1, a + n + 2, a + n + 1
     up = WAYS[way](i, j)[:, None]
     quads = np.stack([a, b, c, d], axis=1)
     faces = np.concatenate([np.where(up, quads[:, [0, 1, 2]], quads[:, [0, 1, 3]]), np.where(up, quads[:, [0, 2, 3]], quads[:, [1, 2, 3]])])
-    y, x = np.mgrid[: N + 1, : N + 1] / N
+    y, x = np.mgrid[: n + 1, : n + 1] / n
     return np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1), faces
 
 
-def roof(way):
-    vertices, faces = square(way)
+def roof(way, target=2.0, n=N):
+    vertices, faces = square(way, n)
     mesh = CGCMesh.from_vertices_and_faces(vertices.tolist(), faces.tolist())
     mesh.set_supports("boundary")
-    mesh.set_target(2.0)
+    mesh.set_target(target)
     return mesh
 
 
-def height(way):
-    found = solve(roof(way), settings={"measure": "smooth"})
-    assert found.converged and found.verdict.fair
-    assert np.nanmax(np.abs(found.curvature - 2.0)) <= 1e-8
+def height(way, measure, target=2.0):
+    found = solve(roof(way, target), settings={"measure": measure})
+    assert found.converged and found.verdict.fair and found.measure == "smooth"
+    assert np.nanmax(np.abs(found.curvature - target)) <= 1e-8
     return found.vertices[len(found.vertices) // 2, 2]
 
 
-def test_a_square_roof_is_as_high_whichever_way_its_diagonals_run():
-    heights = {way: height(way) for way in WAYS}
+@pytest.mark.parametrize("measure", ["auto", "smooth"])
+def test_a_square_roof_is_as_high_whichever_way_its_diagonals_run(measure):
+    heights = {way: height(way, measure) for way in WAYS}
     # To where angle defects of 26,000 and 58,000 vertices tend, whichever way their diagonals run, those that cut corners off included.
     assert all(abs(found / 0.3744 - 1.0) <= 4e-3 for found in heights.values()), heights
     evenly = [heights[way] for way in ("one way", "in turns", "in turns, the others")]
     assert max(evenly) <= 1.003 * min(evenly)
 
 
+@pytest.mark.parametrize("target", [0.3, 1.0, 2.3])
+def test_so_it_is_for_other_curvatures(target):
+    heights = [height(way, "auto", target) for way in ("one way", "in turns", "in turns, the others", "in quarters")]
+    assert max(heights) <= 1.005 * min(heights)
+
+
+def test_what_is_read_in_the_corners_tends_to_what_finer_meshes_say_by_defects():
+    """The heights of angle defects fall short by less and less; those of fits do not move."""
+    coarse, fine = (solve(roof("one way", 1.0, n)) for n in (40, 60))
+    finest = solve(roof("one way", 1.0, 160), settings={"measure": "defect"})
+    tops = [found.vertices[:, 2].max() for found in (coarse, fine, finest)]
+    assert coarse.measure == fine.measure == "smooth"
+    assert abs(tops[0] / tops[1] - 1.0) <= 1e-3 and 0.99 * tops[1] <= tops[2] <= tops[1]
+
+
+def test_small_and_large_regular_meshes_keep_angle_defects():
+    for n in (30, 70):
+        assert solve(roof("one way", 1.0, n)).measure == "defect"
+
+
 def test_faces_that_cut_corners_off_are_named_where_they_count():
-    (said,) = [remark for remark in check(roof("one way")) if "flat in corners" in remark]
+    (said,) = [remark for remark in check(roof("one way", n=30)) if "flat in corners" in remark]
     assert not said.fatal and "2 faces" in said and "measure='smooth'" in said
     # There auto reads K into the corners.
-    assert not any("flat in corners" in remark for remark in check(roof("in turns, the others")))
+    for way in ("one way", "in turns, the others"):
+        assert not any("flat in corners" in remark for remark in check(roof(way)))
 
 
 def test_creases_and_faces_with_a_vertex_that_moves_are_left_alone():

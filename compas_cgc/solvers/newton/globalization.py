@@ -20,7 +20,7 @@ from .system import Shape
 from .system import Step
 from .system import System
 
-__all__ = ["Outcome", "steps_of"]
+__all__ = ["Outcome", "exact_steps", "is_near", "steps_of"]
 
 NEAR = 0.5  # error of K, against its target, from which Newton's method needs no other start
 BOUNDS = (1.0, 10.0, 100.0)  # factors on Λ of one elliptic start after the other
@@ -43,7 +43,7 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
     if system.meets(start, settings.tolerance):
         return "converged", ""
     only_given = settings.start == "given" or bool((system.targets < 0).any())
-    near = settings.start == "auto" and _is_near(system, start)
+    near = settings.start == "auto" and is_near(system, start)
     try:
         if only_given or near:
             outcome = yield from _by_newton(system, start, settings)
@@ -73,6 +73,12 @@ def exact_steps(system: System, shape: Shape, settings: NewtonSettings) -> Gener
         return (yield from _by_newton(system, shape, settings)), "start"
     except SingularMatrixError:
         return "stalled", "singular"
+
+
+def is_near(system: System, shape: Shape) -> bool:
+    """Return whether Newton's method needs no other start than a shape."""
+    scale = np.where(system.targets > 0, system.targets, system.scale)
+    return bool((np.abs(shape.curvature - system.targets) <= NEAR * scale).all())
 
 
 def _by_newton(system: System, shape: Shape, settings: NewtonSettings) -> Generator[Step, None, str]:
@@ -115,8 +121,3 @@ def _followed(system: System, shape: Shape, steps: Generator[Step, None, bool]) 
 
 def _size(system: System) -> float:
     return float(np.linalg.norm(np.ptp(system.problem.vertices, axis=0)))
-
-
-def _is_near(system: System, shape: Shape) -> bool:
-    scale = np.where(system.targets > 0, system.targets, system.scale)
-    return bool((np.abs(shape.curvature - system.targets) <= NEAR * scale).all())

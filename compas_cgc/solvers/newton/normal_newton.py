@@ -10,7 +10,6 @@ from typing import Optional
 import numpy as np
 
 from ...discrete.arrays import FloatArray
-from ...discrete.smooth_measure import is_regular
 from ...errors import ProblemError
 from ...errors import names_what_was_meant
 from ...model.frame import Frame
@@ -19,6 +18,7 @@ from ...model.goals.binding import bind
 from ...model.goals.binding import held_by_newton
 from ...model.goals.contradictions import refuse_impossible
 from ...model.goals.guess import guessed
+from ...model.measures import is_smooth_alone
 from ...model.measures import read_across
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
@@ -82,7 +82,7 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     'converged'
     """
     settings = settings or NewtonSettings()
-    if settings.measure == "auto" and _is_cut_off(problem):
+    if settings.measure == "auto" and is_smooth_alone(problem):
         solution = newton(problem, settings=replace(settings, measure="smooth"), callback=callback)
         if solution.status in ("converged", "cancelled"):
             return solution
@@ -96,6 +96,8 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     smooth = settings.measure == "smooth" and local.real_faces.all()
     system = System(replace(local, faces=read_across(local)) if smooth else local, settings.backend)
     sought = _goal(local, posed, settings.measure)
+    stages, met = Stages(system, settings.measure), None
+    system = stages.beginning(system.measure(local.vertices))
     start = here = best = system.measure(local.vertices)
     outcome: Outcome
 
@@ -106,7 +108,6 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     run: Generator[Step, None, Any] = steps_of(system, start, settings)
     if sought is not None:
         run = steps_to_goal(system, start, sought, settings)
-    stages, met = Stages(system, settings.measure), None
     while True:
         try:
             step = next(run)
@@ -158,13 +159,6 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     return Solution(
         vertices, status, sentence, len(recorder), recorder.seconds, max_error, recorder.history, measure=measure, targets=targets
     )
-
-
-def _is_cut_off(problem: CGCProblem) -> bool:
-    """Return whether faces of an irregular mesh lie flat in corners, so that only the smooth measure reads K there."""
-    if problem.constraints or is_regular(problem.faces, problem.asked) or not problem.real_faces.all():
-        return False
-    return read_across(problem) is not problem.faces
 
 
 def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equation]:

@@ -9,6 +9,7 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...discrete.smooth_measure import is_irregular
 from ...discrete.space_form import EXACT
+from .globalization import is_near
 from .system import Shape
 from .system import System
 
@@ -16,14 +17,15 @@ __all__ = ["Stages"]
 
 ROUNDS = 20  # of the smooth measure
 STILL = 1e-10  # change of its targets, against the largest, that is none
-SLOW = 0.95  # ratio of two changes in turn up to which a target is extrapolated
+KEPT = 4  # rounds before the last that the next targets are mixed from
+ALIKE = 1e-12  # size of what rounds have changed, against the most, that says nothing more
 
 
 class Stages:
     """The systems of one solve, the first by angle defects.
 
     The targets of the smooth measure follow the shape until they stand still, a deferred correction (Stetter,
-    doi:10.1007/BF01432879); as each depends on few vertices around its own, each is sped up on its own (Aitken).
+    doi:10.1007/BF01432879), mixed from the last rounds (Anderson, doi:10.1145/321296.321305).
 
     Parameters
     ----------
@@ -35,8 +37,17 @@ class Stages:
 
     def __init__(self, first: System, measure: str):
         self.first, self.measure = first, measure
-        self.rounds: list[FloatArray] = []  # targets since the last extrapolation
+        self.rounds: list[tuple[FloatArray, FloatArray]] = []  # targets that were met, and those that the shape asks for then
         self.count = 0
+
+    def beginning(self, shape: Shape) -> System:
+        """Return the system to begin with: of a shape near to its targets in the smooth measure, that of these."""
+        first = self.first
+        half = float(np.median(np.abs(shape.curvature))) > 0.5 * first.scale
+        if self.measure != "smooth" or not first.problem.real_faces.all() or not half:
+            return first
+        told = first.with_targets(first.smooth_targets(shape.vertices))
+        return told if is_near(told, told.measure(shape.vertices)) else first
 
     def following(self, system: System, shape: Shape) -> Optional[System]:
         """Return the system to go on with from a shape that meets one; None where that was the last."""
@@ -51,21 +62,20 @@ class Stages:
         if self.measure == "auto" and system is first and not is_irregular(shape.vertices, problem.faces, problem.asked, problem.targets):
             return None
         self.count += 1
-        targets = first.smooth_targets(shape.vertices)
-        if np.abs(targets - system.equations.targets)[first.asked].max(initial=0.0) <= STILL * first.scale:
+        met, told = system.equations.targets, first.smooth_targets(shape.vertices)
+        if np.abs(told - met)[first.asked].max(initial=0.0) <= STILL * first.scale:
             return None
-        return first.with_targets(self._sped_up(targets))
+        self.rounds = [*self.rounds[-KEPT:], (met, told)]
+        return first.with_targets(self._mixed())
 
-    def _sped_up(self, targets: FloatArray) -> FloatArray:
-        self.rounds.append(targets)
-        if len(self.rounds) < 3:
-            return targets
-        one, two, three = self.rounds
-        self.rounds = []
-        with np.errstate(all="ignore"):
-            ratio = (three - two) / (two - one)
-            limit = three + (three - two) * ratio / (1.0 - ratio)
-        return np.where(np.isfinite(limit) & (np.abs(ratio) < SLOW), limit, three)
+    def _mixed(self) -> FloatArray:
+        """Return the targets that would stand still, were what a shape asks for linear in what it met."""
+        met, told = (np.array(targets).T for targets in zip(*self.rounds))
+        if met.shape[1] == 1:
+            return told[:, -1]
+        left = (told - met)[self.first.asked]
+        share = np.linalg.lstsq(np.diff(left), left[:, -1], rcond=ALIKE)[0]
+        return told[:, -1] - np.diff(told) @ share
 
     def measure_of(self, system: System) -> str:
         """Return the measure in which a shape that meets a system has its targets."""

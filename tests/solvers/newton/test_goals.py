@@ -34,7 +34,7 @@ def test_a_rise_over_a_fixed_edge(rise):
     assert result.max_error < 1e-13, "rounding"
     K = result.problem.region_targets()[0]
     assert K is not None and f"K = {K:.6g} was found for the rise {rise:g}" in result.message
-    plain = solve(square(target=K))
+    plain = solve(square(target=K), settings={"measure": result.measure})
     assert plain.method == "newton" and result.iterations <= 2 * plain.iterations
     assert plain.vertices[:, 2].max() == pytest.approx(rise, rel=1e-3), "vertices slide differently"
 
