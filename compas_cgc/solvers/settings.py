@@ -178,7 +178,8 @@ REST_TEXT = " The fairest surface is found to a ten-millionth of its size, or to
 MEASURES = ("auto", "defect", "smooth", "exact", "exact-arc")
 MEASURE_TEXT = (
     "How K is read off the mesh. By angle defect over area, the paper's (defect); by that less what the layout of the mesh puts into it, "
-    "so that an irregular mesh leaves no wrinkles (smooth); as auto picks of these two, by how irregular the mesh is and by its corners; or "
+    "so that an irregular mesh leaves no wrinkles (smooth); as auto picks of these two, by how irregular the mesh is and by its "
+    "corners; or "
 )
 EXACT_TEXT = (
     "exact, by the angles of space-form triangles, so that every region consists of the triangles of its mould "
