@@ -15,6 +15,7 @@ from compas_cgc.model.roles import FREE
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.solvers import selection
 from compas_cgc.solvers.anew import solved_anew
+from compas_cgc.solvers.projection import coarse_to_fine
 
 from ..support import shapes
 from ..system.fairness_study import case
@@ -75,9 +76,12 @@ def test_a_large_drawn_pseudosphere_that_a_search_has_lost_is_found_from_its_dra
 
 
 @pytest.mark.slow
-def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface():
+def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface(monkeypatch):
     """A saddle of revolution on an irregular mesh, whose angle defects hold it tightly: another mesh would be begun, not finished."""
     problem = case(1023).problem
+    assert solve(problem).verdict.fair
+    # By way of even triangles it is fair before.
+    monkeypatch.setattr(coarse_to_fine, "DETOUR", len(problem.vertices) + 1)
     found = solve(problem)
     assert found.converged and found.verdict.fair, str(found.verdict)
     assert "smoothed, it" in found.message
@@ -116,10 +120,9 @@ def test_a_pseudosphere_on_an_anisotropic_mesh_is_found_on_one_laid_out_anew(mon
     assert "laid out anew" in found.message and set(steps) == {len(problem.vertices)}
 
 
-@pytest.mark.parametrize("number", [11100, 11062])
-def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew(number):
-    """On 72 vertices, for which there is time; and on stretched triangles, which hold its smooth shape only where they may slide."""
-    problem = case(number).problem
+def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew():
+    """On 72 vertices, for which there is time."""
+    problem = case(11100).problem
     assert not solve(problem, method="projection").verdict.fair
     found = solve(problem)
     assert found.converged and found.verdict.fair, str(found.verdict)

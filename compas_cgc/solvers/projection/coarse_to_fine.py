@@ -34,6 +34,9 @@ from .measure import shows_layout
 from .settings import AUTO
 from .settings import ProjectionSettings
 from .sliding import can_slide
+from .smooth_shape import DRAWN
+from .smooth_shape import smooth_shape
+from .strategies import PATIENT
 from .strategies import ways
 from .strategies import ways_on
 from .system import KeptDrawing
@@ -43,8 +46,8 @@ __all__ = ["MANY", "OnCoarse", "on_coarse", "ways_from_coarse"]
 
 MANY = 6000  # vertices that may move, from which the way over a coarser mesh is the shorter one
 COARSE = 2000  # vertices of that mesh: bending on it, and so the result, is within 1e-3 of the size of that on finer ones
-FEWEST = 200  # or of one as fine, with even triangles
-DETOUR = 1000  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
+FEWEST = 450  # or of one half as fine, with even triangles: with fewer the shape of a plan is lost
+DETOUR = 100  # vertices that may move, from which an irregular mesh takes many steps that lead astray where K < 0
 PART = 50  # or one for so many of the finer, where that is more
 OFF = 1.0  # residual of a shape carried over, against the curvature asked for, of one that is none
 LARGE = 20_000  # vertices that may move, from which there is no other way
@@ -93,32 +96,49 @@ def ways_from_coarse(
         The coarser mesh, where it is there already.
     """
     here: Optional[Point] = None
-    asked = exact_equations(equations, settings.measure)
+    last: Optional[Taken] = None
+    asked, count = exact_equations(equations, settings.measure), len(problem.vertices)
     # Of a drawing whose shape is kept the nearest surface is the one, and that is near already.
     many, irregular = len(system.columns) >= MANY, _is_detour(system, equations, settings)
-    if system.keep != "shape" and (many or irregular):
-        count = len(problem.vertices)
+    if system.keep != "shape" and irregular and settings.measure not in EXACT and len(system.columns) < LARGE:
+        for last in _from_even(problem, system, equations, settings):
+            yield last._replace(settled=False)
+        # The plain way may be gone as well, and lead to a surface that is fair where this one is not.
+        if last is not None and last.settled and _is_fair(problem, last.vertices):
+            yield last
+    elif system.keep != "shape" and (many or irregular):
         coarse = coarse or (_coarsened(problem) if count >= MANY else laid_out_anew(problem, min(COARSE, max(FEWEST, count))))
-        # With vertices as few as these the plain way may be gone as well, and lead to a surface that is fair where this one does not.
-        judged = not many and settings.measure not in EXACT
         found = None if coarse is None else _solved(coarse.problem, _on_coarser(settings, system))
-        if coarse is not None and found is not None and (not judged or _is_fair(coarse.problem, found.vertices)):
+        if coarse is not None and found is not None:
             here = system.at(system.settled(coarse.carried(found.vertices, anew=True)), equations)
             yield Taken(here.vertices, 1.0, 1, False)
             if found.solved and (irregular or system.missing(here, equations) <= OFF):
-                last: Optional[Taken] = None
                 for last in _from(system, equations, here, settings):
-                    yield last._replace(settled=not judged)
-                    here = system.at(last.vertices, last.equations or asked)
-                met = _is_met(system, equations, here, settings)
-                if judged and met and last is not None and _is_fair(problem, here.vertices):
                     yield last
-                if len(system.columns) >= LARGE or (met and not judged):
+                    here = system.at(last.vertices, last.equations or asked)
+                if len(system.columns) >= LARGE or _is_met(system, equations, here, settings):
                     return
             elif len(system.columns) >= LARGE:
                 # What does not end on a coarser mesh would take its time not to end on this one.
                 return
     yield from ways(system, equations, start, settings, False)
+
+
+def _from_even(problem: CGCProblem, system: System, equations: CurvatureEquations, settings: ProjectionSettings) -> Iterator[Taken]:
+    """Take steps from the fairest shape on even triangles to the nearest that is smooth, and on to the nearest that is exact.
+
+    Exact at once, it would have waves for what the meshes differ by.
+    """
+    count = min(COARSE, max(FEWEST, len(problem.vertices) // 2))
+    even = laid_out_anew(problem, count)
+    found = None if even is None else _solved(even.problem, replace(_on_coarser(settings, system), retry=False))
+    if even is None or found is None or not (found.solved and _is_fair(even.problem, found.vertices)):
+        return
+    near = system.on(system.settled(even.carried(found.vertices, anew=True)), system.faces)
+    start = near.places.start
+    yield Taken(start, 1.0, 1, False)
+    vertices = yield from smooth_shape(near, equations, start, rounds=PATIENT, beside=DRAWN)
+    yield from renewed(near, equations, vertices)
 
 
 def on_coarse(problem: CGCProblem, settings: ProjectionSettings) -> Optional[OnCoarse]:
