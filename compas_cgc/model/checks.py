@@ -36,6 +36,7 @@ from .roles import CREASE
 from .roles import FIXED
 from .roles import FREE
 from .roles import INTERNAL
+from .straight_edges import twisted_edges
 
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
@@ -83,7 +84,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
         problems += _remarks(real) + _existence_problems(real) + _saddle_problems(real) + _corner_problems(real)
-        problems += [Diagnostic(said, fatal=False) for said in two_sided_supports(real)]
+        problems += [Diagnostic(said, fatal=False) for said in (*two_sided_supports(real), *twisted_edges(real))]
     return problems
 
 

@@ -29,7 +29,7 @@ class Choice(NamedTuple):
     reason: str
     second: bool = False  # a second chance, for a problem whose surface so far is rough
     options: Mapping[str, Any] = MappingProxyType({})  # other than the defaults
-    # Or "domed", from a dome without folds; "anew", on a mesh of the same drawing laid out anew first; "edges", with edges turned;
+    # Or "domed", from a dome without folds; "supports", from the plate over them; "anew", on a mesh laid out anew; "edges", turned;
     # "meant", from the drawing with its waves taken out; or "smoothed" or "turned", from what was found so far.
     start: str = "drawn"
 
@@ -47,7 +47,8 @@ OTHERS = [
     Choice("projection", "nearer to the drawing it is fairer", True, MappingProxyType({"keep": "shape", "retry": False}), "meant"),
     Choice("projection", "bulging to the other side it is fairer", True, MappingProxyType({"keep": "shape"}), "turned"),
 ]
-SECOND = [ANEW, SMOOTHED, *OTHERS]
+SUPPORTED = Choice("projection", "from its supports alone it is fairer", True, MappingProxyType({"keep": "plan"}), "supports")
+SECOND = [SUPPORTED, ANEW, SMOOTHED, *OTHERS]
 EDGES = Choice("projection", "with edges turned it is fairer", True, MappingProxyType({"keep": "shape"}), "edges")
 EDGES_FREE = Choice(
     "projection",

@@ -25,6 +25,7 @@ from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
 from ..model.result import Solution
 from ..model.stepped_edges import stepped_edges
+from ..model.straight_edges import twisted_edges
 from .half_sphere import cap_of_the_rise
 from .limits import raised
 from .projection.plate import relaxed
@@ -65,9 +66,10 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
     if tears_faces(problem):
         return Why()  # The message blames the mesh: the supports may carry it.
     if problem.constraints and not whole:
-        return _first(columns) or _carried(problem, cold)
+        return _first(columns) or _or_twist(problem, _carried(problem, cold))
     # That there is none with such a goal has been said, and how much of it can be had.
-    return _first(partial(contradiction, problem), partial(_step, problem), columns) or _carried(problem, cold, None if whole else "")
+    told = _first(partial(contradiction, problem), partial(_step, problem), columns)
+    return told or _or_twist(problem, _carried(problem, cold, None if whole else ""))
 
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
@@ -75,7 +77,7 @@ def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optio
     asking = list(dict.fromkeys(goal_name(own) for own in problem.constraints if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
     told = _first(partial(contradiction, problem), partial(_step, problem), columns, partial(cap_of_the_rise, problem))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
-    return told or _carried(problem, cold, nothing, LAYOUT)
+    return told or _or_twist(problem, _carried(problem, cold, nothing, LAYOUT))
 
 
 def _first(*told: Callable[[], str]) -> Optional[Why]:
@@ -96,6 +98,11 @@ def contradiction(problem: CGCProblem) -> str:
 def _step(problem: CGCProblem) -> str:
     """Return the sentence on a step of the held edges, which some surfaces take with a fold that nobody sees, empty without any."""
     return next(iter(stepped_edges(problem.without_dummies())), "")
+
+
+def _or_twist(problem: CGCProblem, why: Why) -> Why:
+    """Return a reason, or that held edges twist the surface otherwise than K does, where there is no surface after all."""
+    return why if why.surface is not None else _first(lambda: next(iter(twisted_edges(problem.without_dummies())), "")) or why
 
 
 def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] = "", enough: str = "") -> Why:

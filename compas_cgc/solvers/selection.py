@@ -53,6 +53,7 @@ from .settings import Settings
 from .smoothed import solved_as_drawn
 from .smoothed import solved_smoothed
 from .smoothed import solved_turned
+from .supported import solved_from_supports
 from .turned_edges import on_turned_edges
 
 __all__ = ["run_auto", "run_method"]
@@ -98,7 +99,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
-    below = settings is None and any(is_held_all_round(problem, folded) for folded in (False, True)) and is_drawn_below(problem)
+    general = settings is None or method_of(settings) == "auto"
+    below = general and any(is_held_all_round(problem, folded) for folded in (False, True)) and is_drawn_below(problem)
     choices = choose(problem, settings)
     for choice in choices:
         if allowed.spent and tried:
@@ -120,6 +122,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         elif choice.start == "anew":
             freed = partial(run_method, METHODS[choice.method], settings=settings, options=FREED, callback=callback)
             found = allowed.solved(partial(solved_anew, problem, run, freed, callback))
+        elif choice.start == "supports":
+            found = allowed.solved(partial(solved_from_supports, problem, run))
         elif choice.start == "edges":
             found = allowed.solved(partial(on_turned_edges, problem, run, solved_smoothed))
         elif choice.start == "meant":
@@ -160,8 +164,9 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         reasons = partial(why_not_found, problem, best.status)
     with allowed.for_reasons().counted():
         why = reasons(partial(_columns, problem, best), _attempt)
-    if why.surface is not None and settings is None:
-        return _told(why.surface, Choice(why.surface.method, RISEN, True), tried)
+    risen = _as_set(problem, why.surface, settings, callback) if why.surface is not None else None
+    if risen is not None:
+        return _told(risen, Choice(risen.method, RISEN, True), tried)
     return _told(best if why.text else with_half_a_sphere(problem, best), choice, tried, why.text)
 
 
@@ -170,6 +175,22 @@ def _for_the_first(problem: CGCProblem, choices: list[Choice]) -> float:
     if LOST in choices:
         return DRAWN
     return PLANNED if ANEW in choices and len(problem.vertices) >= MANY else math.inf
+
+
+def _as_set(problem: CGCProblem, surface: Solution, settings: Optional[Settings], callback: Callback) -> Optional[Solution]:
+    """Return a fair surface as the settings ask for it, found on from it; None where it is not fair by them."""
+    if settings is None:
+        return surface
+    if method_of(settings) not in ("auto", surface.method):
+        return None
+    options = LOST.options if surface.method == LOST.method else {}
+    own = run_method(
+        METHODS[surface.method], problem.with_vertices(surface.vertices), settings=settings, options=options, callback=callback
+    )
+    if own.status != "converged":
+        return None
+    judged = verdict(problem.with_vertices(own.vertices), problem.vertices)
+    return own._replace(verdict=judged) if judged.fair else None
 
 
 def _nearest(rough: list[tuple[float, Solution, Choice]], tried: list[tuple[Solution, Choice]]) -> FloatArray:

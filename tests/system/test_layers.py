@@ -33,7 +33,7 @@ INSIDE = {
         {"allowance", "method", "carried", "coarse", "half_sphere"},
         {"newton", "projection"},
         {"rising", "one_sided", "drawn_side"},
-        {"anew", "domed", "smoothed", "turned_edges", "columns", "flow", "limits"},
+        {"anew", "domed", "smoothed", "supported", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},
         {"choices"},
         {"selection"},
