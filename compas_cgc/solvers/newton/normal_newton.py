@@ -96,7 +96,7 @@ def newton(problem: CGCProblem, *, settings: Optional[NewtonSettings] = None, ca
     smooth = settings.measure == "smooth" and local.real_faces.all()
     system = System(replace(local, faces=read_across(local)) if smooth else local, settings.backend)
     sought = _goal(local, posed, settings.measure)
-    stages, met = Stages(system, settings.measure), None
+    stages, met = Stages(system, settings.measure, settings.tolerance), None
     system = stages.beginning(system.measure(local.vertices))
     start = here = best = system.measure(local.vertices)
     outcome: Outcome

@@ -16,7 +16,7 @@ from .system import System
 __all__ = ["Stages"]
 
 ROUNDS = 20  # of the smooth measure
-STILL = 1e-10  # change of its targets, against the largest, that is none
+STILL = 1e-10  # change of its targets, against the largest, that rounding leaves
 KEPT = 4  # rounds before the last that the next targets are mixed from
 ALIKE = 1e-12  # size of what rounds have changed, against the most, that says nothing more
 
@@ -33,10 +33,12 @@ class Stages:
         The system by angle defects.
     measure
         The one asked for.
+    tolerance
+        Change of the targets, against the largest, that is none, where that is more than rounding leaves.
     """
 
-    def __init__(self, first: System, measure: str):
-        self.first, self.measure = first, measure
+    def __init__(self, first: System, measure: str, tolerance: float):
+        self.first, self.measure, self.still = first, measure, max(STILL, tolerance)
         self.rounds: list[tuple[FloatArray, FloatArray]] = []  # targets that were met, and those that the shape asks for then
         self.count = 0
 
@@ -63,7 +65,7 @@ class Stages:
             return None
         self.count += 1
         met, told = system.equations.targets, first.smooth_targets(shape.vertices)
-        if np.abs(told - met)[first.asked].max(initial=0.0) <= STILL * first.scale:
+        if np.abs(told - met)[first.asked].max(initial=0.0) <= self.still * first.scale:
             return None
         self.rounds = [*self.rounds[-KEPT:], (met, told)]
         return first.with_targets(self._mixed())
