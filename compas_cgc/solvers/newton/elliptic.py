@@ -30,7 +30,7 @@ from scipy import sparse
 
 from ...discrete.arrays import FloatArray
 from ...discrete.laplacian import cotangent_stiffness
-from .smoothed_normals import smooth_normals
+from ...discrete.smoothed_normals import smooth_normals
 from .system import Shape
 from .system import Step
 from .system import System

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...discrete import _kernels
-from ...discrete.arrays import Faces
-from ...discrete.arrays import Vectors
-from ...discrete.arrays import Vertices
-from ...discrete.normals import unit_vectors
+from . import _kernels
+from .arrays import Faces
+from .arrays import Vectors
+from .arrays import Vertices
+from .normals import unit_vectors
 
 __all__ = ["smooth_normals"]
 
