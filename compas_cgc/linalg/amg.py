@@ -17,6 +17,8 @@ CYCLES = 200
 class AMG:
     """Smoothed aggregation for symmetric positive definite matrices; memory grows with n only."""
 
+    quick = False
+
     def factorise(self, matrix: sparse.csr_matrix) -> AMG:
         """Take a matrix in."""
         from pyamg import smoothed_aggregation_solver

@@ -44,6 +44,8 @@ class Pardiso:
         Whether solutions are checked and refined.
     """
 
+    quick = True
+
     def __init__(self, symmetric: bool = False, refine: bool = True):
         from pypardiso import PyPardisoSolver
 

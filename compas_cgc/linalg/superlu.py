@@ -46,6 +46,8 @@ class SuperLU:
         Whether solutions are checked and refined.
     """
 
+    quick = False
+
     def __init__(self, symmetric: bool = False, points: Optional[FloatArray] = None, refine: bool = True):
         self._points = points
         self._symmetric = symmetric

@@ -29,7 +29,12 @@ from .vectors import norm
 
 __all__ = ["Closing"]
 
-SOFT = (1e-9, 1e-7, 1e-5)  # weights of the metric in the matrix, against that of the equations: the first that leaves it positive definite
+SOFT = (
+    1e-9,
+    1e-8,
+    1e-7,
+    1e-5,
+)  # weights of the metric in the matrix, against that of the equations: the first that leaves it positive definite
 ROUNDS = 20  # of refinement with factors for another shape
 SLOW = 0.9  # part of the residual left by one, from which new factors are made
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much
@@ -80,7 +85,7 @@ class _Frame(Metric):
         self.stiffness = float(np.sqrt(fairness.height.diagonal().mean()))
         self._along: Optional[LinearSolver] = None
         self.factors: Optional[_Factors] = None
-        self._solver = linear_solver(len(across), symmetric=True, refine=False)
+        self._solver = linear_solver(len(across), symmetric=True, refine=False, fresh=True)
 
     def across(self, gradient: FloatArray) -> FloatArray:
         """Return the part across (c,) of a gradient (3c,)."""
@@ -160,7 +165,7 @@ class _Direct(LeastNorm):
         Conjugate residuals, which make up for what has changed since the factors were made, a few places at a time.
         """
         frame = self.metric
-        if frame.factors is None:
+        if frame.factors is None or (frame.factors.solver.quick and frame.factors.source is not self.J):
             frame.renewed(self.J)
         assert frame.factors is not None
         heights, multipliers = np.zeros_like(gradient), np.zeros_like(right)
