@@ -7,19 +7,19 @@ import numpy as np
 from ..discrete import face_normals
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..discrete.arrays import Mask
 from ..discrete.local_fits import LocalFits
 from ..meshing.boundary import boundary_loops
 from .problem import CGCProblem
 from .roles import FIXED
 
-__all__ = ["branch_points"]
+__all__ = ["DEEP", "branch_points", "depth"]
 
+DEEP = 3  # edges from supports, free edges and creases from where fits look all ways
 FLAT = 0.5  # K of fits, against the target, above which a saddle has none there
 LEVEL = 0.05  # height of a support over the plane through all, against the largest, that goes neither up nor down
 
 
-def branch_points(problem: CGCProblem, fits: LocalFits, inner: Mask) -> IntArray:
+def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:
     """Return the vertices of faces around which the principal directions turn more than the supports need (k,).
 
     Where K < 0 both principal curvatures keep their signs, so that their directions are without singularities. A surface that
@@ -34,8 +34,6 @@ def branch_points(problem: CGCProblem, fits: LocalFits, inner: Mask) -> IntArray
         Vertices, faces, roles and targets, without dummies.
     fits
         Of its vertices.
-    inner
-        ``(n,)`` vertices where fits look all ways.
 
     Returns
     -------
@@ -46,7 +44,7 @@ def branch_points(problem: CGCProblem, fits: LocalFits, inner: Mask) -> IntArray
     asked = problem.asked
     if not asked.any() or not (problem.targets[asked] < 0.0).all() or len(problem.creases) or problem.constraints:
         return nothing
-    known = inner & asked & np.isfinite(fits.bending[:, 0])
+    known = (depth(problem) > 1) & asked & np.isfinite(fits.bending[:, 0])
     faces = problem.faces[known[problem.faces].all(axis=1)]
     turns = _turns(problem.vertices, faces, fits.bending)
     # What noise turns one way it turns back beside it.
@@ -60,6 +58,15 @@ def branch_points(problem: CGCProblem, fits: LocalFits, inner: Mask) -> IntArray
         return nothing
     needed = max(0, _waves(problem, loops[0]) - 2)
     return np.unique(found) if min(count, len(found)) > needed else nothing
+
+
+def depth(problem: CGCProblem) -> IntArray:
+    """Return how many edges vertices are away from the next one where no K is asked, DEEP where that or more (n,)."""
+    found = np.where(problem.asked, DEEP, 0)
+    for ring in range(1, DEEP):
+        beside = problem.faces[(found[problem.faces] < ring).any(axis=1)]
+        found[beside] = np.minimum(found[beside], ring)
+    return found
 
 
 def _turns(V: FloatArray, faces: IntArray, bending: FloatArray) -> IntArray:

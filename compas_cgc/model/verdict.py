@@ -22,7 +22,9 @@ from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
 from ..errors import names_what_was_meant
 from ..meshing.regions import vertex_labels
+from .branch_points import DEEP
 from .branch_points import branch_points
+from .branch_points import depth
 from .faults import fault
 from .goals.inequalities import Bound
 from .problem import CGCProblem
@@ -48,7 +50,6 @@ TIP = np.radians(9.0)  # turn of a surface of K > 0 across a single support, bes
 CREASED = 0.02  # part of the edges that may fold too sharply
 NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
 LOST = 0.6  # part of the area that has to be left
-DEEP = 3  # edges from supports, free edges and creases from where fits look all ways
 SHALLOW = {3: 0.0, 2: 0.2, 1: 0.35}  # what fits are off besides, where vertices are no farther from these
 ENOUGH = 12  # vertices that tell a median
 
@@ -205,7 +206,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
     if kept is not None and kept < LOST:
         reasons.append(f"it has {_percent(kept)} % of the area of the input")
-    branches = branch_points(problem, fits, _depth(problem) > 1)
+    branches = branch_points(problem, fits)
     if len(branches):
         at = problem.names.vertices[branches[int(np.argmax(fits.gaussian[branches]))]]
         reasons.append(
@@ -243,9 +244,9 @@ def _errors(problem: CGCProblem, fits: LocalFits) -> tuple[FloatArray, FloatArra
     On a surface with the curvatures κ a fit of radius r is off by about ``κ^2 (κ r)^2``.
     """
     fitted = np.isfinite(fits.gaussian)
-    depth = _depth(problem)
-    least = next((least for least in range(DEEP, 1, -1) if (fitted & (depth >= least)).sum() >= ENOUGH), 1)
-    deep = fitted & (depth >= least)
+    away = depth(problem)
+    least = next((least for least in range(DEEP, 1, -1) if (fitted & (away >= least)).sum() >= ENOUGH), 1)
+    deep = fitted & (away >= least)
     error = _against(problem, fits, fits.gaussian, deep)
     if not fitted.any():
         return error, error
@@ -288,15 +289,6 @@ def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
     flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
     bent = FAINT * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
     return np.where(problem.targets == 0.0, max(least, bent), least)
-
-
-def _depth(problem: CGCProblem) -> IntArray:
-    """Return how many edges vertices are away from the next one where no K is asked, DEEP where that or more (n,)."""
-    depth = np.where(problem.asked, DEEP, 0)
-    for ring in range(1, DEEP):
-        beside = problem.faces[(depth[problem.faces] < ring).any(axis=1)]
-        depth[beside] = np.minimum(depth[beside], ring)
-    return depth
 
 
 def _waves(fits: LocalFits) -> FloatArray:

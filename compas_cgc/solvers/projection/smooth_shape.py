@@ -15,6 +15,7 @@ from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.fit_operators import fit_operators
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.smoothed_normals import smooth_normals
 from ...linalg import factorise
 from ...linalg.work import count
 from ...linalg.work import rights
@@ -30,6 +31,8 @@ FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
 FITS, SOLVE = 45, 20  # right sides that the fits of a shape take as long as, and the solve for a move
 STILL = 3e-4  # move, against that, that is none
+TIMES, MOST_TIMES = 0.015, 100  # that normals are smoothed, for each vertex: over about a tenth of the size of the mesh
+STEEPEST = 0.5  # cosine of their angle with the normals that is counted
 
 
 class _Weights(NamedTuple):
@@ -57,7 +60,7 @@ def smooth_shape(
 
     .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{a}{2} \text{waves} + \tfrac{b}{2} \text{bending}
 
-    over moves u along the normals, with K, waves (distances of vertices from polynomials around them) and bending all told by
+    over moves u across the surface, with K, waves (distances of vertices from polynomials around them) and bending all told by
     fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
     K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
     """
@@ -101,23 +104,33 @@ class _State:
         return 0.5 * (smooth + weight * dot(self._exact, self._lacking**2))
 
     def next(self, weight: float) -> Optional[_State]:
-        """Return the shape after a round, None where no move along the normals makes anything better."""
-        normals = vertex_normals(self.vertices, self._system.faces)
-        move = self._move(normals, weight)
+        """Return the shape after a round, None where no move across the surface makes anything better."""
+        directions = self._directions()
+        move = self._move(directions, weight)
         farthest = float(np.abs(move).max(initial=0.0)) / self._system.size
         if not np.isfinite(farthest):
             return None
         length, before = min(1.0, FARTHEST / max(farthest, STILL)), self.merit(weight)
         for trials in range(1, HALVINGS + 1):
-            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * normals, self._drawn, self._own)
+            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * directions, self._drawn, self._own)
             if there.merit(weight) < before:
                 there.length, there.trials = length, trials
                 return there
             length /= 2
         return None
 
+    def _directions(self) -> FloatArray:
+        """Return the directions of moves (n, 3): normals, smoothed, as those of waves would lead vertices into each other.
+
+        They are as long as it takes to move by one along the normal, which is what K depends on.
+        """
+        times = min(MOST_TIMES, round(TIMES * len(self.vertices)))
+        normals = vertex_normals(self.vertices, self._system.faces)
+        directions = smooth_normals(self.vertices, self._system.faces, times)
+        return directions / np.maximum(np.einsum("nx,nx->n", directions, normals), STEEPEST)[:, None]
+
     def _move(self, normals: FloatArray, weight: float) -> FloatArray:
-        """Return the moves along the normals (n,) of Gauss and Newton."""
+        """Return the moves along directions (n, 3) across the surface (n,) of Gauss and Newton."""
         columns, J = self._system.columns, self._fits.jacobian
         away = self._pull[:, None] * (self.vertices - self._drawn)
         exact = weight * self._exact

@@ -9,8 +9,12 @@ from typing import Optional
 
 import numpy as np
 
+from ...discrete.arrays import FloatArray
 from ...discrete.jacobian import CurvatureEquations
+from ...discrete.local_fits import local_fits
 from ...discrete.space_form import EXACT
+from ...model.branch_points import branch_points
+from ...model.verdict import verdict
 from .across import Across
 from .across import can_be_closed_across
 from .at_rest import brought_to_rest
@@ -56,7 +60,7 @@ ENOUGH, MANY = 30, 6000  # vertices with K̄, for polynomials to tell a smooth s
 ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is about to be brought to rest
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
-PATIENT = 4  # steps for each weight of K on the way to a smooth shape
+PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
@@ -78,30 +82,22 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         system = system.keeping("shape")
     warmed = Starts([system.at(system.settled(start.vertices), equations)], []) if warm else None
     tried = warmed or starts(system, equations, start, settings)
+    smooth_first = not warm and settings.retry and settings.measure in (AUTO, "smooth")
     if enclosed_negative(system, equations.targets):
-        # Over-determined: to insist on it would crumple the surface.
-        drawn = system.at(system.settled(start.vertices), equations)
-        first = tried.rivals[0] if is_flat(system, equations, drawn) else drawn
-        vertices = first.vertices
-        for taken in descend(system.keeping("shape"), equations, first, IMPATIENT):
-            vertices = taken.vertices
-            yield taken
-        if settings.measure in EXACT:
-            yield from exactly(system.keeping("shape"), equations, settings.measure, vertices)
+        yield from _held_all_round(system, equations, start, tried.rivals[0], settings, smooth_first)
         return
+    if smooth_first and _loses_itself(system, equations, start):
+        yield from _smooth_first(system, equations, start.vertices, settings)
     if not warm and system.missing(tried.rivals[0], equations) <= EXACTLY:
         # Kept in reserve: where K is asked for twice over the fairest may be out of reach.
         yield Taken(tried.rivals[0].vertices, 0.0, 1, settled=False)
-    if not warm and settings.retry and settings.measure in (AUTO, "smooth") and _loses_itself(system, equations, start):
-        beside = DRAWN if settings.nearness >= 1.0 else LOOSE
-        vertices = yield from smooth_shape(system, equations, start.vertices, rounds=PATIENT, beside=beside)
-        yield from renewed(system, equations, vertices)
     if system.keep == "shape" and not warm:
         # The nearest surface is nearly the fairest, and the shortest way to it.
         found = yield from _closing(system, equations, tried.rivals[0])
     else:
         found = yield from _fairest(system, equations, tried.rivals)
-    if settings.retry and not warm and system.keep != "shape" and (found is None or found.steps > LONG):
+    again = settings.retry and not warm and system.keep != "shape"
+    if again and (found is None or found.steps > LONG or _has_branch_points(system, equations, found)):
         # With K̄ > 0 a little energy counts less than that the surface goes with the targets, without a jump to another branch.
         dear = DEAR if _is_elliptic(system, equations) else 1.0
         found = yield from _better(found, _grown(system, equations, start, settings), system, equations, dear)
@@ -141,6 +137,39 @@ def ways(system: System, equations: CurvatureEquations, start: Point, settings: 
         yield from descend_over_saddles(system, equations, point)
 
 
+def _held_all_round(
+    system: System, equations: CurvatureEquations, start: Point, seed: Point, settings: ProjectionSettings, smooth_first: bool
+) -> Iterator[Taken]:
+    """Take steps where K̄ < 0 and all of the edge is held, which asks for too much: to insist on it would crumple the surface.
+
+    A rim that a smooth surface has leaves room for that, but none for what the layout of a mesh makes of angle defects, be it regular.
+    """
+    drawn = system.at(system.settled(start.vertices), equations)
+    first = seed if is_flat(system, equations, drawn) else drawn
+    near, vertices = system.keeping("shape"), first.vertices
+    if smooth_first and _is_told_by_fits(near, equations):
+        last = None
+        for last in _smooth_first(near, equations, vertices, settings, HELD):
+            # What does not lead to a fair surface is nothing to show.
+            yield Taken(vertices, 0.0, last.trials, settled=False)
+        if last is not None and last.equations and verdict(near.problem_at(last.vertices, equations.targets)).fair:
+            yield last
+    for taken in descend(near, equations, first, IMPATIENT):
+        vertices = taken.vertices
+        yield taken
+    if settings.measure in EXACT:
+        yield from exactly(near, equations, settings.measure, vertices)
+
+
+def _smooth_first(
+    system: System, equations: CurvatureEquations, vertices: FloatArray, settings: ProjectionSettings, rounds: int = PATIENT
+) -> Iterator[Taken]:
+    """Take steps from a shape (n, 3) to one nearby that is smooth, and on to K as asked in the smooth measure."""
+    beside = DRAWN if settings.nearness >= 1.0 else LOOSE
+    vertices = yield from smooth_shape(system, equations, vertices, rounds=rounds, beside=beside)
+    yield from renewed(system, equations, vertices)
+
+
 def _told(rested: Optional[Reached]) -> Iterator[Taken]:
     """Yield the shape at rest, if there is one."""
     if rested is not None:
@@ -159,11 +188,15 @@ def _closed_across(system: System, equations: CurvatureEquations, near: Point) -
 
 def _loses_itself(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
     """Return whether angle defects would crumple a drawn shape on its way: where K̄ <= 0, an irregular mesh is told to wrinkle."""
-    plain = system.keep == "shape" and system.places.trivial and not system.goals.equations and not system.goals.sides
-    targets = equations.targets[system.rows]
-    if not plain or not ENOUGH <= len(targets) <= MANY or not (targets <= 0.0).any():
+    if system.keep != "shape" or not _is_told_by_fits(system, equations) or not (equations.targets[system.rows] <= 0.0).any():
         return False
     return shows_layout(system, equations, drawn.vertices)
+
+
+def _is_told_by_fits(system: System, equations: CurvatureEquations) -> bool:
+    """Return whether nothing but K is asked for, of as many vertices as polynomials tell a smooth shape of in seconds."""
+    plain = system.places.trivial and not system.goals.equations and not system.goals.sides
+    return plain and ENOUGH <= len(system.rows) <= MANY
 
 
 def _says_which_developable(system: System, equations: CurvatureEquations, drawn: Point) -> bool:
@@ -201,8 +234,21 @@ def _better(found: Optional[_Found], search: _Search, system: System, equations:
     had, has = (system.fairness.energy(one.reached.point.vertices)[0] for one in (found, other))
     apart = max(had, has) > CLEARLY * min(had, has)
     chosen = other if apart and has <= dear * had else found
+    if apart and not _is_elliptic(system, equations):
+        # Three valleys that meet may bend less than a saddle, but K is 0 where they do.
+        whole = [one for one in (chosen, other if chosen is found else found) if not _has_branch_points(system, equations, one)]
+        chosen = next(iter(whole), chosen)
     # With K̄ > 0 what leads to two branches counts as a long way.
     return chosen._replace(steps=max(found.steps, other.steps)) if apart and _is_elliptic(system, equations) else chosen
+
+
+def _has_branch_points(system: System, equations: CurvatureEquations, found: _Found) -> bool:
+    """Return whether three valleys or more meet somewhere on a saddle, where its supports do not ask for that."""
+    if not (equations.targets[system.rows] < 0.0).all():
+        return False
+    problem = system.problem_at(found.reached.point.vertices, equations.targets).without_dummies()
+    fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked, layout=False)
+    return bool(len(branch_points(problem, fits)))
 
 
 def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:

@@ -276,6 +276,10 @@ class System:
             gap = np.maximum(gap, self.contact.crossed(vertices))
         return Point(vertices, residual, areas, gap, math.hypot(norm(residual), norm(gap) / self.size))
 
+    def problem_at(self, vertices: FloatArray, targets: FloatArray) -> CGCProblem:
+        """Return the problem in its local frame with a shape (n, 3) and targets (n,)."""
+        return replace(self._problem, vertices=vertices, targets=targets)
+
     def wanted(self, point: Point, equations: CurvatureEquations) -> FloatArray:
         """Return the angle defects asked for of a shape, zero where none is (n,) [rad]."""
         wanted = np.zeros(len(point.vertices))

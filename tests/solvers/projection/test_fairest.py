@@ -221,6 +221,16 @@ def test_a_slider_goes_without_jumps_up_to_what_is_carried(count, n, top):
     assert loop <= 1e-6
 
 
+@pytest.mark.parametrize("target", [-1.99, -2.0, -2.05])
+def test_a_saddle_is_preferred_to_three_valleys_that_bend_less(target):
+    """From -1.98 on one start ends in a surface with a branch point, which a search that counts energy alone would keep."""
+    problem = on_corners(target, 20)
+    solution = project(problem)
+    judged = verdict(problem.with_vertices(solution.vertices))
+    assert solution.status == "converged" and judged.fair, str(judged)
+    assert solution.vertices[:, 2].max() == pytest.approx(-solution.vertices[:, 2].min(), rel=1e-4), "as much up as down"
+
+
 def chessboard(per: int, nx: int, ny: int, held: str, K: float = 0.02) -> CGCProblem:
     """Panels of a metre with K of either sign in turn, `per` edges wide."""
     i, j = np.divmod(np.arange((nx * per + 1) * (ny * per + 1)), ny * per + 1)
