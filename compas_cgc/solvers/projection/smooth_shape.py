@@ -31,7 +31,8 @@ FARTHEST = 0.1  # of a move, against the size of the mesh
 HALVINGS = 5
 FITS, SOLVE = 45, 20  # right sides that the fits of a shape take as long as, and the solve for a move
 STILL = 3e-4  # move, against that, that is none
-TIMES, MOST_TIMES = 0.015, 100  # that normals are smoothed, for each vertex: over about a tenth of the size of the mesh
+COARSE = 300  # vertices of a mesh whose edges are longer than waves are high
+TIMES, MOST_TIMES = 0.015, 100  # that normals are smoothed, for each vertex more: over about a tenth of the size of the mesh
 STEEPEST = 0.5  # cosine of their angle with the normals that is counted
 
 
@@ -124,7 +125,7 @@ class _State:
 
         They are as long as it takes to move by one along the normal, which is what K depends on.
         """
-        times = min(MOST_TIMES, round(TIMES * len(self.vertices)))
+        times = min(MOST_TIMES, max(0, round(TIMES * (len(self.vertices) - COARSE))))
         normals = vertex_normals(self.vertices, self._system.faces)
         directions = smooth_normals(self.vertices, self._system.faces, times)
         return directions / np.maximum(np.einsum("nx,nx->n", directions, normals), STEEPEST)[:, None]
