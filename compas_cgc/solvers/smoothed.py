@@ -27,7 +27,7 @@ from .projection.system import System
 __all__ = ["is_drawn", "solved_as_drawn", "solved_smoothed", "solved_turned"]
 
 WEIGHTS, ROUNDS = (0.1, 1.0, 10.0, 100.0, 1000.0, 1e4), 4  # of K against waves, one after the other, and steps for each
-FEWEST, MOST = 12, 3000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
+FEWEST, MOST = 12, 6000  # vertices with K, for polynomials to tell a smooth shape, and for that to take seconds only
 
 
 def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCProblem], Solution]) -> Optional[Solution]:
