@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     from ..paper import benchmarks
 
     figures = {}
-    parts = Parts(7)
+    parts = Parts(8)
     print("The paper's examples by the paper's flow, solve only", flush=True)
     with parts.part("the paper's examples"):
         figures["examples"] = benchmarks.example_times()
@@ -49,6 +49,11 @@ def run(arguments: argparse.Namespace) -> int:
         figures["newton"] = benchmarks.newton_growth(sizes, arguments.backend)
     _print(figures["newton"], "vertices status steps seconds ratio residual max_error rounding_floor peak_memory_bytes")
     print(f"the time grows as vertices to the power {benchmarks.fitted_exponent(figures['newton'], 'seconds'):.2f}")
+
+    print("\nThe fairest surface on four corners, edges free, with checks and verdict, against the same", flush=True)
+    with parts.part("the fairest surface"):
+        figures["fairest"] = benchmarks.fairest_growth(sizes[1:])
+    _print(figures["fairest"], "vertices K status verdict steps seconds ratio max_error peak_memory_bytes")
 
     print("\nGeneral optimisers on the same residual, with the exact Jacobian", flush=True)
     with parts.part("general optimisers"):

@@ -28,6 +28,13 @@ def test_newton_arrives_in_a_process_of_its_own():
     assert json.dumps([small, large])
 
 
+def test_the_fairest_surface_is_one():
+    up, down = benchmarks.fairest_growth((100,))
+    assert (up["K"], down["K"]) == (1.0, -1.0) and up["vertices"] == down["vertices"] == 100
+    for row in (up, down):
+        assert row["status"] == "converged" and row["verdict"] == "fair" and row["ratio"] > 0 and row["max_error"] < 1e-10
+
+
 def test_optimisers_and_newton_solve_the_same():
     rows = benchmarks.against_optimisers(8, 6)
     assert [row["method"] for row in rows] == ["least_squares", "L-BFGS"]

@@ -7,6 +7,7 @@ from .flow import growth
 from .kernels import kernel_ratio
 from .server import server_overhead
 from .solves import against_optimisers
+from .solves import fairest_growth
 from .solves import fitted_exponent
 from .solves import interactive
 from .solves import newton_growth
@@ -14,6 +15,7 @@ from .solves import newton_growth
 __all__ = [
     "against_optimisers",
     "example_times",
+    "fairest_growth",
     "fitted_exponent",
     "growth",
     "interactive",

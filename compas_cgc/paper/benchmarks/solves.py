@@ -27,9 +27,10 @@ from ...model.roles import INTERNAL
 from ...solvers.newton import NewtonSettings
 from ...solvers.newton import newton
 from ...solvers.projection import Projector
+from ...solvers.run import solve
 from .timing import best_of
 
-__all__ = ["against_optimisers", "fitted_exponent", "interactive", "newton_growth", "square"]
+__all__ = ["against_optimisers", "fairest_growth", "fitted_exponent", "interactive", "newton_growth", "square"]
 
 
 def square(cells: int) -> CGCProblem:
@@ -80,13 +81,7 @@ def _newton_row(cells: int, backend: str) -> dict:
     equations = CurvatureEquations(problem.faces, problem.targets, np.flatnonzero(inner), np.flatnonzero(inner))
     residual, area = equations.measure(solution.vertices)
     memory = _peak_memory()
-    rows = np.flatnonzero(inner)
-    stiffness = cotangent_stiffness(problem.vertices, RingPattern(problem.faces, len(problem.vertices), rows, rows)).tocsc()
-
-    def factorisation() -> None:
-        splu(stiffness, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0)
-
-    laplacian = best_of(factorisation, repeats=1, budget=0.2)
+    laplacian = _laplacian_seconds(problem)
     return {
         "vertices": len(problem.vertices),
         "status": solution.status,
@@ -99,6 +94,65 @@ def _newton_row(cells: int, backend: str) -> dict:
         "rounding_floor": float(np.finfo(float).eps / area.min()),
         "peak_memory_bytes": memory,
     }
+
+
+def fairest_growth(sizes: tuple[int, ...] = (1_000, 10_000, 100_000)) -> list[dict]:
+    """Return what the fairest surface on four corners takes, with its checks and verdict, on finer and finer meshes.
+
+    Parameters
+    ----------
+    sizes
+        Numbers of vertices, roughly.
+
+    Returns
+    -------
+    list of dict
+        Figures by name, two for each size, for K = 1 and K = -1; ``ratio`` is against one factorisation of the Laplacian of the mesh.
+
+    Examples
+    --------
+    >>> fairest_growth((1000,))[0]["ratio"]  # doctest: +SKIP
+    """
+    rows = []
+    for size in sizes:
+        for target in (1.0, -1.0):
+            with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+                rows.append(pool.submit(_fairest_row, round(size**0.5) - 1, target).result())
+    return rows
+
+
+def _fairest_row(cells: int, target: float) -> dict:
+    # What this compiles and loads is another row's.
+    for small in (10, 100):
+        solve(square(small).with_supports("corners").with_targets(target))
+    problem = square(cells).with_supports("corners").with_targets(target)
+    started = time.perf_counter()
+    result = solve(problem)
+    seconds = time.perf_counter() - started
+    memory, laplacian = _peak_memory(), _laplacian_seconds(square(cells))
+    return {
+        "vertices": len(problem.vertices),
+        "K": target,
+        "status": result.status,
+        "verdict": "-" if result.verdict is None else result.verdict.word,
+        "steps": result.iterations,
+        "seconds": seconds,
+        "laplacian_seconds": laplacian,
+        "ratio": seconds / laplacian,
+        "max_error": result.max_error,
+        "peak_memory_bytes": memory,
+    }
+
+
+def _laplacian_seconds(problem: CGCProblem) -> float:
+    """Return the time of a factorisation of the cotangent Laplacian by SciPy's SuperLU, where K is asked for."""
+    rows = np.flatnonzero(problem.asked)
+    stiffness = cotangent_stiffness(problem.vertices, RingPattern(problem.faces, len(problem.vertices), rows, rows)).tocsc()
+
+    def factorisation() -> None:
+        splu(stiffness, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0)
+
+    return best_of(factorisation, repeats=1, budget=0.2)
 
 
 def _peak_memory() -> Optional[int]:
