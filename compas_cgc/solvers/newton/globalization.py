@@ -56,7 +56,7 @@ def steps_of(system: System, start: Shape, settings: NewtonSettings) -> Generato
         outcome = yield from _from_elliptic(system, start, settings)
         if outcome != "converged":
             taut = membrane(system)
-            if float(np.abs(taut - start.vertices).max()) > SAME * _size(system):
+            if float(np.abs(taut - start.vertices).max()) > SAME * system.size:
                 outcome = yield from _from_elliptic(system, system.measure(taut), settings)
     except SingularMatrixError:
         return "stalled", "singular"
@@ -114,10 +114,6 @@ def _followed(system: System, shape: Shape, steps: Generator[Step, None, bool]) 
             return shape, end.value
         shape = step.shape
         far = float(np.abs(shape.vertices - system.problem.vertices).max())
-        if not (np.isfinite(shape.largest) and far < RUNAWAY * _size(system)):
+        if not (np.isfinite(shape.largest) and far < RUNAWAY * system.size):
             raise _RanAway
         yield step
-
-
-def _size(system: System) -> float:
-    return float(np.linalg.norm(np.ptp(system.problem.vertices, axis=0)))

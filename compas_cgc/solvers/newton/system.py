@@ -78,6 +78,7 @@ class System:
         self.asked = np.flatnonzero(problem.asked)
         self.targets = problem.targets[self.asked]
         self.scale = problem.target_scale
+        self.size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))  # diagonal of the model [L]
         self.equations: CurvatureEquations = CurvatureEquations(problem.faces, problem.targets, self.asked, self.asked)
         self.solver: LinearSolver = linear_solver(len(self.asked), points=problem.vertices[self.asked], backend=backend)
         self.factorised = False  # whether there are factors of a matrix near to that of the next step
