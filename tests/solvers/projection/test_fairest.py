@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import LinearNDInterpolator
 
 from compas_cgc.analysis import verdict
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete.local_fits import local_fits
+from compas_cgc.fabrication.curves.net import curve_net
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import FREE
@@ -149,6 +151,19 @@ def test_what_is_kept_of_the_drawing_is_the_designers():
     assert np.abs(shape - vertices).max() < 0.05 < np.abs(plan - vertices)[:, 2].max()
     # Defects are of second order near the flat ring, so that steps end a little before it.
     assert np.ptp(plan[:, 2]) < 1e-5 * np.ptp(vertices[:, 2])
+
+
+def test_a_vault_is_ruled_by_straight_lines():
+    """Lines of curvature wander where it is flat, beside its free edges, but the line from end to end lies on it there too."""
+    problem = vault(0.6)
+    vertices, _ = solved(problem)
+    height = LinearNDInterpolator(vertices[:, :2], vertices[:, 2])
+    curves = curve_net(problem.with_vertices(vertices), 0.5, rough=True).curves
+    assert len(curves) > 20
+    for curve in curves:
+        begin, end = curve.points[[0, -1]]
+        line = begin + np.linspace(0.0, 1.0, 41)[:, None] * (end - begin)
+        assert np.nanmax(np.abs(height(line[:, :2]) - line[:, 2])) <= 0.005 * np.linalg.norm(end - begin)
 
 
 def irregular(target: float, count: int = 500) -> CGCProblem:
