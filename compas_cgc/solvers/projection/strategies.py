@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -61,6 +62,7 @@ ALMOST = 1e-5  # longest move of a shape, against the size of the mesh, that is 
 EXACTLY = 1e-9  # residual, against the curvature asked for, of a start that is a result already
 MEANT = 0.01  # distance of a drawing from the shape that bends least through its rim, against the size of the mesh, that says something
 PATIENT, HELD = 4, 8  # steps for each weight of K on the way to a smooth shape, and where K < 0 is held all round
+SOON, HOPELESS = 8, 2.0  # steps after which a search is given up that has so many times the energy of what was found
 CLEARLY = 1.01  # energy of the first, against that of another, up to which it is the better one
 
 
@@ -219,7 +221,8 @@ def _fairest(system: System, equations: CurvatureEquations, tried: list[Point]) 
     """Approach the equations from several starts; return the one that ends with the least energy, if any."""
     best: Optional[_Found] = None
     for point in tried:
-        best = yield from _better(best, _approached(system, equations, point), system, equations)
+        most = math.inf if best is None else HOPELESS * system.fairness.energy(best.reached.point.vertices)[0]
+        best = yield from _better(best, _approached(system, equations, point, dearest=most), system, equations)
     return best
 
 
@@ -251,8 +254,8 @@ def _has_branch_points(system: System, equations: CurvatureEquations, found: _Fo
     return bool(len(branch_points(problem, fits)))
 
 
-def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST) -> _Search:
-    """Approach the equations from a start, and close in on them should that not get near."""
+def _approached(system: System, equations: CurvatureEquations, point: Point, most: int = MOST, dearest: float = math.inf) -> _Search:
+    """Approach the equations from a start, and close in on them should that not get near; give up what soon has more than some energy."""
     steps, search = 0, approach(system, equations, point, most)
     while True:
         try:
@@ -262,6 +265,8 @@ def _approached(system: System, equations: CurvatureEquations, point: Point, mos
             break
         steps += 1
         yield taken
+        if steps >= SOON and dearest < math.inf and system.fairness.energy(taken.vertices)[0] > dearest:
+            return None
     if NEAR < system.missing(reached.point, equations) <= CLOSE:
         reached = yield from _closed(system, equations, reached)
     return _Found(reached, steps) if system.missing(reached.point, equations) <= NEAR else None
