@@ -29,12 +29,7 @@ from .vectors import norm
 
 __all__ = ["Closing"]
 
-SOFT = (
-    1e-9,
-    1e-8,
-    1e-7,
-    1e-5,
-)  # weights of the metric in the matrix, against that of the equations: the first that leaves it positive definite
+SOFT = (1e-9, 1e-8, 1e-7, 1e-5)  # weights of the metric against those of the equations: the first that leave the matrix positive definite
 ROUNDS = 20  # of refinement with factors for another shape
 SLOW = 0.9  # part of the residual left by one, from which new factors are made
 LEAST = 1e-2  # residual of the linear systems; steps converge by as much

@@ -130,15 +130,16 @@ class _State:
         directions = smooth_normals(self.vertices, self._system.faces, times)
         return directions / np.maximum(np.einsum("nx,nx->n", directions, normals), STEEPEST)[:, None]
 
-    def _move(self, normals: FloatArray, weight: float) -> FloatArray:
+    def _move(self, directions: FloatArray, weight: float) -> FloatArray:
         """Return the moves along directions (n, 3) across the surface (n,) of Gauss and Newton."""
         columns, J = self._system.columns, self._fits.jacobian
         away = self._pull[:, None] * (self.vertices - self._drawn)
         exact = weight * self._exact
-        gradient = np.einsum("nx,nx->n", normals, self._smooth @ self.vertices + away) + J.T @ (exact * self._lacking)
-        matrix = _along(self._smooth, normals) + J.T @ sparse.diags(exact) @ J + sparse.diags(self._pull)
-        move = np.zeros(len(normals))
-        count(rights(SOLVE, 3 * len(normals)))
+        gradient = np.einsum("nx,nx->n", directions, self._smooth @ self.vertices + away) + J.T @ (exact * self._lacking)
+        pull = self._pull * np.einsum("nx,nx->n", directions, directions)
+        matrix = _along(self._smooth, directions) + J.T @ sparse.diags(exact) @ J + sparse.diags(pull)
+        move = np.zeros(len(directions))
+        count(rights(SOLVE, 3 * len(directions)))
         move[columns] = -factorise(matrix.tocsr()[columns][:, columns], symmetric=True, refine=False).solve(gradient[columns])
         return move
 
