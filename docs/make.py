@@ -117,6 +117,18 @@ def _irregular(n: int) -> CGCProblem:
     return CGCProblem(np.column_stack([plan, np.zeros(len(plan))]), faces).with_supports(range(0, 60, 15))
 
 
+def _pseudosphere(n: int) -> CGCProblem:
+    """Return a patch of Beltrami's pseudosphere, all of its edge held, drawn in waves."""
+    problem = _square(n, 1.0)
+    x, y = problem.vertices[:, :2].T
+    turn, fine = 2.5 * (x - 0.5), np.linspace(0.3, 1.3, 2001)
+    rise = np.concatenate([[0.0], np.cumsum(np.sqrt(1.0 - np.exp(-fine[1:] - fine[:-1])) * np.diff(fine))])
+    radius, height = np.exp(-0.3 - y), np.interp(0.3 + y, fine, rise)
+    wave = 1.0 + 0.05 * np.sin(3 * np.pi * x) * np.sin(3 * np.pi * y)
+    vertices = np.column_stack([wave * radius * np.sin(turn), -wave * radius * np.cos(turn), height])
+    return CGCProblem(vertices, problem.faces).with_supports("boundary").with_targets(-1.0)
+
+
 def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
     """Return problems, the settings of what they are compared with, and a title."""
     nearest = {"keep": "shape", "nearness": 1e3, "measure": "defect"}
@@ -131,6 +143,7 @@ def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
         "corners": (corners, nearest, "A square on its corners, K = -3, from a flat start"),
         "vault": (vault, nearest, "A vault between two arches, K = 0, from a sagging start"),
         "nine": (nine, nearest, "Nine regions on four corners, K = -0.01"),
+        "held": (_pseudosphere(24), nearest, "A pseudosphere, K = -1, held all round, from a start in waves"),
         "irregular": (_irregular(420).with_targets(-0.4), {"measure": "defect"}, "An irregular mesh on four points, K = -0.4"),
     }
 
