@@ -56,16 +56,17 @@ def smooth_shape(
     weights: Sequence[float] = WEIGHTS,
     rounds: int = ROUNDS,
     beside: _Weights = LOOSE,
+    smoothed_normals: bool = False,
 ) -> Generator[Taken, None, FloatArray]:
     r"""Take steps from a shape (n, 3) to one nearby that is smooth and nearly has the curvature asked for, and return that.
 
     .. math:: \min_u \; \tfrac{w}{2} \sum_i A_i (K_i - \bar K_i)^2 + \tfrac{a}{2} \text{waves} + \tfrac{b}{2} \text{bending}
 
-    over moves u across the surface, with K, waves (distances of vertices from polynomials around them) and bending all told by
-    fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
+    over moves u along the normals, or smoothed ones, with K, waves (distances of vertices from polynomials around them) and bending all
+    told by fitted polynomials, and w growing: a Gauss-Newton method. Angle defects hold an irregular mesh so tightly where
     K < 0 that the exact equations leave no smooth surface to choose, if they are asked before the surface is smooth.
     """
-    here = _State(system, equations, vertices, vertices, beside)
+    here = _State(system, equations, vertices, vertices, beside, smoothed_normals)
     for weight in weights:
         for _ in range(rounds):
             there = here.next(weight)
@@ -82,8 +83,11 @@ def smooth_shape(
 class _State:
     """A shape, and what polynomials say of it."""
 
-    def __init__(self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray, own: _Weights):
+    def __init__(
+        self, system: System, equations: CurvatureEquations, vertices: FloatArray, drawn: FloatArray, own: _Weights, smoothed_normals: bool
+    ):
         self._system, self._equations, self.vertices, self._drawn, self._own = system, equations, vertices, drawn, own
+        self._smoothed_normals = smoothed_normals
         self.length, self.trials = 1.0, 1
         asked = np.zeros(len(vertices), bool)
         asked[system.rows] = True
@@ -113,7 +117,8 @@ class _State:
             return None
         length, before = min(1.0, FARTHEST / max(farthest, STILL)), self.merit(weight)
         for trials in range(1, HALVINGS + 1):
-            there = _State(self._system, self._equations, self.vertices + length * move[:, None] * directions, self._drawn, self._own)
+            vertices = self.vertices + length * move[:, None] * directions
+            there = _State(self._system, self._equations, vertices, self._drawn, self._own, self._smoothed_normals)
             if there.merit(weight) < before:
                 there.length, there.trials = length, trials
                 return there
@@ -121,12 +126,14 @@ class _State:
         return None
 
     def _directions(self) -> FloatArray:
-        """Return the directions of moves (n, 3): normals, smoothed, as those of waves would lead vertices into each other.
+        """Return the directions of moves (n, 3): normals, or smoothed ones, as those of waves would lead vertices into each other.
 
         They are as long as it takes to move by one along the normal, which is what K depends on.
         """
-        times = min(MOST_TIMES, max(0, round(TIMES * (len(self.vertices) - COARSE))))
         normals = vertex_normals(self.vertices, self._system.faces)
+        if not self._smoothed_normals:
+            return normals
+        times = min(MOST_TIMES, max(0, round(TIMES * (len(normals) - COARSE))))
         directions = smooth_normals(self.vertices, self._system.faces, times)
         return directions / np.maximum(np.einsum("nx,nx->n", directions, normals), STEEPEST)[:, None]
 

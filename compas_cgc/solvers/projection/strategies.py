@@ -151,7 +151,7 @@ def _held_all_round(
     near, vertices = system.keeping("shape"), first.vertices
     if smooth_first and _is_told_by_fits(near, equations):
         last = None
-        for last in _smooth_first(near, equations, vertices, settings, HELD):
+        for last in _smooth_first(near, equations, vertices, settings, held=True):
             # What does not lead to a fair surface is nothing to show.
             yield Taken(vertices, 0.0, last.trials, settled=False)
         if last is not None and last.equations and verdict(near.problem_at(last.vertices, equations.targets)).fair:
@@ -164,11 +164,11 @@ def _held_all_round(
 
 
 def _smooth_first(
-    system: System, equations: CurvatureEquations, vertices: FloatArray, settings: ProjectionSettings, rounds: int = PATIENT
+    system: System, equations: CurvatureEquations, vertices: FloatArray, settings: ProjectionSettings, held: bool = False
 ) -> Iterator[Taken]:
-    """Take steps from a shape (n, 3) to one nearby that is smooth, and on to K as asked in the smooth measure."""
-    beside = DRAWN if settings.nearness >= 1.0 else LOOSE
-    vertices = yield from smooth_shape(system, equations, vertices, rounds=rounds, beside=beside)
+    """Take steps from a shape (n, 3), which may be held all round, to one nearby that is smooth, and on to K as asked in that measure."""
+    beside, rounds = DRAWN if settings.nearness >= 1.0 else LOOSE, HELD if held else PATIENT
+    vertices = yield from smooth_shape(system, equations, vertices, rounds=rounds, beside=beside, smoothed_normals=held)
     yield from renewed(system, equations, vertices)
 
 
