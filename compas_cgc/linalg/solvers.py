@@ -16,8 +16,9 @@ __all__ = ["BACKENDS", "LinearSolver", "SingularMatrixError", "factorise", "line
 BACKENDS = ("superlu", "pardiso", "amg")
 
 # From here PARDISO is the faster one, and multigrid, slower than both, is taken for its
-# memory. Below, SuperLU makes up for a slower factorisation by its solves and its start.
-PARDISO_FROM = 200_000
+# memory. Below, SuperLU makes up for a slower factorisation by its solves and its start; where
+# matrices are not symmetric it does so up to a million unknowns at least.
+PARDISO_FROM, PARDISO_UNSYMMETRIC = 200_000, 2_000_000
 PARDISO_FRESH = 10_000  # of a wide stencil, where nearly every right side has a matrix of its own: new factors take a sixth of the time
 AMG_FROM = 2_000_000
 
@@ -149,7 +150,8 @@ def factorise(
 def _choose(size: int, symmetric: bool, refine: bool, fresh: bool) -> str:
     if symmetric and refine and size >= AMG_FROM and find_spec("pyamg"):
         return "amg"
-    if size >= (PARDISO_FRESH if symmetric and fresh else PARDISO_FROM) and find_spec("pypardiso"):
+    least = PARDISO_UNSYMMETRIC if not symmetric else PARDISO_FRESH if fresh else PARDISO_FROM
+    if size >= least and find_spec("pypardiso"):
         from .pardiso import works
 
         if works():

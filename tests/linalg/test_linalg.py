@@ -248,6 +248,8 @@ def test_so_does_a_larger_one_that_is_to_be_solved_many_times():
 def test_wide_matrices_of_which_each_is_solved_with_once_go_to_pardiso():
     assert type(linear_solver(12_000, symmetric=True, refine=False, fresh=True)).__name__ == "Pardiso"
     assert type(linear_solver(12_000, symmetric=True, refine=False)).__name__ == "SuperLU"
+    assert type(linear_solver(300_000, symmetric=True, refine=False)).__name__ == "Pardiso"
+    assert type(linear_solver(300_000)).__name__ == "SuperLU"
 
 
 def test_unknown_and_unfit_backends_are_named():
