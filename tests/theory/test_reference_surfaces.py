@@ -22,6 +22,7 @@ from compas_cgc.model.roles import INTERNAL
 
 from ..system.fairness_study import mesh
 from ..system.fairness_study import outline
+from ..system.fairness_study import patch
 from ..system.fairness_study import profile
 
 SIZE = 0.5
@@ -32,9 +33,7 @@ def wavy(kind: str, count: int, held: float = 1.0, layout: str = "delaunay") -> 
     """A patch of a surface of revolution, a part of its rim held, with waves of 3 % of its size elsewhere."""
     rng = np.random.default_rng(0)
     plan, faces = mesh(outline("disc", rng), layout, count, rng)
-    radius, height, K = profile(kind, SIZE * plan[:, 1])
-    turn = SIZE * plan[:, 0] / float(profile(kind, np.array([-SIZE, 0.0, SIZE]))[0][1])
-    vertices = np.column_stack([radius * np.sin(turn), -radius * np.cos(turn), height])
+    vertices, _, K = patch(kind, SIZE, plan)
     turned = np.arctan2(plan[:, 1], plan[:, 0]) <= np.pi * (2.0 * held - 1.0)
     roles = np.where(boundary_vertices(vertices, faces), np.where(turned, FIXED, FREE), INTERNAL)
     wave = 0.03 * SIZE * np.sin(3 * plan[:, 0] + 1) * np.cos(3 * plan[:, 1] + 2) * (roles != FIXED)
