@@ -10,12 +10,12 @@ hypothesis.settings.register_profile("default", deadline=None, max_examples=40, 
 hypothesis.settings.load_profile("default")
 
 PROCESSES = {"cli", "client", "execution", "grasshopper", "paper", "plot", "rpc", "server", "study", "system"}
-LONG = 600  # seconds that a test may take that starts processes or is system-sized
+LONG = 600  # seconds allowed for a nightly test, or one that starts processes
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Give tests that start processes, and slow ones, more time than the others: a busy machine may need it."""
+    """Raise the time limit of nightly tests and of those that start processes."""
     for item in items:
         folder = Path(item.path).relative_to(Path(__file__).parent).parts[0]
-        if (folder in PROCESSES or item.get_closest_marker("slow")) and item.get_closest_marker("timeout") is None:
+        if (folder in PROCESSES or item.get_closest_marker("nightly")) and item.get_closest_marker("timeout") is None:
             item.add_marker(pytest.mark.timeout(LONG))

@@ -198,7 +198,7 @@ def test_what_bends_another_way_by_and_by_or_at_a_crease_has_no_fault(n):
         assert "fault" not in str(verdict(problem))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_known_surfaces_on_any_mesh_have_no_fault():
     """Spheres, bulges, spindles, cones, pseudospheres and saddles of revolution on regular, Delaunay, graded and anisotropic meshes."""
     for number in range(1, 60, 2):
@@ -245,7 +245,7 @@ def test_a_branch_point_is_one_more_than_supports_need(count, supports, wrong, t
         assert np.linalg.norm(problem.vertices[vertex]) < 0.15
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_saddle_without_a_branch_point_is_preferred():
     """An ellipse on four points with four times the K that a symmetric saddle carries: the surface that bends least has a branch point."""
     t = np.linspace(0, 2 * np.pi, 61)

@@ -256,7 +256,7 @@ def test_an_example_writes_meshes_pictures_and_a_record(tmp_path, capsys):
     assert CGCMesh.from_json(tmp_path / "example4_a.json").regions()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_reproduce_sets_the_papers_tables_beside_ours(tmp_path, capsys):
     assert call("reproduce", "--out", tmp_path, "--no-pictures") == 0
     page = (tmp_path / "tables.md").read_text(encoding="utf-8")

@@ -44,7 +44,7 @@ def hanging(n=8, height=0.5):
     return mesh
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_what_is_drawn_besides_the_curvature_is_held_by_every_way_in(tmp_path):
     path = tmp_path / "roof.3dm"
     hanging().to_3dm(path)

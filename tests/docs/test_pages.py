@@ -51,7 +51,7 @@ def commands(text: str) -> list[list[str]]:
 
 def tutorials() -> list:
     with_code = [path for path in [*PAGES, ROOT / "CONTRIBUTING.md"] if path.name not in ELSEWHERE and blocks(path, "python", "sh")]
-    marks = {path: [pytest.mark.slow] if path.name in SLOW else [] for path in with_code}
+    marks = {path: [pytest.mark.nightly] if path.name in SLOW else [] for path in with_code}
     return [pytest.param(path, id=path.name, marks=marks[path]) for path in with_code]
 
 
@@ -75,7 +75,7 @@ def test_the_code_of_a_page_runs(path, tmp_path, monkeypatch, capsys):
             exec(compile(text, path.name, "exec"), names)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_surfaces_of_the_gallery_are_fair():
     text = (DOCS / "gallery.md").read_text(encoding="utf-8")
     pictures = re.findall(r"images/gallery/(\w+)\.png", text)
@@ -184,7 +184,7 @@ def test_samples_are_the_examples_of_the_clone():
         compas_cgc.get("nothing.3dm")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_site_builds_without_a_warning(tmp_path, monkeypatch):
     mkdocs = pytest.importorskip("mkdocs.commands.build", reason="the extra docs is not installed")
     pytest.importorskip("mkdocstrings", reason="the extra docs is not installed")

@@ -65,7 +65,7 @@ def pyramid(around: int, rows: int):
     return vertices, np.vstack([np.column_stack([a, a + around, b + around]), np.column_stack([a, b + around, b])])
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("K", [0.005, -0.005])
 def test_ten_thousand_vertices(K):
     laid = develop(solved(saddle(100).with_targets(K)))

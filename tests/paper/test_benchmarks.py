@@ -11,14 +11,14 @@ from compas_cgc.paper import benchmarks
 from compas_cgc.paper.benchmarks.timing import best_of
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_examples_carry_the_papers_seconds():
     rows = benchmarks.example_times()
     assert [row["paper_seconds"] for row in rows] == [117.8, 111.5, 273.0, 488.5, 963.8, 870.0]
     assert all(row["times_faster"] == pytest.approx(row["paper_seconds"] / row["seconds"]) for row in rows)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_newton_arrives_in_a_process_of_its_own():
     small, large = benchmarks.newton_growth((100, 400))
     for row in (small, large):
@@ -46,7 +46,7 @@ def test_a_roof_is_solved_again():
     assert row["status"] == "converged" and row["max_error"] < 1e-10
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_server_solves_the_same_mesh_by_every_door():
     (row,) = benchmarks.server_overhead((64,))
     assert row["vertices"] == 64

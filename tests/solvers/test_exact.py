@@ -107,7 +107,7 @@ def irregular_saddle(n, jitter, K=-0.01, width=15.0):
     return CGCProblem(vertices, faces).with_supports("corners").with_targets(K)
 
 
-@pytest.mark.parametrize("n, jitter, obtuse", [(30, 0.4, 0.28), pytest.param(70, 0.4, 0.27, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n, jitter, obtuse", [(30, 0.4, 0.28), pytest.param(70, 0.4, 0.27, marks=pytest.mark.nightly)])
 def test_an_irregular_saddle_is_congruent_to_its_hyperboloid(n, jitter, obtuse):
     problem = irregular_saddle(n, jitter)
     assert obtuse_share(problem.vertices, problem.faces) > obtuse
@@ -117,7 +117,7 @@ def test_an_irregular_saddle_is_congruent_to_its_hyperboloid(n, jitter, obtuse):
     assert laid.edge_error < 1e-11 and 1e3 * laid.gap < 1e-8
 
 
-@pytest.mark.parametrize("n, off", [(30, 0.025), pytest.param(60, 0.025, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n, off", [(30, 0.025), pytest.param(60, 0.025, marks=pytest.mark.nightly)])
 def test_vertices_slide_along_a_fair_saddle_instead_of_crumpling_it(n, off):
     problem = irregular_saddle(n, 0.4)
     plain = solve(problem, method="projection")
@@ -171,9 +171,9 @@ def test_vertices_of_three_faces_are_named_where_no_saddle_can_be():
     [
         (81, -0.005, 15.0),
         (95, -0.0045, 16.0),
-        pytest.param(105, -0.0035, 14.0, marks=pytest.mark.slow),
-        pytest.param(120, -0.004, 15.0, marks=pytest.mark.slow),
-        pytest.param(81, 0.005, 15.0, marks=pytest.mark.slow),
+        pytest.param(105, -0.0035, 14.0, marks=pytest.mark.nightly),
+        pytest.param(120, -0.004, 15.0, marks=pytest.mark.nightly),
+        pytest.param(81, 0.005, 15.0, marks=pytest.mark.nightly),
     ],
 )
 def test_a_large_surface_is_made_exact_as_directly_as_any(n, K, width):

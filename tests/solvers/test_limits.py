@@ -133,7 +133,7 @@ def test_the_command_says_it(tmp_path, capsys):
     assert main(["limits", str(mesh), "--supports", "corners", "--target", "1", "--tolerance", "2"]) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_solve_is_given_up_after_a_count_of_work_and_ends_at_the_same_place_each_time(monkeypatch):
     problem = roof(-30.0)
     whole = solve(problem)

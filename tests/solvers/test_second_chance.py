@@ -68,14 +68,14 @@ def test_a_drawn_pseudosphere_that_a_search_has_lost_is_found_smoothed():
     assert "smoothed, it" in found.message and "projection stalled" in found.message
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_large_drawn_pseudosphere_that_a_search_has_lost_is_found_from_its_drawing_smoothed():
     found = solve(case(9385).problem)
     assert found.converged and found.verdict.fair, str(found.verdict)
     assert "from its drawing, smoothed, it arrives" in found.message
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface(monkeypatch):
     """A saddle of revolution on an irregular mesh, whose angle defects hold it tightly: another mesh would be begun, not finished."""
     problem = case(1023).problem
@@ -87,7 +87,7 @@ def test_what_a_long_search_has_left_of_the_work_goes_into_a_smooth_surface(monk
     assert "smoothed, it" in found.message
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_where_a_search_ends_too_early_a_smooth_surface_is_gone_on_from():
     """The same, with fewer steps than the search takes: smoothed, its last shape is nearer than it was itself."""
     found = solve(case(1023).problem, settings={"steps": 60})
@@ -129,7 +129,7 @@ def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew():
     assert "laid out anew" in found.message and np.array_equal(found.problem.faces, problem.faces)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_search_that_is_lost_on_a_fine_mesh_is_gone_on_with_from_a_coarser_one():
     """A part of the rim held and K < 0 over 1,998 vertices of a regular mesh: it stalled after all the work that there is."""
     problem = case(12022).problem

@@ -95,7 +95,7 @@ def test_a_first_search_without_an_end_is_left_for_its_shape_smoothed():
     assert found.status == "converged" and np.array_equal(found.vertices, known.answer) and len(smoothed_from) == 1
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_large_pseudosphere_is_smoothed_before_the_work_is_used_up():
     """On 1,729 vertices the first search on turned edges goes on for twice as long, to a surface with waves."""
     result = solve(case(4213).problem)
@@ -123,7 +123,7 @@ def test_an_edge_is_turned_to_every_vertex_of_three_faces():
     assert on_turned_edges(problem.with_targets(0.01), solved, lambda *_: None) is None
 
 
-@pytest.mark.parametrize("n, shake", [(40, 0.4), pytest.param(60, 0.45, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n, shake", [(40, 0.4), pytest.param(60, 0.45, marks=pytest.mark.nightly)])
 def test_a_saddle_over_an_irregular_plan_is_found_on_even_triangles(n, shake):
     """By angle defects on its own the search went astray: at 3,600 vertices it had stalled after 50 s."""
     problem = shaken_square(n, -0.01, shake, 3)

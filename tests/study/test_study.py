@@ -240,7 +240,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path):
     assert killed and files(tmp_path / "killed") == files(tmp_path / "whole")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_study_that_is_killed_at_40_percent_goes_on_to_the_same_table(tmp_path):
     write(tmp_path / "roof.json", grid())
     (tmp_path / "study.toml").write_text("[parameters]\nK = { from = 0.004, to = 0.02, count = 150 }\n", encoding="utf-8")

@@ -36,7 +36,7 @@ from ..support.rhino_models import result_of
 from ..support.server_process import running_rpc
 from ..support.server_process import running_server
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(900), pytest.mark.usefixtures("rhino")]
+pytestmark = [pytest.mark.nightly, pytest.mark.timeout(900), pytest.mark.usefixtures("rhino")]
 
 N = 8  # squares along each side of a plan of 8 m x 8 m
 

@@ -52,7 +52,7 @@ def run(code, *words, **environment):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.mark.parametrize("supports", [pytest.param("boundary", marks=pytest.mark.slow), "corners"])
+@pytest.mark.parametrize("supports", [pytest.param("boundary", marks=pytest.mark.nightly), "corners"])
 def test_a_small_solve_compiles_little_and_only_once(tmp_path, supports):
     first = run(SOLVE, supports, NUMBA_CACHE_DIR=str(tmp_path))
     assert first["status"] == "converged"
@@ -73,7 +73,7 @@ def test_where_nothing_can_be_written_kernels_are_stored_with_the_temporary_file
     assert run(READ_ONLY + SOLVE, "boundary", TMPDIR=str(tmp_path))["compiled"] == []
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_warm_up_reaches_every_kernel(tmp_path):
     code = """
 import json

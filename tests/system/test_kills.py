@@ -26,7 +26,7 @@ from ..support.server_process import wait_for
 from ..support.server_process import worker_of
 from ..support.shapes import grid
 
-pytestmark = [KILLABLE, pytest.mark.slow]
+pytestmark = [KILLABLE, pytest.mark.nightly]
 KILLS = int(os.environ.get("KILLS", 2))
 
 

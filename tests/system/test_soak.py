@@ -7,7 +7,7 @@ import pytest
 from ..support.soak import soak
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_many_clients_get_the_answers_that_one_alone_gets_and_nothing_is_left_behind():
     tally, memory = soak(clients=8, seconds=15.0)
     assert tally.wrong == []

@@ -68,7 +68,7 @@ CASES = [
 ]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(("system", "python"), CASES)
 def test_every_dependency_of_the_base_has_a_wheel(system, python, tmp_path):

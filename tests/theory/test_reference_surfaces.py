@@ -69,7 +69,7 @@ def noise_and_turn(kind: str, count: int, problem: CGCProblem, vertices: np.ndar
     return noise, float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).max())
 
 
-@pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [300, pytest.param(1500, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("kind", ["sphere", "bulge", "spindle", "cylinder", "cone"])
 def test_no_wrinkles_are_left(kind, count):
     problem = wavy(kind, count)
@@ -80,7 +80,7 @@ def test_no_wrinkles_are_left(kind, count):
 
 
 @pytest.mark.parametrize("layout", LEFT)
-@pytest.mark.parametrize("count", [300, pytest.param(1200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [300, pytest.param(1200, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("kind", ["pseudosphere", "saddle of revolution"])
 def test_a_rim_that_a_saddle_has_may_be_held_all_round(kind, count, layout):
     """Angle defects leave no room there for what the layout of the mesh makes of them."""

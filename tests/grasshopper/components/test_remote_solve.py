@@ -135,7 +135,7 @@ def test_reset_cancels_the_job_on_the_server(running):
     wait_for(lambda: "running" not in states(running).values())
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
     monkeypatch.setattr("compas_cgc.grasshopper.runtime.remote_solve.RETRY_INTERVAL", 0.1)
     placed, port = place("Solve"), free_port()

@@ -266,7 +266,7 @@ def test_large_bodies_are_parsed_by_others(server):
     assert most_memory(pid) - memory < 100
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_large_request_is_answered_as_a_small_one(tmp_path):
     vertices, faces = grid(6, 6.0)
     value = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.01, "name": "a dome"}

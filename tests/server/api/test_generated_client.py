@@ -46,7 +46,7 @@ print(json.dumps(found.vertices))
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.skipif(TOOL is None, reason="openapi-python-client is not there to make a client: pip install openapi-python-client")
 def test_a_generated_client_solves_polls_and_reads_result_and_error_as_typed_objects(tmp_path):
     vertices, faces = grid(6, 6.0)

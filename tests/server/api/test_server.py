@@ -501,7 +501,7 @@ def test_random_requests_never_make_the_server_fail(server):
             assert isinstance(json.loads(content), dict)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_jobs_survive_a_kill_of_the_server(tmp_path):
     store = tmp_path / "jobs.sqlite"
     with running_server(store, workers=1) as first:

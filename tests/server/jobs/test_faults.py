@@ -196,7 +196,7 @@ def test_the_queue_is_bounded_for_one_and_for_all(tidy):
         assert status == 429 and "the queue is full (5 jobs)" in found["errors"][0]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_open_jobs_shut_out_no_hops_call_and_clients_behind_a_proxy_are_apart(tmp_path):
     limits, keys = {"per_client": 2, "queue": 6}, ("the-first-key", "the-second-key")
 

@@ -13,10 +13,10 @@ from ...support.browser import browser_paths
 from ...support.hands import WEB
 from ...support.server_process import running_server
 
+pytestmark = pytest.mark.nightly
 CHROME = "--headless=new --no-sandbox --disable-dev-shm-usage"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("form", ["desktop", "mobile"])
 def test_lighthouse_finds_nothing_to_complain_of(tmp_path, form):
     """Scores depend on how busy the machine is: those of what does not are held to 100, of performance to 95 once in three runs."""

@@ -432,6 +432,7 @@ def changed(before, after):
     return float((np.abs(before - after).max(axis=2) > 12).mean())
 
 
+@pytest.mark.nightly
 def test_the_key_is_asked_for_until_it_is_right(page):
     page.window.get(page.server.url)
     page.window.execute_script("sessionStorage.clear()")
@@ -447,7 +448,7 @@ def test_the_key_is_asked_for_until_it_is_right(page):
     page.seen(".example")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     from selenium.webdriver.common.keys import Keys
 
@@ -482,7 +483,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     assert len(asked) > 20 and all(url.startswith((page.server.url, "data:", "blob:")) for url in asked), asked
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp_path):
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
@@ -515,7 +516,7 @@ def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp
     assert json.loads(page.download("json").read_text(encoding="utf-8"))["dtype"].endswith("CGCMesh")
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=40, nx=44), "obj", tmp_path)))
@@ -533,6 +534,7 @@ def test_a_long_solve_shows_how_it_is_doing_and_can_be_stopped(page, tmp_path):
     wait_for(lambda: changed(flat, page.at_rest()) < 0.001)
 
 
+@pytest.mark.nightly
 def test_without_a_free_stream_of_events_the_page_asks_again_and_again(page):
     page.example("example3")
     page.window.execute_script(
@@ -542,6 +544,7 @@ def test_without_a_free_stream_of_events_the_page_asks_again_and_again(page):
     assert page.one(".verdict h2").text == "As asked" and page.complaints() == []
 
 
+@pytest.mark.nightly
 def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
     from selenium.webdriver.common.keys import Keys
 
@@ -557,6 +560,7 @@ def test_refusals_are_shown_in_the_words_of_the_server(page, tmp_path):
     assert not page.one("#downloads").is_displayed()
 
 
+@pytest.mark.nightly
 def test_the_page_measures_curvature_as_the_package_does(page):
     mesh = nine_regions()
     vertices, faces = mesh.arrays()
@@ -575,7 +579,7 @@ def test_the_page_measures_curvature_as_the_package_does(page):
     assert np.allclose(np.array(measured)[inside], gaussian_curvature(vertices, faces)[inside], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path):
     # K > 0 between two fixed rims has no smooth surface.
     turn = np.linspace(0, 2 * np.pi, 36, endpoint=False)
@@ -603,7 +607,7 @@ def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path
     assert amber.sum() > 50, "the places are marked"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_where_edges_are_turned_the_page_shows_the_surface_and_keeps_the_drawing(page, tmp_path):
     """A pseudosphere on stretched triangles: the surface has other faces than the file, the same ones each time that it is solved."""
     problem = case(4147).problem

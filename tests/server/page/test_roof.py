@@ -15,11 +15,12 @@ from ...support.server_process import running_server
 from ...support.server_process import wait_for
 
 pytest.importorskip("compas_cgal", reason="the extra mesher is not installed")
+pytestmark = pytest.mark.nightly
 
 # Of browser, width in pixels, and dark: each browser, each width and each colour scheme once.
 WAYS = [
     pytest.param("chromium", 400, True, id="chromium-narrow-dark"),
-    pytest.param("firefox", 1440, False, id="firefox-light", marks=pytest.mark.slow),
+    pytest.param("firefox", 1440, False, id="firefox-light"),
 ]
 
 
@@ -221,7 +222,6 @@ def test_an_outline_that_crosses_itself_is_told_so(server, tmp_path):
         wait_for(lambda: "area that can be meshed" in hands.text("#desk-trouble"), what="nothing is said")
 
 
-@pytest.mark.slow
 def test_the_tools_on_the_surface(server, tmp_path):
     """Points and sides are held, folds led and erased, by pointer and by keys; a section has its dimensions."""
     with open_hands("chromium", tmp_path) as hands:

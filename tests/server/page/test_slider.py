@@ -15,6 +15,7 @@ from ...support.hands import open_hands
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 
+pytestmark = pytest.mark.nightly
 WATCH = """
 const { Solving } = await import('/page/solving.js');
 const told = window.told = { last: [], tolerances: [], solving: null };

@@ -32,7 +32,7 @@ def server(tmp_path_factory):
         yield running
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("browser, width, dark", WAYS)
 def test_all_views(server, tmp_path, browser, width, dark):
     if axe_script() is None:

@@ -131,7 +131,7 @@ def test_an_irregular_saddle_is_smooth_before_it_is_exact(plan, layout, count):
     assert result.max_error <= 1e-9 * 0.4
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_hypar_drawn_over_many_irregular_triangles_is_soon_smooth():
     """Of 10,067 vertices it took 76 s to a surface whose K was 4 % off in the middle; here are half as many."""
     rng = np.random.default_rng(3)

@@ -231,7 +231,7 @@ def test_an_edge_on_a_surface():
     assert np.abs(x - 0.3 * z).max() < 1e-12 and z.max() > 0.5
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_clearance_that_cannot_be_says_how_much_can():
     result = solve(roof(n=10), goals=[Clearance(GATE, 40.0), EdgeInPlan()])
     assert result.status == "infeasible"

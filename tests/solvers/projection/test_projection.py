@@ -152,7 +152,7 @@ TABLE = {
 }
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, marks=[pytest.mark.slow] if "19,200" in case else []) for case in TABLE])
+@pytest.mark.parametrize("case", [pytest.param(case, marks=[pytest.mark.nightly] if "19,200" in case else []) for case in TABLE])
 def test_every_row_of_the_table_is_solved_to_rounding(case):
     make, steps = TABLE[case]
     problem = make()
