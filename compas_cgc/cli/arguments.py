@@ -1,4 +1,4 @@
-"""Arguments that commands share: how a file is read, and the options of the methods."""
+"""Arguments that commands share: reading of files and options of the methods."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_targets"]
 
-# Those of `meshing.boundary`, which would be imported for --help.
+# Copied from `meshing.boundary`, which --help must not import.
 SUPPORT_NAMES = ("boundary", "outline", "corners")
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
@@ -37,21 +37,23 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ROLE=NAME",
-        help=f"read a layer of another name, ROLE being {', '.join(_ROLES)} (default: CGC::Mesh and so on)",
+        help=f"layer to read for ROLE, one of {', '.join(_ROLES)} (default: CGC::Mesh, CGC::Supports, ...)",
     )
     group.add_argument(
         "--crease",
         choices=("trace", "split"),
         default="trace",
-        help="lead creases off the mesh edges along the nearest edges (default), or split the mesh along them",
+        help="move creases to the nearest mesh edges (default), or split the mesh along them",
     )
-    group.add_argument("--edge-length", type=float, metavar="L", help="mesh outlines without a mesh with edges of this length")
-    group.add_argument("--weld", type=float, metavar="D", help="distance within which points are one (default: the file's tolerance)")
+    group.add_argument("--edge-length", type=float, metavar="L", help="mesh curves and surfaces with this edge length, in model units")
+    group.add_argument(
+        "--weld", type=float, metavar="D", help="merge points closer than this, in model units (default: the file's tolerance)"
+    )
 
 
 def add_supports(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names what is fixed."""
-    text = "fix the whole open edge, the outline of it without holes, or its corners, not the file's points"
+    """Add the argument for supports."""
+    text = "support the whole open edge, the outline without holes, or the corners, instead of the points in the file"
     parser.add_argument("--supports", type=_supports, choices=SUPPORT_NAMES, help=text)
 
 
@@ -61,18 +63,18 @@ def _supports(text: str) -> str:
     Raises
     ------
     argparse.ArgumentTypeError
-        If it is none, which people write who mean vertices.
+        If the name is unknown, for example a list of vertices.
     """
     if text in SUPPORT_NAMES:
         return text
-    points = "draw points on the layer CGC::Supports, or name vertices in a script, mesh.set_supports([...])"
+    points = "draw points on the layer CGC::Supports, or call mesh.set_supports([...]) in a script"
     raise argparse.ArgumentTypeError(
-        f"there are {', '.join(SUPPORT_NAMES[:-1])} and {SUPPORT_NAMES[-1]}, not {text!r}; to hold single places, {points}"
+        f"must be {', '.join(SUPPORT_NAMES[:-1])} or {SUPPORT_NAMES[-1]}, not {text!r}; to support single places, {points}"
     )
 
 
 def read_input(arguments: argparse.Namespace, *, result: bool = False) -> ReadProblem:
-    """Return what the file of a command holds, or its result where there is one; a terminal shows that it is being read."""
+    """Read the input file, or the result stored in it; show progress on a terminal."""
     with Parts(1, quiet=getattr(arguments, "quiet", False)).part(f"reading {arguments.input}"):
         from ..io import read_problem
 
@@ -85,7 +87,7 @@ def _reading(arguments: argparse.Namespace) -> dict[str, Any]:
     Raises
     ------
     CGCError
-        If ``--layer`` is not understood.
+        If ``--layer`` is invalid.
     """
     layers: dict[str, list[str]] = {}
     for text in arguments.layer:
@@ -102,9 +104,9 @@ def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
     Raises
     ------
     CGCError
-        If one is not understood.
+        If a target is invalid.
     """
-    # Those of regions last.
+    # Targets of regions override the general one.
     for text in sorted(texts, key=lambda text: "=" in text):
         region, equals, number = text.rpartition("=")
         try:
@@ -119,10 +121,13 @@ def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add ``--method`` and the options of all methods, as the registry has them; one whose flag is taken gets its method before it."""
+    """Add ``--method`` and the options of all registered methods.
+
+    If a flag is already used, the name of the method is put in front of it.
+    """
     lines = "; ".join(f"{method.name}: {method.text.rstrip('.')}" for method in METHODS.values())
-    group = parser.add_argument_group("how to solve", "An option that belongs to one method chooses it, where none is named.")
-    group.add_argument("--method", default="auto", metavar="METHOD", help=_plain(f"auto (default): one of the others is picked; {lines}"))
+    group = parser.add_argument_group("how to solve", "An option of a single method also selects that method, unless --method is given.")
+    group.add_argument("--method", default="auto", metavar="METHOD", help=_plain(f"auto (default): select one of the others; {lines}"))
     for name, own in options().items():
         kind: dict[str, Any] = (
             {"action": argparse.BooleanOptionalAction} if own.kind is bool else {"type": own.kind, "metavar": _metavar(own)}
@@ -133,12 +138,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def settings_of(arguments: argparse.Namespace) -> Optional[Settings]:
-    """Return the settings that the options make, None where they leave all open.
+    """Return the settings of the given options, or None if no option is given.
 
     Raises
     ------
     ValueError
-        If the resolver refuses them.
+        If the options contradict each other or are out of range.
     """
     return settings_for(arguments.method, {name: getattr(arguments, f"option_{name}") for name in options()})
 
@@ -160,5 +165,5 @@ def _help(own: Option) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a help text without what argparse would fill in."""
+    """Escape percent signs for argparse."""
     return text.replace("%", "%%")

@@ -1,4 +1,4 @@
-"""What the commands that build from a solved surface share: their options, how they read, and how they end."""
+"""Options, input and output of the commands that use a solved surface."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["add_outputs", "add_task", "build_and_write", "read_solved", "setting
 
 
 def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = ()) -> None:
-    """Add the file, the options of a task as the table has them, and the arguments for reading; those in `leave` are added elsewhere."""
+    """Add the input file, the options of a task except those in `leave`, and the arguments for reading."""
     parser.description = TASKS[task].text
     parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     for own in TASKS[task].options:
@@ -36,15 +36,15 @@ def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = 
         action="append",
         default=[],
         metavar="[REGION=]K",
-        help="K that the surface has been solved for, where the file does not say",
+        help="K for which the surface was solved, if the file does not contain it; repeatable",
     )
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     add_reading(parser)
 
 
 def add_outputs(parser: argparse.ArgumentParser, kinds: str) -> None:
-    """Add ``-o``, which may be given several times."""
-    parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help=f"a {kinds} file; several times")
+    """Add ``-o``, which is repeatable."""
+    parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help=f"{kinds} file to write; repeatable")
 
 
 def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:
@@ -58,7 +58,7 @@ def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:
             f"--{flag}" if wanted else f"--no-{flag}", dest=own.name, default=None, action="store_const", const=wanted, help=_switch(own)
         )
     elif own.many:
-        parser.add_argument(f"--{flag}", dest=own.name, action="append", metavar=own.metavar, help=f"{help}; several times")
+        parser.add_argument(f"--{flag}", dest=own.name, action="append", metavar=own.metavar, help=f"{help}; repeatable")
     else:
         parser.add_argument(f"--{flag}", dest=own.name, metavar=own.metavar, help=help)
 
@@ -73,7 +73,7 @@ def settings_of(arguments: argparse.Namespace, task: str) -> dict[str, Any]:
     Raises
     ------
     CGCError
-        If one is not understood.
+        If an option is invalid.
     """
     given = {own.name: getattr(arguments, own.name) for own in TASKS[task].options}
     flags = {own.name: f"--{(own.flag or own.name).replace('_', '-')}" for own in TASKS[task].options}
@@ -81,12 +81,12 @@ def settings_of(arguments: argparse.Namespace, task: str) -> dict[str, Any]:
 
 
 def read_solved(arguments: argparse.Namespace) -> CGCProblem:
-    """Return the surface of a file; of a .3dm with a result, the result.
+    """Return the surface in a file; in a .3dm file with a result, the result.
 
     Raises
     ------
     CGCError
-        If it cannot be read.
+        If the file cannot be read.
     """
     read = read_input(arguments, result=True)
     say = speaker(arguments.quiet)
@@ -96,7 +96,7 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
 
 
 def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional[str] = None) -> int:
-    """Read, build, tell, and write all outputs."""
+    """Read the surface, run the task, print its report and write all outputs."""
     from ..fabrication.tasks import build
     from ..io.builds import build_suffix
     from ..io.builds import write_build
@@ -109,7 +109,7 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
         problem = problem.with_supports(supports)
     say = speaker(arguments.quiet)
     parts = Parts(1 + len(arguments.output), quiet=arguments.quiet)
-    with parts.part(f"working out the {task}"):
+    with parts.part(f"computing {task}"):
         report = build(task, problem, settings)
     say(str(report))
     for output in arguments.output:

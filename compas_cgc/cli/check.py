@@ -1,4 +1,4 @@
-"""``compas-cgc check``: what a file holds, what a solve would do with it, and what stands in the way."""
+"""``compas-cgc check``: list the contents of a file and the problems that prevent a solve."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Read a file as solve does, and say what was found, what would be done and what stands in the way."
+    parser.description = (
+        "Read a file as solve does. List its contents, the changes that solve would make, and the problems that prevent a solve."
+    )
     parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     add_reading(parser)
     parser.set_defaults(run=run)
@@ -33,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         text, diagnostics = Path(arguments.input).name, [Diagnostic(problem) for problem in error.problems]
     print(text)
     if not diagnostics:
-        print("nothing stands in the way of a solve")
+        print("no problems: the file can be solved")
         return DONE
     print(f"{len(diagnostics)} problem{'s' if len(diagnostics) > 1 else ''}:")
     for diagnostic in diagnostics:

@@ -1,4 +1,4 @@
-"""Terminal: progress on one line, and Ctrl-C as a request to stop at the next step, so that the last good state is not lost."""
+"""Progress on one line of a terminal, and Ctrl-C as a request to stop at the next step."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 __all__ = ["Parts", "ProgressBar", "compiling", "interruptible", "speaker"]
 
 _WIDTH = 24
-_INTERVAL = 0.1  # seconds between two pictures
+_INTERVAL = 0.1  # seconds between two updates
 
 
 def speaker(quiet: bool) -> Callable[[str], None]:
-    """Return what tells the user a text; where the reader of a pipe has seen enough, the work goes on unsaid."""
+    """Return a function that prints a text; if the reader of a pipe closes it, later texts are dropped."""
 
     def say(text: str) -> None:
         try:
@@ -38,21 +38,21 @@ def speaker(quiet: bool) -> Callable[[str], None]:
 
 
 def bar(part: float) -> str:
-    """Return a bar that is filled so far, from 0 to 1."""
+    """Return a progress bar for a fraction from 0 to 1."""
     filled = round(_WIDTH * min(1.0, max(0.0, part)))
     return "[" + "#" * filled + "." * (_WIDTH - filled) + "]"
 
 
 @contextmanager
 def compiling(quiet: bool = False, stream: Optional[TextIO] = None) -> Iterator[None]:
-    """Show on one line, within a block, that kernels are compiled: a bar on a terminal, elsewhere a sentence.
+    """Show on one line that kernels are being compiled: a bar on a terminal, otherwise a sentence.
 
     Parameters
     ----------
     quiet
         Show nothing.
     stream
-        Where to. Default: standard error.
+        Stream to write to. Default: standard error.
     """
     out = sys.stderr if stream is None else stream
     if quiet:
@@ -60,17 +60,17 @@ def compiling(quiet: bool = False, stream: Optional[TextIO] = None) -> Iterator[
         return
     shown: list[str] = []
 
-    def tell(state: Compilation) -> None:
+    def show(state: Compilation) -> None:
         if out.isatty():
-            text = f"{bar(state.part)} compiling, once: {state.seconds:.1f} s"
+            text = f"{bar(state.part)} compiling (first use only): {state.seconds:.1f} s"
             out.write(f"\r{text}" if state.part < 1.0 else "\r" + " " * len(text) + "\r")
         elif not shown:
-            out.write("compiling, once; this takes some seconds\n")
+            out.write("compiling (first use only); this takes some seconds\n")
         shown.append("")
         out.flush()
 
     try:
-        with watch_compilation(tell):
+        with watch_compilation(show):
             yield
     finally:
         if shown and out.isatty():
@@ -79,12 +79,12 @@ def compiling(quiet: bool = False, stream: Optional[TextIO] = None) -> Iterator[
 
 
 class ProgressBar:
-    """A callback for solves that shows step and error on one line.
+    """Callback of solves that shows step and error on one line.
 
     Parameters
     ----------
     stream
-        Where to; nothing is shown when it is not a terminal. Default: standard error.
+        Stream to write to; nothing is shown if it is not a terminal. Default: standard error.
     """
 
     def __init__(self, stream: Optional[TextIO] = None):
@@ -105,7 +105,7 @@ class ProgressBar:
         self.length = len(text)
 
     def close(self) -> None:
-        """Take the line away again."""
+        """Clear the line."""
         if self.length:
             self.stream.write("\r" + " " * self.length + "\r")
             self.stream.flush()
@@ -113,14 +113,14 @@ class ProgressBar:
 
 
 class Parts:
-    """Shows on one line which part of a command is at work, and for how long.
+    """Shows on one line which part of a command runs, and for how long.
 
     Parameters
     ----------
     count
-        How many parts there are.
+        Number of parts.
     stream
-        Where to; nothing is shown when it is not a terminal. Default: standard error.
+        Stream to write to; nothing is shown if it is not a terminal. Default: standard error.
     quiet
         Show nothing.
     """
@@ -131,7 +131,7 @@ class Parts:
 
     @contextmanager
     def part(self, text: str) -> Iterator[None]:
-        """Show a part while it is at work, and take the line away again."""
+        """Show a part while it runs, then clear the line."""
         if self.quiet or not self.stream.isatty():
             yield
             return
@@ -159,10 +159,10 @@ class Parts:
 
 @contextmanager
 def interruptible() -> Iterator[threading.Event]:
-    """Yield an event that the first Ctrl-C sets; the second one interrupts as usual."""
+    """Yield an event that is set by the first Ctrl-C; a second Ctrl-C interrupts as usual."""
     cancelled = threading.Event()
     if threading.current_thread() is not threading.main_thread():
-        # Only the main thread may handle signals.
+        # Python allows signal handlers in the main thread only.
         yield cancelled
         return
 

@@ -1,4 +1,4 @@
-"""``compas-cgc example``: one of the paper's examples."""
+"""``compas-cgc example``: run one of the paper's examples."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Run an example of the paper and write its mesh, its pictures and a record."
-    parser.add_argument("number", type=int, choices=range(1, 8), metavar="NUMBER", help="1 to 7")
-    parser.add_argument("--variant", help="one variant only, such as 'a' of Example 4 (default: all)")
+    parser.description = "Run an example of the paper and write its mesh, pictures and a record."
+    parser.add_argument("number", type=int, choices=range(1, 8), metavar="NUMBER", help="number of the example, 1 to 7")
+    parser.add_argument("--variant", help="run one variant, such as 'a' of Example 4 (default: all)")
     parser.add_argument("--out", default="out", metavar="DIR", help="directory for the files (default: out)")
     parser.add_argument("--no-pictures", action="store_true", help="write meshes and records only")
     parser.set_defaults(run=run)

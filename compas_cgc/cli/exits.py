@@ -1,4 +1,4 @@
-"""Exit codes."""
+"""Exit codes of ``compas-cgc``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Arguments for goals: what is asked of a surface besides K, and which K is to be found."""
+"""Arguments for goals and for unknown K."""
 
 from __future__ import annotations
 
@@ -16,42 +16,38 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for goals."""
     group = parser.add_argument_group(
         "goals besides K",
-        "Lengths are in model units. PLACE is the number of a region, a box X0,Y0,X1,Y1 in plan, or the name of a closed curve on the "
-        "layer CGC::Goals of a .3dm file.",
+        "Lengths are in model units. PLACE is a region number, a box X0,Y0,X1,Y1 in plan, or the name of a closed curve on the layer "
+        "CGC::Goals of a .3dm file.",
     )
-    group.add_argument("--rise", type=float, metavar="H", help="height of the highest vertex over the supports")
-    group.add_argument("--height", type=float, metavar="Z", help="height of the highest vertex")
-    group.add_argument("--volume", type=float, metavar="V", help="volume between the surface and the height of the supports")
+    group.add_argument("--rise", type=float, metavar="H", help="height of the highest vertex above the supports")
+    group.add_argument("--height", type=float, metavar="Z", help="z coordinate of the highest vertex")
+    group.add_argument("--volume", type=float, metavar="V", help="volume between the surface and the mean level of the supports")
     group.add_argument("--area", type=float, metavar="A", help="area of the surface")
     group.add_argument(
-        "--above", action="append", default=[], metavar="Z[@PLACE]", help="nothing lower than this, everywhere or over a place"
+        "--above", action="append", default=[], metavar="Z[@PLACE]", help="lower bound of the height, everywhere or over a place"
     )
-    group.add_argument("--below", action="append", default=[], metavar="Z", help="nothing higher than this")
-    group.add_argument("--edges-in-plan", action="store_true", help="free edges stay over the lines that they are drawn along")
-    group.add_argument("--level-edges", action="store_true", help="free edges keep their plan and stay level")
-    group.add_argument(
-        "--unknown", action="append", default=[], metavar="REGION|all", help="find K of this region; may be given several times"
-    )
-    group.add_argument(
-        "--goal", action="append", default=[], metavar="JSON", help='any goal as data, such as \'{"kind": "rise", "rise": 4}\''
-    )
-    group.add_argument("--sensitivity", action="store_true", help="say what a little more K would do to the surface")
+    group.add_argument("--below", action="append", default=[], metavar="Z", help="upper bound of the height")
+    group.add_argument("--edges-in-plan", action="store_true", help="free edges keep their drawn lines in plan")
+    group.add_argument("--level-edges", action="store_true", help="free edges keep their drawn lines in plan and stay level")
+    group.add_argument("--unknown", action="append", default=[], metavar="REGION|all", help="determine K of this region; repeatable")
+    group.add_argument("--goal", action="append", default=[], metavar="JSON", help='goal as JSON, such as \'{"kind": "rise", "rise": 4}\'')
+    group.add_argument("--sensitivity", action="store_true", help="report how the surface changes with K")
 
 
 def goals_of(arguments: argparse.Namespace, places: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the goals that the arguments ask for, as plain data.
+    """Return the goals of the arguments as plain data.
 
     Parameters
     ----------
     arguments
-        Of the command line.
+        Arguments of the command line.
     places
-        Closed lines of the drawing by name.
+        Closed curves of the drawing by name.
 
     Raises
     ------
     CGCError
-        If one is not understood.
+        If a goal is invalid.
     """
     goals: list[dict[str, Any]] = []
     if arguments.rise is not None:
@@ -81,9 +77,9 @@ def _above(text: str, places: dict[str, Any]) -> dict[str, Any]:
     except ValueError:
         box, where = [], None
     if len(box) not in (1, 4):
-        known = f"there are {', '.join(places)}" if places else "the drawing names none"
+        known = f"the drawing has {', '.join(places)}" if places else "the drawing has no named curves"
         raise CGCError(
-            f"--above {text}: the place must be a region, a box X0,Y0,X1,Y1 or the name of a closed curve; {known}, not {place!r}"
+            f"--above {text}: the place {place!r} must be a region number, a box X0,Y0,X1,Y1 or the name of a closed curve; {known}"
         )
     return {"kind": "clearance", "where": where, "height": height}
 
@@ -106,7 +102,7 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def _unknown(texts: list[str]) -> Optional[object]:
-    """Return the regions whose K is to be found, None where all K are given."""
+    """Return the regions with unknown K, or None if all K are given."""
     if not texts:
         return None
     if "all" in texts:

@@ -1,4 +1,4 @@
-"""``compas-cgc grasshopper``: components, definitions and the package for Rhino 8."""
+"""``compas-cgc grasshopper``: build and install the components for Rhino 8."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Make the components, example definitions and the package for Grasshopper in Rhino 8, or install the components."
+    parser.description = "Build the Grasshopper components, example definitions and package for Rhino 8, or install the components."
     parser.epilog = _EPILOG
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
-    building = actions.add_parser("build", help="make everything below a folder")
+    building = actions.add_parser("build", help="build components, definitions and package")
     building.add_argument("-o", "--output", required=True, metavar="DIR", help="folder to write to")
-    installing = actions.add_parser("install", help="put the components where Rhino 8 looks")
-    removing = actions.add_parser("uninstall", help="take them away again")
+    installing = actions.add_parser("install", help="copy the components to the folder of Grasshopper")
+    removing = actions.add_parser("uninstall", help="remove the installed components")
     for action in (installing, removing):
-        action.add_argument("--to", metavar="DIR", help="another folder than Grasshopper's")
-        action.add_argument("--dry-run", action="store_true", help="say what would be done, and do nothing")
+        action.add_argument("--to", metavar="DIR", help="folder to use instead of Grasshopper's")
+        action.add_argument("--dry-run", action="store_true", help="print the changes without making them")
     for action in (building, installing):
         action.add_argument("--source", metavar="DIR", help="folder of other components (default: those of this package)")
     building.set_defaults(run=build)
@@ -58,7 +58,7 @@ def install(arguments: argparse.Namespace) -> int:
     _say("would remove" if arguments.dry_run else "removed", removed)
     if not arguments.dry_run:
         warm()
-        print("restart Rhino 8; the components are on Grasshopper's tab COMPAS CGC")
+        print("restart Rhino 8; the components are on the Grasshopper tab COMPAS CGC")
     return DONE
 
 

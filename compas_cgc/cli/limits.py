@@ -1,4 +1,4 @@
-"""``compas-cgc limits``: how much curvature the supports of a file can carry."""
+"""``compas-cgc limits``: find the largest curvature that the supports can carry."""
 
 from __future__ import annotations
 
@@ -17,16 +17,14 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = (
-        "Let the targets of a file grow, all in the same ratio, until no fair surface meets them any more, and say where that is."
-    )
+    parser.description = "Find the largest target curvature for which a fair surface exists. All targets are scaled by the same factor."
     parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument(
-        "--target", type=float, metavar="K", help="Gaussian curvature everywhere; its sign says which way (default: the file's)"
+        "--target", type=float, metavar="K", help="Gaussian curvature everywhere; only its sign matters (default: the targets of the file)"
     )
     add_supports(parser)
-    parser.add_argument("--tolerance", type=float, default=0.02, metavar="X", help="how closely to tell, as a part (default 0.02)")
-    parser.add_argument("--json", action="store_true", help="print numbers instead of a sentence")
+    parser.add_argument("--tolerance", type=float, default=0.02, metavar="X", help="relative accuracy of the limit (default 0.02)")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
     add_reading(parser)
     parser.set_defaults(run=run)
 
@@ -43,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         problem = problem.with_supports(arguments.supports)
     if arguments.target is not None:
         problem = problem.with_targets(arguments.target)
-    with Parts(1).part("looking for the largest curvature, solve by solve"):
+    with Parts(1).part("searching for the largest curvature"):
         limit = largest_target(problem, tolerance=arguments.tolerance)
     print(json.dumps(limit.to_dict(), indent=1, ensure_ascii=False) if arguments.json else limit.message)
     return NOT_CONVERGED if limit.status == "none" else DONE

@@ -1,4 +1,4 @@
-"""Parse, call, report: errors as one sentence, the exit code for scripts."""
+"""Entry point: parse the arguments, run the command, and return an exit code."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from .parser import Parser
 
 __all__ = ["build_parser", "main"]
 
-# Each is a module here with a function add_arguments, which is called when the command is.
+# Each command is a module in this folder. Only the module of the called command is imported.
 COMMANDS = {
     "solve": "solve a mesh file",
     "study": "solve many variants of a drawing",
-    "mould": "say on which moulds the panels of a solved surface are made",
-    "check": "say what a file holds and what keeps it from being solved",
-    "unroll": "lay a solved surface out as flat pieces on sheets",
-    "membrane": "membrane forces of a solved surface under a load",
-    "net": "curves to build a solved surface along",
-    "limits": "say how much curvature the supports of a file can carry",
+    "mould": "divide a solved surface into panels and lay them on moulds",
+    "check": "list the contents of a file and the problems that prevent a solve",
+    "unroll": "unroll a solved surface to flat pieces on sheets",
+    "membrane": "compute the membrane forces of a solved surface under a load",
+    "net": "generate a net of curves on a solved surface",
+    "limits": "find the largest curvature that the supports can carry",
     "example": "run one of the paper's examples",
     "reproduce": "run all of the paper's examples and tables",
     "bench": "measure the speed on this machine",
     "serve": "run the compute server",
-    "warm": "compile everything now, so that the first solve does not wait for it",
-    "grasshopper": "make and install the Grasshopper components",
+    "warm": "compile all numerical kernels in advance",
+    "grasshopper": "build and install the Grasshopper components",
 }
 
 EXITS = """\
-exit codes: 0 done; 1 solved, but not to the tolerance; 2 refused, with a sentence that says why; 3 solved, but rough; 130 interrupted
+exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 converged, but rough; 130 interrupted
 """
 
 
 def build_parser(called: Optional[str] = None) -> Parser:
-    """Return the parser, which knows the arguments of the command that is called, and name and purpose of the others."""
+    """Return a parser with the arguments of the called command, and the names and purposes of the others."""
     parser = Parser(
         prog="compas-cgc",
         description="Surfaces of piecewise constant Gaussian curvature.",
@@ -68,19 +68,19 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         Arguments. Default: those of the process.
     """
     for stream in (sys.stdout, sys.stderr):
-        # A console that cannot show K̄ must not end a solve.
+        # A console that cannot print K̄ must not end a solve.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     words = sys.argv[1:] if argv is None else list(argv)
     if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in (".3dm", ".json", ".obj", ".off", ".ply", ".stl"):
-        print(f"compas-cgc: {words[0]} is a file; say what to do with it: compas-cgc check {words[0]}", file=sys.stderr)
+        print(f"compas-cgc: {words[0]} is a file; put a command before it, such as compas-cgc check {words[0]}", file=sys.stderr)
         return REFUSED
     if not words or words[0] == "help":
         words = [*words[1:2], "--help"]
     if words[0] not in COMMANDS and not words[0].startswith("-"):
         near = nearest_name(words[0], COMMANDS, 0.7)
-        meant = f"there are {', '.join(COMMANDS)}" if near is None else f"did you mean {near}?"
-        print(f"compas-cgc: there is no command {words[0]!r}; {meant}", file=sys.stderr)
+        hint = f"the commands are {', '.join(COMMANDS)}" if near is None else f"did you mean {near}?"
+        print(f"compas-cgc: unknown command {words[0]!r}; {hint}", file=sys.stderr)
         return REFUSED
     parser = build_parser(words[0])
     arguments, unknown = parser.parse_known_args(words)
@@ -93,7 +93,7 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         print("compas-cgc: interrupted", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        # The reader of a pipe has seen enough; keep Python from complaining at exit.
+        # The reader of the pipe has closed it; avoid an error message of Python at exit.
         sys.stdout = None
         return 0
     except (ValueError, OSError) as error:

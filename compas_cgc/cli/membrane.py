@@ -1,4 +1,4 @@
-"""``compas-cgc membrane``: forces in a solved surface under a load."""
+"""``compas-cgc membrane``: compute the membrane forces of a solved surface under a load."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .building import build_and_write
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-Give -o several times for several files: .3dm holds maps of N1 and N2, crosses, reactions and line loads; .inp is an input of
-CalculiX and Abaqus; .json is the mesh as COMPAS data with its forces. Tension is positive. Forces come in the units of the load
-times the file's unit of length.
+Repeat -o to write several files. A .3dm file contains maps of the principal forces N1 and N2, crosses in their directions, reactions
+and line loads. An .inp file is an input of CalculiX and Abaqus. A .json file is the mesh as COMPAS data with its forces. Tension is
+positive. The unit of the forces is the unit of the load times the length unit of the file.
 
 examples:
   compas-cgc membrane dome_solved.3dm -o dome_forces.3dm --pressure -1.5

@@ -1,4 +1,4 @@
-"""``compas-cgc mould``: the moulds that a solved surface is built on, panel by panel."""
+"""``compas-cgc mould``: divide a solved surface into panels and lay them on moulds."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-FILE is a solved surface; of a .3dm with a result the result is taken. Solve it with --measure exact, so that regions and moulds
-consist of the same triangles; without, the report says how far they part.
+FILE is a solved surface. If a .3dm file contains a result, the result is used. Solve with --measure exact to make regions and moulds
+consist of the same triangles; otherwise the report states the gaps between them.
 
-OUTPUT is a .3dm with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels; beside it goes a page
-of pictures, OUTPUT with the suffix .pdf.
+OUTPUT is a .3dm file with the layers CGC Moulds::Moulds, Outlines, Panels on moulds, Panels in place and Labels. A page of pictures is
+written beside it, with the suffix .pdf.
 
 examples:
   compas-cgc solve roof.3dm -o solved.3dm --measure exact
@@ -45,12 +45,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_task(parser, "mould", leave=("size", "count"))
     parser.epilog = _EPILOG
-    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="the .3dm file to write")
+    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help=".3dm file to write")
     divided = parser.add_mutually_exclusive_group(required=True)
-    divided.add_argument("--size", metavar="L", help="width of the panels, nearly, in model units")
-    divided.add_argument("--count", metavar="N", help="panels to each region, nearly")
-    divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm")
-    parser.add_argument("--no-page", action="store_true", help="write no page of pictures")
+    divided.add_argument("--size", metavar="L", help="approximate width of the panels, in model units")
+    divided.add_argument("--count", metavar="N", help="approximate number of panels per region")
+    divided.add_argument("--curves", metavar="LAYER", help="divide along the curves on a layer of the .3dm file")
+    parser.add_argument("--no-page", action="store_true", help="do not write the page of pictures")
     parser.add_argument("--report", metavar="JSON", help="write the figures of every panel as JSON")
     parser.set_defaults(run=run)
 
@@ -62,13 +62,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     output = Path(arguments.output)
     if output.suffix.lower() != ".3dm":
-        raise FileError(f"moulds are written as .3dm, not as {output.name!r}: change the suffix")
+        raise FileError(f"the output must be a .3dm file, not {output.name!r}")
     say = speaker(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
     curves = _curves(arguments)
     parts = Parts(3, quiet=arguments.quiet)
-    with parts.part("laying panels onto their moulds"):
+    with parts.part("fitting panels to moulds"):
         report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
     say(str(report))
     with parts.part("drawing the page"):
@@ -92,14 +92,14 @@ def _curves(arguments: argparse.Namespace) -> Optional[Sequence[FloatArray]]:
     if arguments.curves is None:
         return None
     if Path(arguments.input).suffix.lower() != ".3dm":
-        raise CGCError("--curves takes them from a layer of a .3dm file; give one, or --size or --count")
+        raise CGCError("--curves requires a .3dm input file; for other formats use --size or --count")
     from ..io.rhino.read import read_curves
 
     return read_curves(arguments.input, arguments.curves)
 
 
 def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespace) -> Optional[Figure]:
-    """Return the page of pictures, drawn before anything is written."""
+    """Return the page of pictures; draw it before any file is written."""
     if arguments.no_page:
         return None
     try:
@@ -107,7 +107,7 @@ def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespa
 
         return moulds_figure(problem, report, f"{Path(arguments.input).stem}: moulds")
     except CGCError as error:
-        raise CGCError(f"{error}; or leave the page out with --no-page") from None
+        raise CGCError(f"{error}; or omit the page with --no-page") from None
 
 
 def _write_report(arguments: argparse.Namespace, report: MouldReport) -> Path:

@@ -1,4 +1,4 @@
-"""``compas-cgc net``: curves to build a solved surface along."""
+"""``compas-cgc net``: generate a net of curves on a solved surface."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from .building import build_and_write
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-Lines of curvature where K > 0, an asymptotic net of equal sides where K < 0, rulings where K = 0. Give -o several times for
-several files.
+The curves are lines of curvature where K > 0, an asymptotic net with equal sides where K < 0, and rulings where K = 0. Repeat -o to
+write several files.
 
 examples:
   compas-cgc net saddle_solved.3dm -o laths.3dm --spacing 1.0

@@ -1,4 +1,4 @@
-"""The parser of arguments: a mistake is answered by one sentence, not by a screen of options."""
+"""Argument parser that reports a mistake in one sentence instead of a screen of options."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .exits import REFUSED
 
 __all__ = ["Parser"]
 
-# What people write for an argument whose name is not like it.
-OTHER_WORDS = {"k": "--target", "curvature": "--target", "fix": "--supports", "fixed": "--supports", "mesh-size": "--edge-length"}
+# Synonyms that are not similar to the name of the option.
+SYNONYMS = {"k": "--target", "curvature": "--target", "fix": "--supports", "fixed": "--supports", "mesh-size": "--edge-length"}
 
 
 def _listed(names: str, last: str) -> str:
@@ -23,34 +23,32 @@ def _listed(names: str, last: str) -> str:
 
 
 class Parser(argparse.ArgumentParser):
-    """Refuses arguments with what is wrong, what was likely meant, and where to read on."""
+    """Parser whose errors name the wrong argument, suggest an option, and refer to the help."""
 
     def error(self, message: str) -> NoReturn:
-        """Tell what is wrong and exit."""
-        said = re.sub(r"argument (\S+): ", r"\1: ", message)
-        said = re.sub(r"invalid (?:int|float|_?\w+) value: (.*)", r"\1 is not understood; give a number, with a point for decimals", said)
-        said = said.replace("expected one argument", "a value is missing after it")
-        said = said.replace("the following arguments are required", "still needed")
-        said = re.sub(
-            r"one of the arguments (.*) (\S+) is required", lambda found: f"still needed: one of {_listed(*found.groups())}", said
-        )
-        said = said.replace("unrecognized arguments", "there is no such argument")
-        print(f"{self.prog}: {said}; see {self.prog} --help", file=sys.stderr)
+        """Print one sentence and exit."""
+        text = re.sub(r"argument (\S+): ", r"\1: ", message)
+        text = re.sub(r"invalid (?:int|float|_?\w+) value: (.*)", r"\1 is not a number; use a decimal point", text)
+        text = text.replace("expected one argument", "expects a value")
+        text = text.replace("the following arguments are required", "missing")
+        text = re.sub(r"one of the arguments (.*) (\S+) is required", lambda match: f"missing: one of {_listed(*match.groups())}", text)
+        text = text.replace("unrecognized arguments", "unknown arguments")
+        print(f"{self.prog}: {text}; see {self.prog} --help", file=sys.stderr)
         sys.exit(REFUSED)
 
     def refuse_unknown(self, unknown: Sequence[str]) -> NoReturn:
-        """Tell which arguments are unknown, and what was meant by the first."""
+        """Report the first unknown option and suggest a known one."""
         first = next((text for text in unknown if text.startswith("-")), None)
         if first is None:
-            self.error(f"{' '.join(unknown)} is too much; put names with spaces into quotation marks")
+            self.error(f"unexpected argument {' '.join(unknown)}; put names that contain spaces in quotation marks")
         known = [option for action in self._actions for option in action.option_strings if option.startswith("--")]
         name = first.split("=")[0].replace("_", "-")
-        other = OTHER_WORDS.get(name.lstrip("-").lower())
+        other = SYNONYMS.get(name.lstrip("-").lower())
         near = other if other in known else nearest_name(name, known)
-        self.error(f"there is no argument {first}" + ("" if near is None else f", did you mean {near}?"))
+        self.error(f"unknown option {first}" + ("" if near is None else f", did you mean {near}?"))
 
     def of(self, command: str) -> Parser:
-        """Return the parser of a command, or this one where there is no such command."""
+        """Return the parser of a command, or this parser if the command is unknown."""
         for action in self._actions:
             if isinstance(action, argparse._SubParsersAction) and command in action.choices:
                 return cast(Parser, action.choices[command])

@@ -1,4 +1,4 @@
-"""``compas-cgc reproduce``: everything in the paper, beside what was published."""
+"""``compas-cgc reproduce``: run the paper's examples and compare them with the published values."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["add_arguments", "run"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Run Examples 1 to 7 in all variants and Table 2, and write tables, meshes, pictures and records."
+    parser.description = "Run all variants of Examples 1 to 7 and Table 2 of the paper, and write tables, meshes, pictures and records."
     parser.add_argument("--out", default="out", metavar="DIR", help="directory for the files (default: out)")
     parser.add_argument("--no-pictures", action="store_true", help="write meshes, records and tables only")
     parser.set_defaults(run=run)
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     write_text(directory / "tables.md", page)
     tables = {"curves": curves, "surfaces": surfaces, "table2": {str(n): record for n, record in grids.items()}}
     for record in [*curves, *surfaces]:
-        # Each record has its own file with the history.
+        # The history of each record is in its own file.
         record.pop("history")
         record.pop("points", None)
     write_text(directory / "tables.json", json.dumps(tables, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

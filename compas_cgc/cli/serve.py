@@ -1,4 +1,4 @@
-"""``compas-cgc serve``: solves for Grasshopper (Hops), browsers and scripts."""
+"""``compas-cgc serve``: run the compute server for browsers, Grasshopper (Hops) and scripts."""
 
 from __future__ import annotations
 
@@ -11,32 +11,34 @@ from .exits import DONE
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-The key is better given as the environment variable COMPAS_CGC_KEY than as an argument, which other users of the machine can see.
-In Grasshopper put a Hops component and set its path to http://127.0.0.1:7331/cgc/dome (or /cgc/solve, /cgc/flow, /cgc/analyse).
+Set the key with the environment variable COMPAS_CGC_KEY: other users of the machine can see command-line arguments.
+In Grasshopper, set the path of a Hops component to http://127.0.0.1:7331/cgc/dome (or /cgc/solve, /cgc/flow, /cgc/analyse).
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Run the compute server for Grasshopper (Hops) and scripts until Ctrl-C."
+    parser.description = "Run the compute server for browsers, Grasshopper (Hops) and scripts until Ctrl-C."
     parser.epilog = _EPILOG
     parser.add_argument(
-        "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other needs a key"
+        "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine only); any other address requires a key"
     )
-    parser.add_argument("--port", type=_port, default=7331, help="port (default 7331), 0 for any free one")
+    parser.add_argument("--port", type=_port, default=7331, help="port (default 7331); 0 selects a free port")
     parser.add_argument(
         "--key",
         action="append",
-        help="what clients have to send (default: COMPAS_CGC_KEY, or none); several, each with limits of its own, are given one by one",
+        help="key that clients must send (default: COMPAS_CGC_KEY, or none); repeatable, with separate limits for each key",
     )
-    parser.add_argument("--workers", type=_positive, help="solves at the same time (default: processors less one)")
-    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines instead, such as dask://scheduler:8786")
-    parser.add_argument("--store", metavar="FILE", help="file that keeps the jobs (default: one of the user's, by the port)")
+    parser.add_argument("--workers", type=_positive, help="number of simultaneous solves (default: number of processors minus one)")
+    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines, such as dask://scheduler:8786")
     parser.add_argument(
-        "--name", action="append", default=[], help="host name that clients use for this server; may be given several times"
+        "--store", metavar="FILE", help="file that stores the jobs (default: a file in the user's data folder, one per port)"
     )
+    parser.add_argument("--name", action="append", default=[], help="host name that clients use for this server; repeatable")
     parser.add_argument(
-        "--trusted-proxy", metavar="ADDRESS", help="address of the proxy in front of the server, whose X-Forwarded-For names the clients"
+        "--trusted-proxy",
+        metavar="ADDRESS",
+        help="address of the proxy in front of the server; its X-Forwarded-For header identifies the clients",
     )
     parser.set_defaults(run=run)
 
@@ -49,14 +51,14 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         from ..server.run import serve
     except ImportError as error:
-        raise CGCError(f"the server needs {error.name}; install it: pip install 'compas_cgc[server]'") from None
+        raise CGCError(f"the server requires {error.name}; install it with pip install 'compas_cgc[server]'") from None
 
     key = arguments.key or os.environ.get("COMPAS_CGC_KEY", "").split()
     names = tuple(name.lower() for name in arguments.name)
     if arguments.executor is not None and arguments.workers is not None:
-        raise CGCError("--workers are processes of this machine; leave it out where --executor names others")
+        raise CGCError("--workers applies to this machine only; omit it if --executor is given")
     if not is_warm():
-        # Here, with a bar, and not in every worker.
+        # Compile once here, with a progress bar, instead of in every worker.
         warm()
     serve(
         arguments.host,

@@ -1,4 +1,4 @@
-"""``compas-cgc solve``: the main job on a file."""
+"""``compas-cgc solve``: solve a file."""
 
 from __future__ import annotations
 
@@ -44,12 +44,10 @@ __all__ = ["add_arguments", "run"]
 PICTURES = ("regions", "K", "zebra")
 
 _EPILOG = """\
-A .3dm file brings its supports as points and its creases as curves along mesh edges. The other formats hold a mesh only
-(COMPAS .json everything): name the supports with --supports.
+A .3dm file contains supports as points and creases as curves. If a file contains no supports, use --supports.
 
-Whether the surface is fair (smooth, and what K calls for) or rough is said first; a rough one is written, and the exit code
-is then 3. A surface that does not reach the tolerance is written beside OUTPUT as NAME.unfinished.SUFFIX; OUTPUT itself is only ever
-replaced by a surface that does.
+The first word of the result is the verdict: fair (smooth) or rough. A rough surface is written too, and the exit code is 3. A surface
+that does not reach the tolerance is written to NAME.unfinished.SUFFIX beside OUTPUT; OUTPUT itself is not replaced.
 
 examples:
   compas-cgc solve roof.3dm -o roof_solved.3dm --target 0.03
@@ -62,29 +60,29 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Read a mesh, give it the Gaussian curvature asked for in each region, and write it."
+    parser.description = "Compute the surface that has the target Gaussian curvature in each region, and write it to a file."
     parser.epilog = _EPILOG
     parser.add_argument("input", metavar="INPUT", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
-    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="the file to write, of any of these formats")
+    parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="file to write, in any of these formats")
     parser.add_argument(
         "--target",
         action="append",
         default=[],
         metavar="[REGION=]K",
-        help="Gaussian curvature in 1 / (model unit)², everywhere or in a region; may be given several times",
+        help="target Gaussian curvature in 1 / (model unit)², everywhere or in a region; repeatable",
     )
     add_supports(parser)
-    parser.add_argument("--flip", action="store_true", help="let the surface rise to the other side")
-    parser.add_argument("--report", metavar="FILE", help="write what was done and reached as JSON")
+    parser.add_argument("--flip", action="store_true", help="reverse the normals, so that the surface rises to the other side")
+    parser.add_argument("--report", metavar="FILE", help="write the report as JSON")
     parser.add_argument("--picture", metavar="FILE", help="draw the surface as .png, .svg or .pdf; needs the extra 'plot'")
     parser.add_argument(
         "--picture-of",
         choices=PICTURES,
         default="regions",
-        help="what the picture shows: regions, K in colours, or stripes mirrored in the surface",
+        help="show regions, K in colours, or the reflection of zebra stripes",
     )
-    parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each region, on the layer CGC::NURBS of a .3dm")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("--nurbs", action="store_true", help="fit a NURBS surface to each region, on the layer CGC::NURBS of a .3dm file")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     add_goals(parser)
     add_options(parser)
     add_reading(parser)
@@ -96,9 +94,9 @@ def run(arguments: argparse.Namespace) -> int:
     from ..analysis import analyse
     from ..io import known_suffix
 
-    # Nobody should wait for a solve that cannot be written.
+    # Detect an invalid output before the solve.
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
-        raise FileError(f"--nurbs needs a .3dm to write to, not {arguments.output}")
+        raise FileError(f"--nurbs requires a .3dm output file, not {arguments.output}")
     say = speaker(arguments.quiet)
     draw = _picture(arguments)
     settings = settings_of(arguments)
@@ -117,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.sensitivity and result.converged:
         from ..solvers.sensitivity import sensitivity
 
-        with parts.part("seeing what a little more K would do"):
+        with parts.part("computing the sensitivity"):
             change = sensitivity(result)
         for sentence in change.sentences():
             say(sentence)
@@ -132,7 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], Path]]:
-    """Return what draws the picture that is asked for; where it could not be drawn, nobody waits for the solve."""
+    """Return a function that draws the requested picture; report an invalid file name before the solve."""
     if not arguments.picture:
         return None
     from ..plot.output import check_picture
@@ -142,7 +140,7 @@ def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], 
 
 
 def _draw(path: str, of: str, result: SolveResult) -> Path:
-    """Draw a result and return the file."""
+    """Draw a result and return the path of the picture."""
     from ..plot import draw_zebra
     from ..plot import hero
     from ..plot import save
@@ -156,7 +154,7 @@ def _draw(path: str, of: str, result: SolveResult) -> Path:
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:
-    """Return the problem with what the arguments ask of it."""
+    """Return the problem with the supports, targets and goals of the arguments."""
     if arguments.supports:
         problem = problem.with_supports(arguments.supports)
     if arguments.flip:
@@ -166,7 +164,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
 
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:
-    """Solve with progress on the terminal, until Ctrl-C."""
+    """Solve with progress on the terminal; Ctrl-C stops at the next step."""
     from ..solvers.run import solve
 
     bar = ProgressBar()
@@ -200,7 +198,7 @@ def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: 
 
 
 def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> int:
-    """Write the surface, beside the output where it is not finished, and return the exit code."""
+    """Write the surface and return the exit code; an unfinished surface gets a name of its own."""
     from ..io import write
 
     output = Path(arguments.output)
@@ -208,15 +206,15 @@ def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis:
         with parts.part(f"writing {output}"):
             notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
         say = speaker(arguments.quiet)
-        for told in (*notes, f"wrote {output}"):
-            say(told)
+        for note in (*notes, f"wrote {output}"):
+            say(note)
         if analysis.verdict.fair:
             return DONE
-        print(f"compas-cgc: K is as asked, but the surface is {analysis.verdict}", file=sys.stderr)
+        print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
         return ROUGH
     print(f"compas-cgc: {result.message}", file=sys.stderr)
     if result.status in ("step_limit", "stalled", "cancelled"):
         unfinished = output.with_name(f"{output.stem}.unfinished{output.suffix}")
         write(unfinished, result, source=arguments.input, analysis=analysis)
-        print(f"compas-cgc: the unfinished surface is in {unfinished}; {output} was not written", file=sys.stderr)
+        print(f"compas-cgc: wrote the unfinished surface to {unfinished}; {output} is unchanged", file=sys.stderr)
     return INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED

@@ -1,4 +1,4 @@
-"""``compas-cgc study``: many variants of a drawing, to a table, a contact sheet and the best of them."""
+"""``compas-cgc study``: solve many variants of a drawing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-The study is a TOML file that names what is varied:
+The study is a TOML file with the parameters to vary:
 
   sample = "grid"                     # or "list"; or "random" or "latin hypercube", with count and seed
   supports = "corners"
@@ -40,8 +40,8 @@ The study is a TOML file that names what is varied:
   least = ["area"]
   most = ["volume"]
 
-OUT is a folder: table.csv (and table.parquet), surfaces.npy, contact_sheet.png, pareto.png and best/*.3dm. A study that was stopped
-goes on where it was when the command is given again. docs/studies.md tells more.
+OUT is a folder for table.csv (and table.parquet), surfaces.npy, contact_sheet.png, pareto.png and best/*.3dm. To resume a study that was
+stopped, run the same command again. See docs/studies.md.
 
 examples:
   compas-cgc study roof.3dm study.toml -o roofs
@@ -52,15 +52,15 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Solve many variants of a drawing, judge each, and write a table, pictures and the best ones."
+    parser.description = "Solve many variants of a drawing. Write a table with all results and verdicts, pictures, and the best variants."
     parser.epilog = _EPILOG
     parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
-    parser.add_argument("study", metavar="STUDY", help="a .toml file that says what is varied")
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the folder to write to")
-    parser.add_argument("--workers", type=_count, metavar="N", help="processes (default: as many as the processors)")
-    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines instead, such as dask://scheduler:8786")
-    parser.add_argument("--no-pictures", action="store_true", help="draw nothing")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.add_argument("study", metavar="STUDY", help=".toml file with the parameters to vary")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder to write to")
+    parser.add_argument("--workers", type=_count, metavar="N", help="number of processes (default: number of processors)")
+    parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines, such as dask://scheduler:8786")
+    parser.add_argument("--no-pictures", action="store_true", help="do not draw pictures")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     add_reading(parser)
     parser.set_defaults(run=run)
 
@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
             shown.close()
     if len(results) < len(study.variants):
         print(
-            f"compas-cgc: stopped after {len(results)} of {len(study.variants)} variants; give the command again to go on", file=sys.stderr
+            f"compas-cgc: stopped after {len(results)} of {len(study.variants)} variants; run the command again to resume", file=sys.stderr
         )
         return INTERRUPTED
     say(_summary(results))
@@ -106,12 +106,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _executor(arguments: argparse.Namespace) -> Iterator[Optional[Any]]:
-    """Yield the executor that is asked for, None for processes of this machine."""
+    """Yield the requested executor, or None for processes of this machine."""
     if arguments.executor is None:
         yield None
         return
     if arguments.workers is not None:
-        raise CGCError("--workers are processes of this machine; leave it out where --executor names others")
+        raise CGCError("--workers applies to this machine only; omit it if --executor is given")
     from ..execution.remote import executor_at
 
     executor = executor_at(arguments.executor)
@@ -122,7 +122,7 @@ def _executor(arguments: argparse.Namespace) -> Iterator[Optional[Any]]:
 
 
 class _Bar:
-    """Progress of a study on one line of a terminal; elsewhere nothing."""
+    """Progress of a study on one line of a terminal."""
 
     def __init__(self, quiet: bool):
         self.quiet = quiet or not sys.stderr.isatty()
@@ -130,7 +130,7 @@ class _Bar:
         self.text = ""
 
     def __call__(self, state: Progress) -> None:
-        """Show how far it is."""
+        """Show the progress."""
         if self.quiet:
             return
         now = time.monotonic()
@@ -146,7 +146,7 @@ class _Bar:
             self.text = text
 
     def close(self) -> None:
-        """Take the line away again."""
+        """Clear the line."""
         if self.text:
             sys.stderr.write("\r" + " " * len(self.text) + "\r")
             sys.stderr.flush()
@@ -154,10 +154,10 @@ class _Bar:
 
 def _summary(results: Results) -> str:
     status, verdict = results.column("status"), results.column("verdict")
-    fair = sum(own == "converged" and said == "fair" for own, said in zip(status, verdict))
-    rough = sum(own == "converged" and said != "fair" for own, said in zip(status, verdict))
+    fair = sum(own == "converged" and word == "fair" for own, word in zip(status, verdict))
+    rough = sum(own == "converged" and word != "fair" for own, word in zip(status, verdict))
     left = len(results) - fair - rough
-    return f"{len(results)} variants: {fair} fair, {rough} rough, {left} without a surface of that K\nwrote {results.folder / 'table.csv'}"
+    return f"{len(results)} variants: {fair} fair, {rough} rough, {left} not converged\nwrote {results.folder / 'table.csv'}"
 
 
 def _count(text: str) -> int:

@@ -1,4 +1,4 @@
-"""``compas-cgc unroll``: a solved surface as flat pieces on sheets."""
+"""``compas-cgc unroll``: unroll a solved surface to flat pieces on sheets."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from .building import build_and_write
 __all__ = ["add_arguments", "run"]
 
 _EPILOG = """\
-Give -o several times for several files: .dxf and .svg hold the sheets, .list.csv the cut list, .plan.dxf and .plan.svg the roof in
-plan with the names of its pieces, .csv all edges with their lengths, .3dm the sheets and the pieces in place, .zip a .dxf for each
-sheet, the cut list and the plan. Lengths without a unit are in that of the drawing. Regions of K = 0 keep all lengths; others are
-cut into panels and flattened with the least strain: a square panel of width sqrt(24 strain / |K|) stays below a strain.
+Repeat -o to write several files. The suffix selects the contents:
+
+  .dxf, .svg               sheets with pieces
+  .list.csv                cut list
+  .plan.dxf, .plan.svg     plan of the surface with the names of the pieces
+  .csv                     lengths of all edges
+  .3dm                     sheets, and pieces in place
+  .zip                     one .dxf per sheet, cut list and plan
+
+Lengths without a unit are in the unit of the drawing. Regions with K = 0 unroll without strain. Other regions are divided into panels
+and flattened with the least strain; the strain of a square panel is below the limit if its width is at most sqrt(24 strain / |K|).
 
 examples:
   compas-cgc unroll vault_solved.3dm -o vault.dxf -o vault.list.csv --sheet 3.0x1.5 --margin 0.02

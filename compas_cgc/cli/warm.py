@@ -1,4 +1,4 @@
-"""``compas-cgc warm``: the kernels are compiled now, not in the first solve."""
+"""``compas-cgc warm``: compile all numerical kernels in advance."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ __all__ = ["add_arguments", "run", "warm"]
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.description = "Compile all kernels and store them, so that the first solve starts at once."
-    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.description = "Compile and store all numerical kernels, so that the first solve does not have to."
+    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
     parser.set_defaults(run=run)
 
 
@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def warm(quiet: bool = False) -> None:
-    """Compile what is not stored yet, and say so."""
+    """Compile all kernels that are not stored yet, and print the time."""
     from .._compiled import compile_seconds
     from .._warm_up import warm_up
 
@@ -35,6 +35,6 @@ def warm(quiet: bool = False) -> None:
         what = (
             f"compiled the kernels in {spent:.1f} s"
             if spent
-            else f"the kernels were compiled already ({time.perf_counter() - started:.1f} s)"
+            else f"the kernels are already compiled ({time.perf_counter() - started:.1f} s)"
         )
-        print(f"{what}; the first solve starts at once")
+        print(what)

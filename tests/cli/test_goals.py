@@ -49,7 +49,7 @@ def test_all_goals_have_a_flag_or_are_data(plan, capsys):
 @pytest.mark.parametrize(
     "flags, words",
     [
-        (["--above", "2.5@gate"], "the drawing names none, not 'gate'"),
+        (["--above", "2.5@gate"], "the place 'gate' must be a region number"),
         (["--above", "high"], "--above must be a height, such as 2.5 or 2.5@4, not 'high'"),
         (["--goal", "rise"], "--goal must be a JSON object"),
         (["--goal", '{"kind": "hight"}'], "did you mean 'height'"),

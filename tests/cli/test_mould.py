@@ -133,5 +133,5 @@ def test_a_drawing_that_was_never_solved_and_other_suffixes_are_refused(tmp_path
     assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.3dm"), "--size", "2.5"]) == 2
     assert "the surface is rough" in capsys.readouterr().err
     assert main(["mould", str(drawing), "-o", str(tmp_path / "moulds.obj"), "--size", "1"]) == 2
-    assert "moulds are written as .3dm, not as 'moulds.obj'" in capsys.readouterr().err
+    assert "the output must be a .3dm file, not 'moulds.obj'" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [drawing]

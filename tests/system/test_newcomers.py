@@ -365,7 +365,7 @@ def test_loose_triangles_welded_are_solved():
 @pytest.mark.parametrize(
     "words, said",
     [
-        (["roof.3dm"], "roof.3dm is a file; say what to do with it: compas-cgc check roof.3dm"),
+        (["roof.3dm"], "roof.3dm is a file; put a command before it, such as compas-cgc check roof.3dm"),
         (["check", "nothing.3dm"], "there is no file nothing.3dm"),
         (["solve", "plan.obj", "-o", "out.obj", "--target", "0,1"], "--target must be a number"),
         (["solve", "plan.obj", "-o", "out.obj"], "no support"),
