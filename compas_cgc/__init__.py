@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ._lazy import attach
-from ._renamed import install as _install_old_names
 from ._version import __version__
 
 if TYPE_CHECKING:
@@ -102,8 +101,6 @@ __all__ = [
     "write",
 ]
 
-_install_old_names()
-
 # COMPAS looks for plugins here.
 __all_plugins__ = ["compas_cgc.scene", "compas_cgc.io.plugins"]
 
@@ -139,7 +136,6 @@ __getattr__, __dir__ = attach(
         "sensitivity": ".solvers.sensitivity",
         "settings_for": ".solvers.registry",
         "solve": ".solvers.run",
-        "solve_problem": "._deprecated",
         "write": ".io",
     },
 )

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import gc
 import sys
-import warnings
 from collections.abc import Callable
 from collections.abc import Iterator
 from collections.abc import Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Optional
 
 __all__ = ["attach"]
 
 
-def attach(
-    package: str, homes: Mapping[str, str], renamed: Optional[Mapping[str, str]] = None
-) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def attach(package: str, homes: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a package.
 
     Parameters
@@ -27,16 +23,9 @@ def attach(
         Name of the package.
     homes
         Modules, relative to the package, that names live in.
-    renamed
-        New full names of what is still found here by an old one, with a warning.
     """
-    moved = renamed or {}
 
     def look_up(name: str) -> object:
-        if name in moved:
-            warnings.warn(f"{package}.{name} is now {moved[name]}; the old name will go", DeprecationWarning, stacklevel=2)
-            home, _, own = moved[name].rpartition(".")
-            return getattr(import_module(home), own)
         if name not in homes and not name.startswith("_") and "." not in package and find_spec(f"{package}.{name}"):
             # Scripts need not import the parts of the package one by one.
             return import_module(f"{package}.{name}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ from ..model.checks import refuse
 from ..model.problem import CGCProblem
 
 if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
+    pass
 
 __all__ = ["ReadProblem"]
 
@@ -50,10 +49,3 @@ class ReadProblem(NamedTuple):
         """
         refuse(list(self.diagnostics))
         return self.problem
-
-    def to_cgcmesh(self) -> CGCMesh:
-        """Return the mesh if all of it could be used; ``CGCMesh.from_problem(read.checked())`` does it."""
-        from ..datastructures import CGCMesh
-
-        warnings.warn("to_cgcmesh() is now CGCMesh.from_problem(read.checked()); the old name will go", DeprecationWarning, stacklevel=2)
-        return CGCMesh.from_problem(self.checked())

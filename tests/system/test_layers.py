@@ -22,11 +22,11 @@ LAYERS = [
     {"_warm_up"},
     {"scene"},
     {"paper", "study"},
-    {"server", "_deprecated"},
+    {"server"},
     {"grasshopper", "rpc"},
     {"cli"},
 ]
-PUBLIC = {"__init__", "__main__", "_renamed"}  # the face of the package, which names everything
+PUBLIC = {"__init__", "__main__"}  # the face of the package, which names everything
 INSIDE = {
     "solvers": [
         {"settings"},

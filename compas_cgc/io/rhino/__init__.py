@@ -33,5 +33,4 @@ __getattr__, __dir__ = attach(
         "write_problem": ".write",
         "write_result": ".result_layers",
     },
-    renamed={"read_model": "compas_cgc.io.rhino.read_3dm", "write_model": "compas_cgc.io.rhino.write_problem"},
 )

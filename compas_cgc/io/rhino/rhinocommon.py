@@ -18,7 +18,6 @@ from typing import Optional
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._lazy import attach
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
@@ -50,8 +49,6 @@ __all__ = [
     "problem_from_rhino",
     "problem_from_surfaces",
 ]
-
-__getattr__, __dir__ = attach(__name__, {}, renamed={"model_from_rhino": f"{__name__}.problem_from_rhino"})
 
 
 def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:

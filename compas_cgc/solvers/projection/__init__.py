@@ -17,11 +17,4 @@ if TYPE_CHECKING:
 
 __all__ = ["METHOD", "ProjectionSettings", "Projector", "project"]
 
-# Constraints lived here, under these names.
-_MOVED = ("AtHeight", "Constraint", "Mirror", "OnCurve", "OnLine", "OnPlane")
-
-__getattr__, __dir__ = attach(
-    __name__,
-    {"Projector": ".projector", "project": ".projector"},
-    renamed={**{name: f"compas_cgc.{name}" for name in _MOVED}, "Held": "compas_cgc.Fixed", "Near": "compas_cgc.Proximity"},
-)
+__getattr__, __dir__ = attach(__name__, {"Projector": ".projector", "project": ".projector"})

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -31,7 +29,6 @@ from compas_cgc.grasshopper.runtime.component_feedback import unwrapped
 from ...support.gh_stand_ins import BUNDLES
 from ...support.gh_stand_ins import Component
 from ...support.gh_stand_ins import Document
-from ...support.gh_stand_ins import Placed
 from ...support.gh_stand_ins import Plane
 from ...support.gh_stand_ins import Point3d
 from ...support.gh_stand_ins import PolylineCurve
@@ -114,15 +111,6 @@ def test_a_wrong_input_gets_a_red_balloon_with_a_sentence(name, inputs, sentence
     (said,) = placed.said("Error")
     assert sentence in said and "Traceback" not in said
     assert set(out.values()) == {None}
-
-
-@pytest.mark.filterwarnings("ignore:.*the old name will go:DeprecationWarning")
-@pytest.mark.parametrize("name", sorted(BUNDLES))
-def test_components_saved_with_the_old_names_of_modules_work(name):
-    code = BUNDLES[name].code.replace("compas_cgc.grasshopper.components", "compas_cgc.ghpython.components")
-    assert code != BUNDLES[name].code
-    placed = Placed(replace(BUNDLES[name], code=code))
-    assert set(placed.run()) == {parameter.name for parameter in BUNDLES[name].outputs} and not placed.said("Error")
 
 
 def test_every_problem_is_a_balloon_of_its_own():

@@ -116,17 +116,3 @@ def test_a_single_precision_mesh_still_meets_its_points():
     assert model.problem.supports.tolist() == [0] and any("seven digits" in note for note in model.notes)
     far = inside.problem_from_rhino(mesh, [Point3d(0.0, 0.0, 0.0)])
     assert "point 0 is up to 1000" in far.diagnostics[0]
-
-
-def test_old_names_go_on_working_with_a_warning(tmp_path):
-    from compas_cgc.io import rhino
-
-    mesh = CGCMesh.from_meshgrid(dx=N, nx=N)
-    with pytest.warns(DeprecationWarning, match="is now compas_cgc.io.rhino.write_problem"):
-        rhino.write_model(tmp_path / "a.3dm", mesh)
-    with pytest.warns(DeprecationWarning, match="is now compas_cgc.io.rhino.read_3dm"):
-        model = rhino.read_model(tmp_path / "a.3dm")
-    with pytest.warns(DeprecationWarning, match="CGCMesh.from_problem"):
-        assert model.to_cgcmesh().number_of_vertices() == (N + 1) ** 2
-    with pytest.warns(DeprecationWarning, match="problem_from_rhino"):
-        assert inside.model_from_rhino is inside.problem_from_rhino
