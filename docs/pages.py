@@ -116,7 +116,7 @@ def index() -> str:
 
 def command_line() -> str:
     """Return what every command says of itself."""
-    page = "# The command line\n\nWhat `compas-cgc COMMAND --help` says. Made by `python docs/pages.py`.\n"
+    page = "# The command line\n\nThe output of `compas-cgc COMMAND --help`, written by `python docs/pages.py`.\n"
     os.environ["COLUMNS"] = "110"  # argparse asks it, and nothing else
     for name in COMMANDS:
         parser = build_parser(name)

@@ -16,8 +16,8 @@ _SIZES = (100, 1_000, 10_000, 100_000)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = (
-        "Measure the paper's examples, the growth of the time with the mesh size, the solvers, the server and the curvature kernel. "
-        "Results are ratios within one run."
+        "Measure the paper's examples, the growth of the time with the mesh size, the solvers, the server and\n"
+        "the curvature kernel. Results are ratios within one run."
     )
     parser.add_argument("--large", action="store_true", help="include a million vertices, which takes minutes and gigabytes")
     parser.add_argument("--backend", default="auto", help="linear solver of Newton's method: auto (default), superlu or pardiso")

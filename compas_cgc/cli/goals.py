@@ -16,8 +16,8 @@ def add_goals(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for goals."""
     group = parser.add_argument_group(
         "goals besides K",
-        "Lengths are in model units. PLACE is a region number, a box X0,Y0,X1,Y1 in plan, or the name of a closed curve on the layer "
-        "CGC::Goals of a .3dm file.",
+        "Lengths are in model units. PLACE is a region number, a box X0,Y0,X1,Y1 in plan, or\n"
+        "the name of a closed curve on the layer CGC::Goals of a .3dm file.",
     )
     group.add_argument("--rise", type=float, metavar="H", help="height of the highest vertex above the supports")
     group.add_argument("--height", type=float, metavar="Z", help="z coordinate of the highest vertex")

@@ -1,4 +1,4 @@
-"""Tasks: what is built from a solved surface, each with its options; the one table that all doors read."""
+"""Table of the fabrication tasks and their options, which all doors read."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ class BuildOption(NamedTuple):
     """An option of a task."""
 
     name: str
-    text: str  # what it does, without a full stop
-    read: Callable[[object, str], Any]  # of a value and what to call it, raises CGCError
-    schema: dict  # of JSON, without the text
-    metavar: str = ""  # of the command line; none for a switch
-    flag: str = ""  # of the command line, where it is not the name
-    many: bool = False  # may be given several times in a command line
-    file: bool = False  # changes what is written only, not what is built
+    text: str  # help text, without a full stop
+    read: Callable[[object, str], Any]  # value and name for messages -> parsed value; raises CGCError
+    schema: dict  # JSON schema without a description
+    metavar: str = ""  # on the command line; empty for a switch
+    flag: str = ""  # on the command line, if it differs from the name
+    many: bool = False  # repeatable on the command line
+    file: bool = False  # affects the written file only
 
 
 class Task(NamedTuple):
-    """Something that is made of a solved surface."""
+    """Fabrication task on a solved surface."""
 
     name: str
     text: str
@@ -42,14 +42,14 @@ _NUMBER = {"type": "number", "minimum": -values.LARGEST, "maximum": values.LARGE
 _LENGTH = {"type": "number", "minimum": 0, "maximum": values.LARGEST}
 _REGIONS = BuildOption(
     "regions",
-    "take these regions only",
+    "use these regions only",
     values.region_numbers,
     {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 1},
     "N",
     "region",
     many=True,
 )
-_ROUGH = BuildOption("rough", "take a surface that check calls rough all the same", values.truth, {"type": "boolean", "default": False})
+_ROUGH = BuildOption("rough", "accept a surface with the verdict rough", values.truth, {"type": "boolean", "default": False})
 
 
 def _mould(surface: PosesProblem, settings: dict[str, Any]) -> Any:
@@ -87,40 +87,40 @@ TASKS: dict[str, Task] = {
     for own in (
         Task(
             "mould",
-            "Divide a solved surface into panels, and say on which moulds they are made and how they fit.",
+            "Divide a solved surface into panels and report their moulds and fit.",
             (
-                BuildOption("size", "width of the panels, nearly, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
+                BuildOption("size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
                 BuildOption(
                     "count",
-                    "panels to each region, nearly, instead of a size",
+                    "approximate number of panels per region, instead of a size",
                     values.whole,
                     {"type": "integer", "minimum": 1, "maximum": 1_000_000},
                     "N",
                 ),
                 BuildOption(
                     "along",
-                    "what the grid of panels follows (default: plan)",
+                    "grid of the panels: along the plan or the lines of curvature (default: plan)",
                     values.text,
                     {"enum": list(values.ALONG), "default": "plan"},
                     "|".join(values.ALONG),
                 ),
                 BuildOption(
                     "material",
-                    "what the panels are of (default: glass)",
+                    "material of the panels (default: glass)",
                     values.text,
                     {"enum": list(MATERIALS), "default": "glass"},
                     "|".join(MATERIALS),
                 ),
                 BuildOption(
                     "thickness",
-                    "of the panels in mm (default: 6)",
+                    "thickness of the panels in mm (default: 6)",
                     values.number,
                     {**_LENGTH, "exclusiveMinimum": 0, "default": 6.0},
                     "MM",
                 ),
                 BuildOption(
                     "tolerance",
-                    "gap in mm up to which panels of different K share a mould (default: 0)",
+                    "largest gap in mm for which panels with different K share a mould (default: 0)",
                     values.number,
                     {**_LENGTH, "default": 0.0},
                     "MM",
@@ -131,11 +131,11 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             "unroll",
-            "Lay a solved surface out as flat pieces within sheets, with labels, folds, rulings and marks along seams.",
+            "Unroll a solved surface to flat pieces on sheets, with labels, folds, rulings and seam marks.",
             (
                 BuildOption(
                     "sheet",
-                    "length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: no end of it)",
+                    "length and width of the sheets, such as 3.0x1.5 or 3000x1500mm (default: unlimited)",
                     values.sheet,
                     {
                         "oneOf": [
@@ -154,7 +154,7 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption(
                     "seams",
-                    "a path of vertices to cut along, in place of those that are found",
+                    "path of vertices to cut along, instead of automatic seams",
                     values.paths,
                     {"type": "array", "items": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 2}},
                     "V,V,...",
@@ -164,34 +164,34 @@ TASKS: dict[str, Task] = {
                 _REGIONS,
                 BuildOption(
                     "spacing",
-                    "distance between pieces on a sheet, 0 for edge to edge (default: a hundredth of its width, room for a saw or router)",
+                    "distance between pieces on a sheet; 0 places them edge to edge (default: 1 % of the sheet width)",
                     values.number,
                     _LENGTH,
                     "D",
                 ),
                 BuildOption(
-                    "margin", "what is left free along the edges of a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"
+                    "margin", "free margin along the edges of a sheet (default 0)", values.number, {**_LENGTH, "default": 0.0}, "D"
                 ),
                 BuildOption(
                     "allowance",
-                    "width of a strip around every piece, for seams to be welded or sewn (default 0)",
+                    "width of a strip around each piece for welding or sewing (default 0)",
                     values.number,
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
-                BuildOption("rulings", "distance between the rulings drawn, 0 for none", values.number, _LENGTH, "D"),
+                BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "whole",
-                    "keep what creases and seams part whole: what is larger than a sheet is refused (default: where seams are given)",
+                    "do not divide the parts between creases and seams; refuse parts larger than a sheet (default: yes if seams are given)",
                     values.truth,
                     {"type": "boolean"},
                 ),
                 BuildOption(
-                    "nodes", "number the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
+                    "nodes", "numbers of the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
                 ),
                 BuildOption(
                     "per_sheet",
-                    "write a .dxf or .svg for each sheet, numbered before the suffix (default: all sheets in one)",
+                    "write one .dxf or .svg file per sheet, with the sheet number before the suffix (default: one file)",
                     values.truth,
                     {"type": "boolean", "default": False},
                     file=True,
@@ -202,25 +202,25 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             "membrane",
-            "Find the membrane forces of a surface of constant K in each region, and edge forces in exact balance with the load.",
+            "Compute membrane forces, and edge forces in exact balance with the load, of a surface with constant K in each region.",
             (
                 BuildOption(
                     "pressure",
-                    "load along the normals for each area, outwards where positive",
+                    "load per area along the normals; positive is outwards",
                     values.number,
                     {**_NUMBER, "default": 0.0},
                     "P",
                 ),
-                BuildOption("weight", "load downwards for each area of the surface", values.number, {**_NUMBER, "default": 0.0}, "G"),
+                BuildOption("weight", "downward load per area of the surface", values.number, {**_NUMBER, "default": 0.0}, "G"),
                 BuildOption(
                     "edge_beams",
-                    "whether free edges have beams that take the forces of the surface (default: yes); else they stay unloaded",
+                    "beams along free edges that carry the forces of the surface (default: yes); without beams these edges carry no load",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),
                 BuildOption(
                     "close",
-                    "whether vertices of irregular meshes slide along the surface, until edge forces are near the formula (default: yes)",
+                    "sliding of vertices along the surface on irregular meshes, which brings edge forces close to the formula (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),
@@ -230,18 +230,18 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             "net",
-            "Trace the curves that a surface of constant K in each region is built along.",
+            "Generate a net of curves on a surface with constant K in each region.",
             (
                 BuildOption(
                     "spacing",
-                    "distance between curves (default: a twelfth of a region)",
+                    "distance between curves (default: 1/12 of the region size)",
                     values.number,
                     {**_LENGTH, "exclusiveMinimum": 0},
                     "D",
                 ),
                 BuildOption(
                     "through",
-                    "trace curves through points instead, or through 'supports'",
+                    "trace curves through these points, or through the supports ('supports')",
                     values.points,
                     {
                         "oneOf": [
@@ -254,7 +254,7 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption(
                     "stop",
-                    "lines of curvature end where they come nearer to each other than this part of the spacing (default 0.5; 0: none)",
+                    "smallest distance between lines of curvature, relative to the spacing; lines end there (default 0.5; 0: no limit)",
                     values.number,
                     {"type": "number", "minimum": 0, "exclusiveMaximum": 1, "default": 0.5},
                     "PART",
