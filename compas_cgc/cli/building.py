@@ -64,7 +64,7 @@ def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:
 
 
 def _switch(own: BuildOption) -> str:
-    return own.text if not own.schema["default"] else f"omit: {own.text}"
+    return own.text if not own.schema["default"] else f"omit {own.text.replace(' (default: yes)', '')}"
 
 
 def settings_of(arguments: argparse.Namespace, task: str) -> dict[str, Any]:

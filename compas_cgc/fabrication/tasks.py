@@ -89,7 +89,9 @@ TASKS: dict[str, Task] = {
             "mould",
             "Divide a solved surface into panels and report their moulds and fit.",
             (
-                BuildOption("size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"),
+                BuildOption(
+                    "size", "approximate width of the panels, in model units", values.number, {**_LENGTH, "exclusiveMinimum": 0}, "L"
+                ),
                 BuildOption(
                     "count",
                     "approximate number of panels per region, instead of a size",
@@ -187,7 +189,11 @@ TASKS: dict[str, Task] = {
                     {"type": "boolean"},
                 ),
                 BuildOption(
-                    "nodes", "numbers of the nodes along outlines (default: yes)", values.truth, {"type": "boolean", "default": True}, file=True
+                    "nodes",
+                    "node numbers along outlines (default: yes)",
+                    values.truth,
+                    {"type": "boolean", "default": True},
+                    file=True,
                 ),
                 BuildOption(
                     "per_sheet",
@@ -214,13 +220,13 @@ TASKS: dict[str, Task] = {
                 BuildOption("weight", "downward load per area of the surface", values.number, {**_NUMBER, "default": 0.0}, "G"),
                 BuildOption(
                     "edge_beams",
-                    "beams along free edges that carry the forces of the surface (default: yes); without beams these edges carry no load",
+                    "beams along free edges; without them these edges carry no load (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),
                 BuildOption(
                     "close",
-                    "sliding of vertices along the surface on irregular meshes, which brings edge forces close to the formula (default: yes)",
+                    "sliding of vertices along irregular meshes, which corrects the edge forces (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
                 ),

@@ -1,4 +1,4 @@
-"""Settings: the one table of options, from which checks, schemas, inputs and help texts are made."""
+"""Table of options; checks, schemas, inputs and help texts are made from it."""
 
 from __future__ import annotations
 
@@ -171,26 +171,25 @@ def documented(kind: type[S]) -> type[S]:
 
 
 TOLERANCE_TEXT = (
-    "Stop when no |K - K̄| exceeds this part of the largest |K̄| (where all targets are zero: of one over the area of the mesh), "
-    "or when what is left is rounding."
+    "Largest |K - K̄| at which the solve stops, relative to the largest |K̄|. If all targets are zero, it is relative to 1 / area. The "
+    "solve also stops at rounding level."
 )
-REST_TEXT = " The fairest surface is found to a ten-millionth of its size, or to this part where that is more."
+REST_TEXT = " The position of the fairest surface is computed to 1e-7 of its size, or to this tolerance if that is larger."
 MEASURES = ("auto", "defect", "smooth", "exact", "exact-arc")
 MEASURE_TEXT = (
-    "How K is read off the mesh. By angle defect over area, the paper's (defect); by that less what the layout of the mesh puts into it, "
-    "so that an irregular mesh leaves no wrinkles (smooth); as auto picks of these two, by how irregular the mesh is and by its "
-    "corners; or "
+    "Measure of K on the mesh. defect: angle defect divided by area, as in the paper. smooth: the same, corrected for the errors "
+    "of an irregular mesh. auto: one of these two, selected by the irregularity and the corners of the mesh. "
 )
 EXACT_TEXT = (
-    "exact, by the angles of space-form triangles, so that every region consists of the triangles of its mould "
-    "(exact-arc: with edges for lengths along the mould, not for chords)."
+    "exact: angles of triangles in the space of constant curvature, so that every region consists of the triangles of its mould; edges "
+    "are chords of the mould. exact-arc: the same with edges as arcs on the mould."
 )
 
 
 @documented
 @dataclass(frozen=True)
 class AutoSettings(Settings):
-    """Settings that mean the same in every method, for the one that is picked.
+    """Settings that all methods share, for the selected method.
 
     Examples
     --------
@@ -199,6 +198,6 @@ class AutoSettings(Settings):
     50
     """
 
-    steps: Optional[int] = option(None, "Most steps of the method that is picked.", int, low=1)
+    steps: Optional[int] = option(None, "Maximum number of steps of the selected method.", int, low=1)
     tolerance: Optional[float] = option(None, TOLERANCE_TEXT + REST_TEXT, float, low=0)
     measure: str = option("auto", MEASURE_TEXT + EXACT_TEXT, str, choices=MEASURES)

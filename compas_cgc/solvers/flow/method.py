@@ -25,7 +25,7 @@ def _solve(problem: CGCProblem, settings: FlowSettings, callback: Callback) -> S
 
 METHOD = Method(
     "flow",
-    "The paper's filtered Gaussian curvature flow with its strategies for creases, for K̄ >= 0, finished by Newton's method.",
+    "The paper's filtered Gaussian curvature flow with crease strategies, for K̄ >= 0; Newton's method refines the result.",
     FlowSettings,
     _solve,
 )

@@ -29,71 +29,71 @@ class FlowSettings(Settings):
     0.5
     """
 
-    steps: int = option(3000, "Most steps to take.", int, low=1)
-    tolerance: float = option(1e-6, TOLERANCE_TEXT + " Zero takes every step.", float, low=0)
+    steps: int = option(3000, "Maximum number of steps.", int, low=1)
+    tolerance: float = option(1e-6, TOLERANCE_TEXT + " Zero runs all steps.", float, low=0)
     mu0: Optional[float] = option(
         None,
-        "First trial step length, μ0 [L^3]. None: 0.2 d̄² / κ, with κ the larger of the target's and the start's curvature.",
+        "First trial step length, μ0 [L^3]. None: 0.2 d̄² / κ, where κ is the largest curvature of the target and of the initial surface.",
         float,
         above=0,
     )
-    tau: float = option(0.5, "Factor from one trial step length to the next, τ.", float, above=0, below=1)
-    xi: float = option(0.01, "Part of the expected decrease that a step must bring, ξ (Eq. 28).", float, above=0, below=1)
+    tau: float = option(0.5, "Reduction factor τ of the step length in the line search.", float, above=0, below=1)
+    xi: float = option(0.01, "Required fraction ξ of the expected decrease of the energy (Eq. 28).", float, above=0, below=1)
     zeta: float = option(
         1.1,
-        "How far K may exceed its target in a step, ζ; infinite for no bound (Eq. 29). Where K̄ <= 0 the bound is absolute: "
-        "K - K̄ <= (ζ - 1) times the largest of all |K̄| and of the start's |K - K̄|.",
+        "Largest ratio ζ of K to its target in a step; infinite for no bound (Eq. 29). For K̄ <= 0 the bound is absolute: "
+        "K - K̄ <= (ζ - 1) times the largest |K̄| or the largest initial |K - K̄|.",
         float,
         above=1,
         infinite=True,
     )
     q: int = option(
         5,
-        "Most reductions of a step length. When none of the trials passes, the last, shortest one is taken, as in the paper.",
+        "Maximum number of reductions of a step length. If no trial is accepted, the last and shortest one is used, as in the paper.",
         int,
         low=0,
     )
     filter_radius: Optional[float] = option(
         None,
-        "Radius d̄ of the filter [L] (Eq. 23); zero for no filter. None: a third of the square root of the area, kept between "
-        "3 and 8 mean edges.",
+        "Radius d̄ of the filter [L] (Eq. 23); zero for no filter. None: a third of the square root of the area, limited to "
+        "3 to 8 mean edge lengths.",
         float,
         low=0,
     )
-    filter_power: float = option(3.0, "Power p of the filter's weights (Eq. 24).", float, above=0)
+    filter_power: float = option(3.0, "Exponent p of the filter weights (Eq. 24).", float, above=0)
     s: Optional[float] = option(
         None,
-        "Strategy S1: creases follow by this factor on their move (Eq. 27). None: 0.8, or 1 where creases wait (e). "
-        "A value set on a crease of the mesh goes before this one.",
+        "Strategy S1: factor on the moves of crease vertices (Eq. 27). None: 0.8, or 1 with a delay of creases. "
+        "A value set on a crease of the mesh takes precedence.",
         float,
         low=0,
         high=1,
     )
     e: int = option(
         0,
-        "Strategy S2: creases wait for this many first steps. A value set on a crease of the mesh goes before this one.",
+        "Strategy S2: number of first steps in which creases do not move. A value set on a crease of the mesh takes precedence.",
         int,
         low=0,
         alias="delay",
     )
     energy: str = option(
         "steiner",
-        "How the total mean curvature in the energy is measured: steiner, or cotangent (the paper's Eq. 15).",
+        "Measure of the total mean curvature in the energy: steiner, or cotangent (the paper's Eq. 15).",
         str,
         choices=("steiner", "cotangent"),
     )
     slope: str = option(
         "area",
-        "How the slope in Eq. 28 weighs the curvature error. area: by the vertex areas, which makes it the derivative of the energy. "
-        "unit: not, as Eq. 20 reads word for word; Eq. 28 then hardly ever holds.",
+        "Weight of the curvature error in the slope of Eq. 28. area: weighted with the vertex areas, so that the slope is the derivative "
+        "of the energy. unit: unweighted, as printed in Eq. 20; Eq. 28 then rarely holds.",
         str,
         choices=("area", "unit"),
     )
-    refilter: bool = option(True, "Measure the filter's distances on the present shape, not on that of the start.", bool)
+    refilter: bool = option(True, "Measure the distances of the filter on the current surface instead of the initial one.", bool)
     finish: bool = option(
         True,
-        "Let a solve take the regions to rounding by Newton's method once the flow has shaped the creases, without moving these. "
-        "The flow itself takes no notice of it.",
+        "After the flow, solve the regions to rounding with Newton's method while the creases are fixed. "
+        "The flow itself ignores this option.",
         bool,
     )
 
@@ -103,7 +103,7 @@ class FlowSettings(Settings):
 
     @property
     def crease_factor(self) -> float:
-        """Factor s of strategy S1 (Eq. 27), by default 0.8, or 1 where creases wait."""
+        """Factor s of strategy S1 (Eq. 27), by default 0.8, or 1 with a delay of creases."""
         if self.s is None:
             return 1.0 if self.e else 0.8
         return self.s

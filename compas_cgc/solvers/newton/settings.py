@@ -27,24 +27,24 @@ class NewtonSettings(Settings):
     1e-09
     """
 
-    steps: int = option(100, "Most steps to take, those of the elliptic start included.", int, low=1)
-    tolerance: float = option(1e-12, TOLERANCE_TEXT + " The result is then polished until rounding stops it.", float, above=0)
+    steps: int = option(100, "Maximum number of steps, including those of the elliptic start.", int, low=1)
+    tolerance: float = option(1e-12, TOLERANCE_TEXT + " The result is then refined to rounding level.", float, above=0)
     start: str = option(
         "auto",
-        "Where to set out from. auto: from the given shape where its K is near the target, else by elliptic steps. elliptic: always "
-        "by elliptic steps. given: from the given shape only, as befits the finish after another method.",
+        "Initial guess. auto: the given shape if its K is near the target, otherwise elliptic steps. elliptic: always "
+        "elliptic steps. given: always the given shape, for example after another method.",
         str,
         choices=("auto", "elliptic", "given"),
     )
     anisotropy: float = option(
         5.0,
-        "Λ that the elliptic start begins with: it tells ratios of principal curvatures up to Λ² apart. Larger is faster on good "
-        "meshes, smaller is steadier on bad ones.",
+        "First Λ of the elliptic start, which resolves ratios of the principal curvatures up to Λ². Larger values are faster on good "
+        "meshes, smaller values are more robust on bad ones.",
         float,
         low=1,
     )
     shortest: float = option(
-        2.0**-10, "Smallest damping factor; when it does not help either, the solve has stalled.", float, above=0, high=1
+        2.0**-10, "Smallest damping factor; if it does not reduce the residual, the solve stalls.", float, above=0, high=1
     )
     measure: str = option(
         "auto",

@@ -24,7 +24,7 @@ def _solve(problem: CGCProblem, settings: ProjectionSettings, callback: Callback
 
 METHOD = Method(
     "projection",
-    "The fairest surface, for K̄ of any sign, with free edges and creases and with constraints.",
+    "The fairest surface for K̄ of any sign, with free edges, creases and constraints.",
     ProjectionSettings,
     _solve,
     holds_constraints=True,

@@ -15,7 +15,7 @@ from ..settings import option
 
 __all__ = ["AUTO", "KEEP", "ProjectionSettings"]
 
-# What nearness weighs in plan and in height, by what the designer wants to keep.
+# Weights of the nearness in plan and in height.
 KEEP = {"plan": (0.1, 1e-6), "shape": (1.0, 1.0), "nothing": (1e-4, 1e-6)}
 AUTO = "auto"
 
@@ -32,13 +32,13 @@ class ProjectionSettings(Settings):
     'exact'
     """
 
-    steps: int = option(300, "Most steps to take.", int, low=1)
+    steps: int = option(300, "Maximum number of steps.", int, low=1)
     tolerance: float = option(1e-12, TOLERANCE_TEXT + REST_TEXT, float, low=0)
     keep: str = option(
         AUTO,
-        "What of the drawing the surface keeps. Its plan, seen along the direction that the mesh faces, while heights go where the "
-        "surface bends least; its shape, plan and heights; or nothing but the supports. With auto its shape where it bends far more "
-        "than its supports make it, and its plan elsewhere.",
+        "Part of the drawing that the surface keeps. plan: the plan as seen along the mean normal; heights follow from least bending. "
+        "shape: plan and heights. nothing: supports only. auto: the shape if it bends far more than its supports require, otherwise "
+        "the plan.",
         str,
         choices=(AUTO, *KEEP),
     )
@@ -48,33 +48,33 @@ class ProjectionSettings(Settings):
         str,
         choices=MEASURES,
     )
-    nearness: float = option(1.0, "Weight of what is kept of the drawing. Only its ratio to the smoothness counts.", float, above=0)
+    nearness: float = option(1.0, "Weight of the distance to the drawing. Only its ratio to the smoothness matters.", float, above=0)
     smoothness: float = option(
         0.1,
-        "Length over which bending outweighs nearness, as a part of the square root of the area, where nearness is one. Small: the "
-        "surface keeps to the drawing and K is mended on the spot. Large: it bends as a whole, like a plate.",
+        "Length below which bending outweighs nearness, relative to the square root of the area, for a nearness of 1. Small: the "
+        "surface stays near the drawing and K is corrected locally. Large: the surface bends as a whole, like a plate.",
         float,
         above=0,
     )
     crease_stiffness: float = option(
         0.1,
-        "Stiffness of creases, the same on coarse and fine meshes: zero lets them fold freely, one half as easily as a strip bends that "
-        "is a seventh of the distance between them wide, one takes no notice of them.",
+        "Bending stiffness across creases, independent of the mesh: 0 for free folds, 1 for a surface without creases. At 0.5, a "
+        "crease is as stiff as a strip of the surface whose width is a seventh of the distance between creases.",
         float,
         low=0,
         high=1,
     )
     seed_height: float = option(
         0.15,
-        "Height of the start over a flat input, at most. Where the input is flat no small move changes K; there a low dome or "
-        "saddle is put on it first, no higher than this part of the mesh's diameter on an open boundary, where flat and steep "
-        "surfaces have the same K. Zero: no such start.",
+        "Maximum height of the initial guess over a flat input, relative to the diameter of the mesh. Small moves of a flat mesh do "
+        "not change K, so the solve starts from a low dome or saddle. The maximum applies to open boundaries, where flat and steep "
+        "surfaces can have the same K. Zero: no such initial guess.",
         float,
         low=0,
     )
     retry: bool = option(
         True,
-        "When the straight way to the targets is long, let smaller targets grow to them. When it stalls, try other starts, less "
-        "smoothness, then more of it, and at last targets that come from the curvature of the start in stages.",
+        "Use continuation from smaller targets if the direct solve is long. If it stalls, retry with other initial guesses, less "
+        "and more smoothness, and finally targets in stages from the curvature of the initial surface.",
         bool,
     )

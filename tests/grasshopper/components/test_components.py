@@ -150,7 +150,7 @@ def test_the_inputs_of_settings_are_those_of_the_table():
     for name, own in options().items():
         if name in inputs:
             assert inputs[name].hint == hints[own.kind] and inputs[name].description == option_text(own)
-    assert inputs["s"].description.endswith("For the method flow. Defaults to 0.8, or 1 where creases wait (e).")
+    assert inputs["s"].description.endswith("For the method flow. Defaults to 0.8, or 1 with a delay of creases.")
     assert all(repr(name) in inputs["method"].description for name in METHODS)
 
 
