@@ -1,3 +1,3 @@
-"""What is asked of a mesh, what keeps it from being solved, and what a solve returns."""
+"""Problem, constraints, goals, checks and results."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Branch points of saddles: places where K = 0 whatever is asked, and the asymptotic directions turn around them."""
+"""Branch points of saddles: singularities of the asymptotic directions, where K = 0 whatever the target."""
 
 from __future__ import annotations
 
@@ -14,31 +14,31 @@ from .roles import FIXED
 
 __all__ = ["DEEP", "branch_points", "depth"]
 
-DEEP = 3  # edges from supports, free edges and creases from where fits look all ways
-FLAT = 0.5  # K of fits, against the target, above which a saddle has none there
-LEVEL = 0.05  # height of a support over the plane through all, against the largest, that goes neither up nor down
+DEEP = 3  # edges from supports, free edges and creases beyond which a fit has neighbours on all sides
+FLAT_RATIO = 0.5  # ratio of the fitted K to a target K̄ < 0; a vertex with a larger ratio is no flat spot
+LEVEL_RATIO = 0.05  # height of a support over the mean plane, relative to the largest; a lower one counts as level
 
 
 def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:
-    """Return the vertices of faces around which the principal directions turn more than the supports need (k,).
+    """Return the vertices of faces that carry more branch points than the supports require (k,).
 
-    Where K < 0 both principal curvatures keep their signs, so that their directions are without singularities. A surface that
-    meets its angle defects may have some all the same: there three valleys or more meet, as in the middle of a monkey saddle,
-    and any smooth surface through its vertices has K = 0. Each turns the directions by half a turn around one face, which is counted
-    off the second fundamental forms at its corners (the index of a line field, Hopf). Supports that go up and down n times along
-    an edge all round ask for n - 2 of these.
+    On a smooth surface with K < 0 the principal directions have no singularities. A mesh whose angle defects meet their targets
+    may still have some: three or more valleys meet there, as at the centre of a monkey saddle, and every smooth surface through
+    its vertices has K = 0 there. Around such a face the directions make half a turn (the index of a line field, Hopf), which is
+    computed from the second fundamental forms at the corners. Supports that go up and down n times along a closed boundary
+    require n - 2 branch points.
 
     Parameters
     ----------
     problem
         Vertices, faces, roles and targets, without dummies.
     fits
-        Of its vertices.
+        Local fits at its vertices.
 
     Returns
     -------
     (k,) int
-        None where the surface has holes, creases, goals, columns, or K >= 0 somewhere, as it is not known there how many are needed.
+        Empty where the surface has holes, creases, goals, columns or K >= 0: the required number is unknown there.
     """
     nothing = np.zeros(0, np.int64)
     asked = problem.asked
@@ -47,12 +47,12 @@ def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:
     known = (depth(problem) > 1) & asked & np.isfinite(fits.bending[:, 0])
     faces = problem.faces[known[problem.faces].all(axis=1)]
     turns = _turns(problem.vertices, faces, fits.bending)
-    # What noise turns one way it turns back beside it.
+    # Noise adds pairs of opposite indices, which cancel in the sum.
     count = -int(turns.sum())
     if count <= 0:
         return nothing
     with np.errstate(invalid="ignore"):
-        found = faces[(turns < 0) & (fits.gaussian > FLAT * problem.targets)[faces].any(axis=1)]
+        found = faces[(turns < 0) & (fits.gaussian > FLAT_RATIO * problem.targets)[faces].any(axis=1)]
     loops = boundary_loops(problem.faces)
     if len(loops) != 1 or ((problem.roles == FIXED) & ~np.isin(np.arange(len(asked)), loops[0])).any():
         return nothing
@@ -61,7 +61,7 @@ def branch_points(problem: CGCProblem, fits: LocalFits) -> IntArray:
 
 
 def depth(problem: CGCProblem) -> IntArray:
-    """Return how many edges vertices are away from the next one where no K is asked, DEEP where that or more (n,)."""
+    """Return the number of edges to the nearest vertex without a target, at most DEEP (n,)."""
     found = np.where(problem.asked, DEEP, 0)
     for ring in range(1, DEEP):
         beside = problem.faces[(found[problem.faces] < ring).any(axis=1)]
@@ -70,12 +70,12 @@ def depth(problem: CGCProblem) -> IntArray:
 
 
 def _turns(V: FloatArray, faces: IntArray, bending: FloatArray) -> IntArray:
-    """Return the half turns that the principal directions take around faces (m,)."""
+    """Return the number of half turns of the principal directions around each face (m,)."""
     normals = face_normals(V, faces)
     first = V[faces[:, 1]] - V[faces[:, 0]]
     first = first / np.maximum(np.linalg.norm(first, axis=1), np.finfo(float).tiny)[:, None]
     second: FloatArray = np.asarray(np.cross(normals, first), dtype=np.float64)
-    # The form without its trace, in the plane of the face: its two entries turn twice as fast as the directions.
+    # The two entries of the traceless form in the plane of the face turn twice as fast as the directions.
     corners = bending[faces]
     along = _as_tensors(first, first) - _as_tensors(second, second)
     x, y = 0.5 * np.einsum("mct,mt->mc", corners, along), np.einsum("mct,mt->mc", corners, _as_tensors(first, second))
@@ -85,12 +85,12 @@ def _turns(V: FloatArray, faces: IntArray, bending: FloatArray) -> IntArray:
 
 
 def _as_tensors(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return what products with tensors (k, 6) as in :class:`LocalFits` make the forms of two vectors (k, 3)."""
+    """Return rows (k, 6) whose products with tensors as in :class:`LocalFits` evaluate the forms at two vectors (k, 3)."""
     return np.column_stack([*(a * b).T, *((a[:, i] * b[:, j] + a[:, j] * b[:, i]) / np.sqrt(2.0) for i, j in ((1, 2), (2, 0), (0, 1)))])
 
 
 def _waves(problem: CGCProblem, loop: IntArray) -> int:
-    """Return how many times the supports on an edge all round go up and down over the plane through them; level ones may do so in turns."""
+    """Return how often the supports on a closed boundary go up and down about their mean plane; level groups count as alternating."""
     V = problem.vertices
     held = problem.roles[loop] == FIXED
     at = V[loop[held]]
@@ -104,5 +104,5 @@ def _waves(problem: CGCProblem, loop: IntArray) -> int:
     groups = int(np.count_nonzero(held & ~np.roll(held, 1)))
     if most <= 1e-6 * size:
         return groups // 2
-    sides = np.sign(heights[np.abs(heights) > LEVEL * most])
+    sides = np.sign(heights[np.abs(heights) > LEVEL_RATIO * most])
     return int(np.count_nonzero(sides != np.roll(sides, 1))) // 2

@@ -1,4 +1,4 @@
-"""What keeps a problem from being solved."""
+"""Checks of a problem before a solve."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ from .straight_edges import twisted_edges
 
 __all__ = ["check", "dropped_faces", "lost_creases", "no_saddle", "refuse", "three_faced", "turns_about"]
 
-GENTLE = 0.5  # total curvature of a region that is proposed [rad]
-STRAIGHT = 1e-6  # of the size of the drawing, across which supports on one line may lie
-NEEDLE = 10.0  # degrees, below which a triangle is named where K̄ < 0
-FINE = 300  # vertices with K; on a coarser mesh a roof is some percent off anyway
+GENTLE_TOTAL_CURVATURE = 0.5  # total curvature of a region for the suggested target [rad]
+COLLINEAR_TOLERANCE = 1e-6  # width of a row of supports, relative to the drawing, that still counts as a straight line
+NEEDLE_ANGLE = 10.0  # degrees; where K̄ < 0 a triangle with a smaller angle is reported
+FINE_MESH_VERTICES = 300  # vertices with a target; on coarser meshes the discretisation error is larger than the effect
 
 
 @names_what_was_meant()
 def check(posed: PosesProblem) -> list[Diagnostic]:
-    """List what keeps a problem from being solved: first of its geometry, then of what is asked of it.
+    """List everything that prevents a solve or may surprise: faults of the mesh first, then of roles, targets and goals.
 
     Parameters
     ----------
@@ -58,15 +58,15 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
     Returns
     -------
     list of Diagnostic
-        Sentences; those with ``fatal`` set make a solve refuse with the same text.
+        Sentences; a solve refuses a problem with a ``fatal`` one, with the same text.
 
     Examples
     --------
     >>> from compas_cgc import CGCMesh, check
     >>> mesh = CGCMesh.from_meshgrid(dx=4.0, nx=4)
     >>> mesh.set_target(0.01)
-    >>> [said.split(",")[0] for said in check(mesh)]
-    ['the mesh has no support']
+    >>> [text.split(";")[0] for text in check(mesh)]
+    ['the mesh has no supports']
     """
     try:
         problem = problem_of(posed, "is checked")
@@ -79,7 +79,7 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
             return [Diagnostic(text) for text in unmet]
     problems = mesh_problems(problem.vertices, problem.faces, *names)
     sound = not any(said.fatal for said in problems)
-    # What goes before mends what follows: of a mesh with faults it cannot be told where K can be asked for.
+    # On a mesh with faults the later checks would report consequences of the first ones.
     problems += _role_problems(problem, names.vertices, sound) + _target_problems(problem, names.vertices)
     if sound and not any(said.fatal for said in problems):
         real = problem.without_dummies()
@@ -89,66 +89,68 @@ def check(posed: PosesProblem) -> list[Diagnostic]:
 
 
 def refuse(problems: list[Diagnostic]) -> None:
-    """Raise :class:`ProblemError` with those of the problems that are fatal, if there are any."""
+    """Raise :class:`ProblemError` if any of the problems is fatal."""
     fatal = [problem for problem in problems if problem.fatal]
     if fatal:
         raise ProblemError(fatal)
 
 
 def lost_creases(edges: list) -> Diagnostic:
-    """Return the sentence on creases that are no edges."""
-    return Diagnostic(f"the creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
+    """Return the sentence on creases that are not edges of the mesh."""
+    return Diagnostic(f"creases {listed(edges)} do not follow edges of the mesh; set the creases again (mesh.set_creases)")
 
 
 def dropped_faces(names: object) -> Diagnostic:
-    """Return the sentence on faces that are no polygons."""
-    return Diagnostic(f"faces {listed(names)} of the input have fewer than three different corners, they are degenerate; remove them")
+    """Return the sentence on degenerate faces."""
+    return Diagnostic(f"faces {listed(names)} of the input are degenerate: they have fewer than three different corners; remove them")
 
 
 def _role_problems(problem: CGCProblem, names: IntArray, sound: bool) -> list[Diagnostic]:
     problems = []
     if not (problem.roles == FIXED).any():
         if len(boundary_loops(problem.faces)):
-            mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole edge"
+            mend = "mesh.set_supports('boundary') or --supports boundary fixes the whole boundary"
         else:
-            mend = "the mesh is closed and has no edge to be held at, so name them: mesh.set_supports([...]), or points in the file"
-        problems.append(Diagnostic(f"the mesh has no support, nothing holds it; fix vertices ({mend})"))
+            mend = "the mesh is closed and has no boundary, so name the vertices: mesh.set_supports([...]), or points in the file"
+        problems.append(Diagnostic(f"the mesh has no supports; fix vertices ({mend})"))
     lost = lost_edges(problem.faces, problem.creases)
     if lost.any():
         problems.append(lost_creases(names[problem.creases[lost]].tolist()))
     if sound and not np.isin(problem.roles, (INTERNAL, FREE)).any():
-        # Triangles that share no vertices are as many meshes as faces, each with nothing inside: finer ones are no better.
+        # Refinement does not help where the triangles share no vertices.
         loose = len(problem.faces) > 1 and len(np.unique(problem.faces)) == problem.faces.size
         mend = "its faces share no vertices: weld it (mesh.weld())" if loose else "refine the mesh or free some supports or creases"
-        problems.append(Diagnostic(f"there is no internal vertex, so no curvature to ask for; {mend}"))
+        problems.append(Diagnostic(f"the mesh has no internal vertex at which K could be prescribed; {mend}"))
     return problems
 
 
 def _gentle_target(problem: CGCProblem) -> float:
-    """Return a K that bends regions of the mean size by half a radian in all [1/L^2]."""
+    """Return the K that gives a region of mean area a total curvature of GENTLE_TOTAL_CURVATURE [1/L^2]."""
     area = float(face_areas(problem.vertices, problem.faces).sum())
-    return GENTLE * len(problem.region_targets()) / area if area > 0.0 else 0.0
+    return GENTLE_TOTAL_CURVATURE * len(problem.region_targets()) / area if area > 0.0 else 0.0
 
 
 def _target_problems(problem: CGCProblem, names: IntArray) -> list[Diagnostic]:
-    # With a dummy ring, or for a method that adds one, K is asked for on free edges too.
+    # A dummy ring makes free edges internal, so that they need targets too.
     asked = problem.asked & ~_unknown(problem)
     missing = asked & np.isnan(problem.targets)
     wrong = asked & np.isinf(problem.targets)
     problems = []
     if missing.any() and (missing == asked).all():
-        text = "no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K)"
-        problems.append(Diagnostic(f"{text}; {_gentle_target(problem):.1g} would be gentle for its size, and 0 unrolls"))
+        text = "no target curvature is set; set one (mesh.set_target(K), or --target K)"
+        problems.append(
+            Diagnostic(f"{text}; K = {_gentle_target(problem):.1g} gives this mesh a gentle curvature, and K = 0 a developable surface")
+        )
     elif missing.any():
-        text = "have no target; set one for their region (mesh.set_target(K, region=r))"
+        text = "have no target curvature; set one for their region (mesh.set_target(K, region=r))"
         problems.append(Diagnostic(f"vertices {listed(names[missing])} {text}"))
     if wrong.any():
-        problems.append(Diagnostic(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set numbers"))
+        problems.append(Diagnostic(f"the targets of vertices {listed(names[wrong])} are not finite numbers; set finite targets"))
     return problems
 
 
 def _unknown(problem: CGCProblem) -> np.ndarray:
-    """Return the vertices whose K is to be found (n,)."""
+    """Return the vertices of regions with unknown K (n,)."""
     found = np.zeros(len(problem.vertices), bool)
     for region in unknown_regions(problem):
         found |= problem.region_vertices(region)
@@ -156,19 +158,21 @@ def _unknown(problem: CGCProblem) -> np.ndarray:
 
 
 def _remarks(problem: CGCProblem) -> list[Diagnostic]:
-    """Say what a designer may not have meant: a drawing upside down, creases that part nothing."""
+    """Return warnings about probable mistakes: normals that point down, creases that end inside a region."""
     V, F, names = problem.vertices, problem.faces, problem.names.vertices
     remarks = []
     normals = face_normals(V, F)
     targets = problem.targets[problem.asked]
     if len(normals) and (normals[:, 2] < -0.5).all() and len(targets) and np.nanmin(targets, initial=np.inf) > 0:
-        remarks.append("the normals point down, so the surface hangs; turn the faces (mesh.flip(), or --flip) and it rises")
+        remarks.append(
+            "the normals point down, so the surface will hang below its supports; flip the faces (mesh.flip(), or --flip) to make it rise"
+        )
     ends, degree = np.unique(problem.creases, return_counts=True)
     loose = ends[(degree == 1) & np.isin(problem.roles[ends], (CREASE, INTERNAL))]
     loose = loose[~np.isin(loose, [v for loop in boundary_loops(F) for v in loop])]
     if len(loose):
-        text = "so it parts nothing there; regions are parted by creases that run from edge to edge, or close"
-        remarks.append(f"{_creases_end_at(names[loose])}, inside of a region, {text}")
+        text = "so it separates no regions there; run creases from boundary to boundary, or close them"
+        remarks.append(f"{_creases_end_at(names[loose])}, inside a region, {text}")
     remarks += turns_about(problem)
     return [Diagnostic(text, fatal=False) for text in remarks]
 
@@ -178,7 +182,10 @@ def _creases_end_at(names: IntArray) -> str:
 
 
 def turns_about(problem: CGCProblem) -> list[str]:
-    """Say what a surface can turn about: one point, two, or more on one straight line; a side that is held is taken for a wall."""
+    """Return a warning if the supports leave the surface free to rotate: one point, two, or several on one straight line.
+
+    A supported mesh edge counts as a wall, which holds the surface.
+    """
     fixed = problem.roles == FIXED
     count = int(fixed.sum())
     if not count or problem.constraints or not len(boundary_loops(problem.faces)):
@@ -187,39 +194,39 @@ def turns_about(problem: CGCProblem) -> list[str]:
         return []
     what = {1: "one point", 2: "two points"}.get(count, f"{count} points on one straight line")
     about = "them" if count == 2 else "it"
-    return [f"the surface is held at {what} only and can turn about {about}; hold it at three that are not on one line"]
+    return [f"the surface is supported at {what} only and can rotate about {about}; add a support off that line"]
 
 
 def _on_one_line(points: FloatArray, around: FloatArray) -> bool:
     across = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1]
-    return bool(across <= STRAIGHT * np.ptp(around, axis=0).max())
+    return bool(across <= COLLINEAR_TOLERANCE * np.ptp(around, axis=0).max())
 
 
 def _saddle_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Name what K̄ < 0 is at odds with: vertices of three faces, whose angles add up to less than 2π, or where there are none needles."""
+    """Return warnings about vertices that cannot have K̄ < 0, or else about needle triangles there."""
     saddle = problem.asked & (problem.targets < 0.0)
     lost = three_faced(problem.faces, np.flatnonzero(saddle))
     if len(lost):
         return [Diagnostic(no_saddle(problem.names.vertices[lost]), fatal=False)]
     around = problem.faces[saddle[problem.faces].any(axis=1)]
     angles = np.degrees(corner_angles(problem.vertices, around)).min(axis=1, initial=180.0)
-    count = np.count_nonzero(angles < NEEDLE)
+    count = np.count_nonzero(angles < NEEDLE_ANGLE)
     if not count:
         return []
     which = "1 triangle is a needle" if count == 1 else f"{count} triangles are needles"
     worst = listed(problem.names.vertices[around[np.argmin(angles)]])
     return [
         Diagnostic(
-            f"{which} of down to {angles.min():.2g} degrees where K̄ < 0, the worst at vertices {worst}; the measure exact may draw them "
-            "out until the surface is rough, so mesh it more evenly",
+            f"{which} (smallest angle {angles.min():.2g} degrees) where K̄ < 0, the worst at vertices {worst}; the measure exact may "
+            "stretch them until the surface is rough: mesh it more evenly",
             fatal=False,
         )
     ]
 
 
 def _corner_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Name faces that lie flat in corners, where angle defects read K: auto does so on most regular meshes."""
-    if int((problem.asked & (problem.targets > 0.0)).sum()) < FINE or not is_regular(problem.faces, problem.asked):
+    """Return a warning about flat corner faces, which bias K by angle defects; `auto` reads K so on most regular meshes."""
+    if int((problem.asked & (problem.targets > 0.0)).sum()) < FINE_MESH_VERTICES or not is_regular(problem.faces, problem.asked):
         return []
     held = problem.roles == FIXED
     if held[boundary_vertices(problem.vertices, problem.faces)].all() and is_smooth_alone(problem):
@@ -228,16 +235,16 @@ def _corner_problems(problem: CGCProblem) -> list[Diagnostic]:
     if not len(flat):
         return []
     faces = (
-        "1 face lies flat in a corner, held at all three vertices, and cuts it off"
+        "1 face lies flat in a corner because all its three vertices are supports"
         if len(flat) == 1
-        else (f"{len(flat)} faces lie flat in corners, held at all three vertices, and cut them off")
+        else (f"{len(flat)} faces lie flat in corners because all their three vertices are supports")
     )
-    text = "which makes a dome some percent lower; the setting measure='smooth' (--measure smooth) reads K into the corners"
+    text = "which makes a dome some percent too low; the setting measure='smooth' (--measure smooth) corrects this"
     return [Diagnostic(f"{faces} (faces {listed(problem.names.faces[flat])}), {text}", fatal=False)]
 
 
 def three_faced(faces: Faces, vertices: Indices) -> Indices:
-    """Return those of some inner vertices (k,) that have three faces only."""
+    """Return those of the inner vertices (k,) that have only three faces."""
     return vertices[np.bincount(faces.ravel(), minlength=int(vertices.max(initial=0)) + 1)[vertices] == 3]
 
 
@@ -246,13 +253,13 @@ def no_saddle(names: IntArray) -> str:
     one = len(names) == 1
     has, which = ("has", f"vertex {names[0]}") if one else ("have", f"vertices {listed(names)}")
     return (
-        f"{which} {has} three faces, whose angles never add up to the more than 2π of a K̄ < 0; remove "
-        f"{'it, so that its' if one else 'them, so that the'} three faces are one, or flip an edge opposite"
+        f"{which} {has} three faces only, but K̄ < 0 needs angles that add up to more than 2π; remove "
+        f"{'it and merge its three faces' if one else 'them and merge their three faces'}, or flip an opposite edge"
     )
 
 
 def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
-    """Check every piece: that it is held, whether it is closed, and, without creases, what its fixed edges allow."""
+    """Check every connected piece: supports, closedness and, without creases, the existence conditions of its fixed boundary."""
     V, F, roles, names = problem.vertices, problem.faces, problem.roles, problem.names.vertices
     piece = face_regions(F, np.empty((0, 2), dtype=np.int64))
     belongs = vertex_labels(len(V), F, piece)
@@ -263,7 +270,7 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
     for p in range(piece.max(initial=-1) + 1):
         own = np.flatnonzero(belongs == p)
         if not (roles[own] == FIXED).any():
-            held = f"the piece of vertex {names[own].min()} has no support, nothing holds it; fix one of its vertices or remove it"
+            held = f"the piece of the mesh with vertex {names[own].min()} has no supports; fix some of its vertices or remove it"
             problems.append(Diagnostic(held))
             continue
         around = [loop for loop in loops if belongs[loop[0]] == p]
@@ -277,8 +284,10 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
         up = face_normals(V, corners).sum(axis=0)
         concave = [loop[_turns_inwards(V[loop], up)] for loop in around]
         if any(map(len, concave)):
-            text = "where a surface of positive K needs a crease; lead creases to them if the solve fails"
-            problems.append(Diagnostic(f"the edge is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False))
+            text = "where a surface of K > 0 usually needs a crease; draw creases to them if the solve fails"
+            problems.append(
+                Diagnostic(f"the boundary is concave at vertices {listed(names[np.concatenate(concave)])}, {text}", fatal=False)
+            )
         if len(around) == 1:
             inner = np.zeros(len(V), bool)
             inner[own[roles[own] == INTERNAL]] = True
@@ -287,10 +296,10 @@ def _existence_problems(problem: CGCProblem) -> list[Diagnostic]:
 
 
 def _turns_inwards(loop: FloatArray, up: FloatArray) -> np.ndarray:
-    """Tell where a plane loop, with the surface to its left, turns right by more than 10 degrees (b,).
+    """Return where a plane loop with the surface to its left turns right by more than 10 degrees (b,).
 
-    The normal curvature along a plane edge would have to change its sign there, which
-    it cannot with K > 0.
+    The normal curvature along a plane boundary would change its sign there, which K > 0
+    excludes.
     """
     _, reach = plane_of(loop)
     if reach > 1e-6 or not up.any():

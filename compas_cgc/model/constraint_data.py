@@ -68,7 +68,7 @@ KINDS: dict[str, type[Constraint]] = {
 
 
 def constraint_data(constraint: Constraint) -> dict[str, Any]:
-    """Return a constraint as ``{"kind": ..., ...}`` of plain lists and numbers, its fields by name."""
+    """Return a constraint as plain data: ``{"kind": ..., field: value, ...}`` with lists and numbers."""
     kind = next(name for name, own in KINDS.items() if type(constraint) is own)
     values = {field.name: getattr(constraint, field.name) for field in fields(constraint)}
     plain = {name: value if isinstance(value, bool) else np.asarray(value).tolist() for name, value in values.items()}
@@ -76,12 +76,12 @@ def constraint_data(constraint: Constraint) -> dict[str, Any]:
 
 
 def constraint_of(data: object) -> Constraint:
-    """Return the constraint of plain data.
+    """Return the constraint that plain data describes.
 
     Raises
     ------
     ValueError
-        If there is no such kind, or a field is missing, unknown or of the wrong type.
+        If the kind is unknown, or a field is missing, unknown or of the wrong type.
     """
     kind = data.get("kind") if isinstance(data, Mapping) else None
     if not isinstance(data, Mapping) or not isinstance(kind, str) or kind not in KINDS:
@@ -100,29 +100,30 @@ def constraint_of(data: object) -> Constraint:
     unknown = [name for name in values if name not in known]
     if unknown:
         raise ValueError(
-            f"a constraint of kind {kind} has no {unknown[0]!r:.40}; it has {', '.join(known)}{did_you_mean(unknown[0], known)}"
+            f"a constraint of kind {kind} has no field {unknown[0]!r:.40}; "
+            f"its fields are {', '.join(known)}{did_you_mean(unknown[0], known)}"
         )
     missing = [field.name for field in own if field.name not in values and field.default is MISSING]
     if missing:
-        raise ValueError(f"a constraint of kind {kind} lacks {' and '.join(missing)}; it has {', '.join(known)}")
+        raise ValueError(f"a constraint of kind {kind} needs {' and '.join(missing)}; its fields are {', '.join(known)}")
     readers = {**_READERS, **_OWN_READERS.get(kind, {})}
     return KINDS[kind](**{name: readers[name](value, f"{name} of a constraint of kind {kind}") for name, value in values.items()})
 
 
 def as_constraints(given: object, name: str = "constraints") -> tuple[Constraint, ...]:
-    """Return constraints of which some may be plain data; one alone counts as a list of one.
+    """Return the constraints in a list of constraints and plain data; a single item counts as a list of one.
 
     Parameters
     ----------
     given
-        One, a list of them, or None for none.
+        A constraint, its plain data, a list of these, or None.
     name
-        Of the argument, for the sentence.
+        Name of the argument in error messages.
 
     Raises
     ------
     ValueError
-        If something is no constraint.
+        If an item is not a constraint.
     """
     if isinstance(given, (Constraint, Mapping)):
         items: list[object] = [given]
@@ -134,9 +135,9 @@ def as_constraints(given: object, name: str = "constraints") -> tuple[Constraint
 
 
 def _written(given: object) -> str:
-    """Return the end of the sentence on what is no constraint."""
+    """Return the end of the error message for an object that is not a constraint."""
     if isinstance(given, type) and issubclass(given, Constraint):
-        return f"; {given.__name__} alone says nothing of how much: write {given.__name__}(...) with its values"
+        return f"; {given.__name__} is a class: write {given.__name__}(...) with its values"
     return f", not {given!r:.40}"
 
 
@@ -202,7 +203,7 @@ def _where(value: object, name: str) -> object:
         return [_number(x, name) for x in value]
     if isinstance(value, (list, tuple)) and all(isinstance(point, (list, tuple)) for point in value):
         return _plan(value, name)
-    raise ValueError(f"{name} must be the number of a region, a box [x0, y0, x1, y1] or a closed line [[x, y], ...]")
+    raise ValueError(f"{name} must be a region number, a box [x0, y0, x1, y1] or a closed polyline [[x, y], ...]")
 
 
 def _triangles(value: object, name: str) -> list[list[int]]:

@@ -1,4 +1,4 @@
-"""Constraints: what a designer asks of vertices besides K."""
+"""Constraints on the positions of vertices."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ CROWN = "crown"
 
 
 class ClosestPoints(NamedTuple):
-    """Where constrained vertices should be."""
+    """Nearest points that fulfil a constraint."""
 
-    points: FloatArray  # (k, 3) nearest points that fulfil the constraint [L]
-    normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave it
+    points: FloatArray  # (k, 3) [L]
+    normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave the constraint
 
 
 Triple = Union[Sequence[float], FloatArray]  # three numbers
 
 
 class _Named(type):
-    """A class whose wrong arguments are told by its name and its fields."""
+    """Metaclass that names the fields of a constraint when its arguments are wrong."""
 
     if not TYPE_CHECKING:
 
@@ -67,19 +67,19 @@ class _Named(type):
             except TypeError:
                 takes = [field.name for field in fields(cls)]
                 wrong = next((name for name in by_name if name not in takes), None)
-                told = "" if wrong is None else f", and nothing called {wrong!r}{did_you_mean(wrong, takes)}"
-                raise TypeError(f"{called(cls)} takes {', '.join(takes)}{told}; write {called(cls)}({', '.join(takes)})") from None
+                hint = "" if wrong is None else f", not {wrong!r}{did_you_mean(wrong, takes)}"
+                raise TypeError(f"{called(cls)} takes {', '.join(takes)}{hint}; write {called(cls)}({', '.join(takes)})") from None
             return super().__call__(*given, **by_name)
 
 
 def called(kind: type) -> str:
-    """Return what users call a kind of constraint."""
+    """Return the public name of a kind of constraint."""
     return "Height" if kind.__name__ == "AtHeight" else kind.__name__
 
 
 @dataclass(frozen=True)
 class Constraint(metaclass=_Named):
-    """Base of all constraints; vertices are indices, lengths in model units.
+    """Base class of all constraints; vertices are indices, lengths are in model units.
 
     Examples
     --------
@@ -93,7 +93,7 @@ class Constraint(metaclass=_Named):
         return self
 
     def renumbered(self, index: IntArray) -> Constraint:
-        """Return the same constraint where the vertices have other positions: `index` of each (n,), -1 where it is gone."""
+        """Return the constraint with the vertex numbers `index` (n,), where -1 marks removed vertices."""
         named = getattr(self, "vertices", None)
         if named is None or isinstance(named, str):
             return self
@@ -104,27 +104,27 @@ class Constraint(metaclass=_Named):
 
 @dataclass(frozen=True)
 class PositionConstraint(Constraint):
-    """A constraint that says where vertices have to be; of some the vertices may be a word until they are bound to a problem."""
+    """Base class of constraints on positions; `vertices` may be a word such as ``"free"`` until the goal is bound to a problem."""
 
     vertices: Union[str, Sequence[int]]
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
-        """Return the nearest points at which vertices at some points (k, 3) fulfil the constraint."""
+        """Return the nearest points to points (k, 3) that fulfil the constraint."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class OnPlane(PositionConstraint):
-    """Vertices on the plane through a point [L] with a normal.
+    """Keep vertices on a plane.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that stay on the plane.
+        Indices of the vertices.
     point
-        On the plane [L].
+        ``(3,)`` point on the plane [L].
     normal
-        Of the plane, of any length.
+        ``(3,)`` normal of the plane, of any length.
 
     Examples
     --------
@@ -149,14 +149,14 @@ class OnPlane(PositionConstraint):
 
 @dataclass(frozen=True)
 class AtHeight(PositionConstraint):
-    """Vertices at a height z [L]: those named, or the ``"crown"``, the highest vertex of the surface, wherever it comes to be.
+    """Put vertices at a height z [L], or the ``"crown"``: the highest vertex of the solved surface.
 
     Parameters
     ----------
     vertices
-        Positions of vertices, or ``"crown"``.
+        Indices of vertices, or ``"crown"``.
     height
-        Their z [L].
+        Their z coordinate [L].
 
     Examples
     --------
@@ -179,22 +179,22 @@ class AtHeight(PositionConstraint):
         return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
-        """Return the points at the height below or above."""
+        """Return the points at the height, below or above the given ones."""
         return ClosestPoints(np.column_stack([points[:, :2], np.full(len(points), self.height)]), _every(np.diag([0.0, 0.0, 1.0]), points))
 
 
 @dataclass(frozen=True)
 class OnLine(PositionConstraint):
-    """Vertices on the endless line through a point [L] with a direction.
+    """Keep vertices on an infinite straight line.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that stay on the line.
+        Indices of the vertices.
     point
-        On the line [L].
+        ``(3,)`` point on the line [L].
     direction
-        Of the line, of any length.
+        ``(3,)`` direction of the line, of any length.
 
     Examples
     --------
@@ -220,18 +220,18 @@ class OnLine(PositionConstraint):
 
 @dataclass(frozen=True)
 class OnCurve(PositionConstraint):
-    """Vertices on a curve, given as the points ``(p, 3)`` of a polyline [L].
+    """Keep vertices on a curve, given as a polyline.
 
     The vertices slide along the curve and stop at the ends of an open one.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that stay on the curve.
+        Indices of the vertices.
     points
-        ``(p, 3)`` points along it [L].
+        ``(p, 3)`` points of the polyline [L].
     closed
-        Whether it returns to its first point.
+        Whether the polyline returns to its first point.
 
     Examples
     --------
@@ -261,12 +261,12 @@ class OnCurve(PositionConstraint):
 
 @dataclass(frozen=True)
 class Fixed(Constraint):
-    """Vertices that stay where they are, such as a crease that is to be kept.
+    """Keep vertices at their drawn positions, such as those of a crease.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that stay.
+        Indices of the vertices.
 
     Examples
     --------
@@ -280,17 +280,17 @@ class Fixed(Constraint):
 
 @dataclass(frozen=True)
 class Mirror(Constraint):
-    """Mirror symmetry of the whole surface about the plane through a point [L] with a normal.
+    """Make the whole surface symmetric about a plane.
 
-    Every vertex needs a mirror image among the vertices of the input, within half of the mean
-    edge; the faces need not be symmetric.
+    Every vertex of the input needs a mirror image among its vertices, within half of the mean
+    edge length; the faces need not be symmetric.
 
     Parameters
     ----------
     point
-        On the plane of symmetry [L].
+        ``(3,)`` point on the plane of symmetry [L].
     normal
-        Of the plane of symmetry, of any length.
+        ``(3,)`` normal of the plane of symmetry, of any length.
 
     Examples
     --------
@@ -309,14 +309,14 @@ class Mirror(Constraint):
 
 @dataclass(frozen=True)
 class Proximity(Constraint):
-    """Vertices that stay nearer to the input than others: a factor on ``nearness`` for them.
+    """Keep vertices nearer to the input than others: a factor on the setting ``nearness``.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that shall stay near their places.
+        Indices of the vertices.
     weight
-        How strongly, 1 as much as the rest of the surface.
+        Factor on ``nearness`` for them; 1 treats them like the rest of the surface.
 
     Examples
     --------
@@ -334,12 +334,12 @@ class Proximity(Constraint):
 
 
 def point_array(points: object, name: str) -> FloatArray:
-    """Return what is given as points, or as three numbers, as an array.
+    """Return points, or three coordinates, as an array.
 
     Raises
     ------
     ValueError
-        If there are no numbers in it.
+        If they are not numbers.
     """
     try:
         return np.asarray(points, dtype=np.float64)
@@ -361,33 +361,31 @@ def _every(matrix: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def indices(vertices: Union[str, Sequence[int]], n: int, kind: type = Constraint) -> IntArray:
-    """Return the vertices that a constraint of some kind names, sorted, each once.
+    """Return the vertices that a constraint names, sorted and without duplicates.
 
     Raises
     ------
     ProblemError
-        If there is no such vertex among ``n``.
+        If a vertex is not among the ``n`` of the mesh.
     """
     given = np.asarray(vertices)
     if given.ndim != 1 or (given.size and given.dtype.kind not in "iu"):
-        # Coordinates would be taken for vertices.
+        # Give an error for coordinates, which NumPy would cast to indices.
         given = np.asarray(vertex_names(vertices if given.ndim == 0 else given, f"vertices of the goal {called(kind)}"))
     at = np.unique(given.astype(np.int64))
     if len(at) and not (at[0] >= 0 and at[-1] < n):
         wrong = at[0] if at[0] < 0 else at[-1]
-        raise ProblemError(
-            [f"a constraint names vertex {wrong}; the mesh has the vertices 0 to {n - 1}; name one of these in the goal {called(kind)}"]
-        )
+        raise ProblemError([f"the goal {called(kind)} names vertex {wrong}, but the mesh has vertices 0 to {n - 1}; name one of these"])
     return at
 
 
 def check_indices(constraints: Sequence[Constraint], n: int) -> None:
-    """Refuse constraints that name vertices that are not among `n`.
+    """Refuse constraints that name vertices outside 0 to `n` - 1.
 
     Raises
     ------
     ProblemError
-        With a sentence that names the vertex.
+        If there is such a vertex.
     """
     for constraint in constraints:
         named = getattr(constraint, "vertices", ())

@@ -1,4 +1,4 @@
-"""Dummy mesh: one ring of faces outside the free edges, so that K can be asked for there (Section 4.1)."""
+"""Dummy mesh: one ring of faces outside the free edges, so that K can be prescribed on them (Section 4.1)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ __all__ = ["with_dummy_ring"]
 
 
 def with_dummy_ring(problem: CGCProblem) -> CGCProblem:
-    """Return the problem with dummy faces along the free edges, where K is then asked for too.
+    """Return the problem with dummy faces along its free edges, which then have targets too.
 
-    The dummy vertices come last. A problem without open edges that move is returned as it is.
+    The dummy vertices come last. A problem without movable boundary vertices is returned unchanged.
     """
     rim = boundary_vertices(problem.vertices, problem.faces)
     if not (rim & problem.movable).any():

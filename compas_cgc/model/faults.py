@@ -1,4 +1,4 @@
-"""Faults of a surface: places where it suddenly bends another way than beside them, though no crease is there."""
+"""Faults of a surface: lines without a crease across which the bending jumps."""
 
 from __future__ import annotations
 
@@ -18,37 +18,37 @@ from .roles import CREASE
 
 __all__ = ["Fault", "fault"]
 
-SUDDEN = 0.25  # change of the second fundamental form over one edge, against the sum at both ends, of a fault
-OFTEN = 10.0  # the same, against the median: what changes as much everywhere is a coarse mesh, not a fault
-APART = 3  # edges from supports and free edges, where the surface that is asked for may itself be singular
-FEWEST = 4  # vertices beside each other: a few more are a point such as the middle of a monkey saddle, where it has to turn
-FAR = 0.25  # length of a fault, against the size of the surface: over a saddle a shorter one spreads from every crossing of creases
+JUMP = 0.25  # change of the second fundamental form over one edge, relative to the sum at both ends, that counts as a jump
+JUMP_OVER_MEDIAN = 10.0  # the same relative to the median change: on a coarse mesh all changes are large
+EDGES_FROM_RIM = 3  # edges from supports and free edges; nearer to them the exact surface may be singular
+MIN_VERTICES = 4  # connected vertices; fewer are a point such as the centre of a monkey saddle, where the bending has to turn
+MIN_REACH = 0.25  # extent of a fault relative to the surface; on saddles shorter ones start at every crossing of creases
 
 
 class Fault(NamedTuple):
-    """Where a surface changes its bending suddenly."""
+    """Vertices where the bending of a surface jumps."""
 
-    vertices: IntArray  # (k,) of all such places, none if they are too few to be seen
-    worst: int  # that of the largest change, -1 without any
-    change: float  # there, against the sum of the bending at both ends, at most 1
+    vertices: IntArray  # (k,) all of them, empty if they are too few to be visible
+    worst: int  # vertex with the largest change, -1 if there is none
+    change: float  # change there relative to the sum of the bending at both ends, at most 1
 
 
 def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
-    """Return where the second fundamental form of a surface jumps within regions.
+    """Return the vertices where the second fundamental form jumps within a region.
 
-    Two sheets that each have the curvature asked for, such as a patchwork of saddles and domes and its mirror image, may
-    meet along a line where every angle defect is as asked. Folds, fits and waves of single vertices are small there on the
-    average of a large mesh; what tells such a line is how fast the bending changes, against the rest of the surface. Where
-    K = 0 it may: a developable surface is bent beside a flat part.
+    Two sheets that each meet their targets, such as a patchwork and its mirror image, may join along a line at which every angle
+    defect also meets its target. Averages over a large mesh hide such a line; the change of bending over single edges,
+    compared with the rest of the surface, shows it. Vertices with K̄ = 0 are left out: a developable surface may be bent
+    beside a flat part.
 
     Parameters
     ----------
     problem
         Vertices, faces, roles and targets, without dummies.
     fits
-        Of its vertices.
+        Local fits at its vertices.
     edges
-        ``(e, 2)`` those within regions, such as no crease is.
+        ``(e, 2)`` edges within regions, without creases.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
     both = np.maximum(ends[u] + ends[v], max(float(np.median(size)), np.finfo(float).tiny))
     normals = vertex_normals(problem.vertices, problem.faces)
     change = _within(fits.bending[u] - fits.bending[v], normals[u] + normals[v]) / both
-    jumps = change > max(SUDDEN, OFTEN * float(np.median(change)))
+    jumps = change > max(JUMP, JUMP_OVER_MEDIAN * float(np.median(change)))
     if not jumps.any():
         return Fault(np.zeros(0, np.int64), -1, 0.0)
     apart = known & _apart(problem)
@@ -77,7 +77,7 @@ def fault(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> Fault:
 
 
 def _within(tensors: FloatArray, normals: FloatArray) -> FloatArray:
-    """Return the norms (k,) of symmetric tensors (k, 6) within the planes across normals (k, 3) of any length."""
+    """Return the norms (k,) of symmetric tensors (k, 6) restricted to the planes normal to vectors (k, 3)."""
     squared = np.maximum(np.einsum("ij,ij->i", normals, normals), np.finfo(float).tiny)
     x, y, z = (normals / np.sqrt(squared)[:, None]).T
     xx, yy, zz, yz, zx, xy = tensors.T
@@ -89,20 +89,20 @@ def _within(tensors: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def _apart(problem: CGCProblem) -> Mask:
-    """Return the vertices (n,) that no support and no free edge is near to."""
+    """Return the vertices at least EDGES_FROM_RIM edges from supports and free edges (n,)."""
     near = ~problem.asked & (problem.roles != CREASE)
-    for _ in range(APART - 1):
+    for _ in range(EDGES_FROM_RIM - 1):
         beside = problem.faces[near[problem.faces].any(axis=1)]
         near[beside] = True
     return ~near
 
 
 def _lines(V: FloatArray, u: IntArray, v: IntArray) -> IntArray:
-    """Return the vertices (k,) of edges (e,) that hang together with enough others, and reach far."""
+    """Return the vertices (k,) of connected groups of edges (e,) with enough vertices and a sufficient extent."""
     graph = sparse.coo_matrix((np.ones(len(u)), (u, v)), shape=(len(V), len(V)))
     part = connected_components(graph, directed=False)[1]
     order = np.argsort(part, kind="stable")
     starts = np.flatnonzero(np.diff(part[order], prepend=-1))
     reach = np.linalg.norm(np.maximum.reduceat(V[order], starts) - np.minimum.reduceat(V[order], starts), axis=1)
-    long = (np.bincount(part) >= FEWEST) & (reach > FAR * np.linalg.norm(np.ptp(V, axis=0)))
+    long = (np.bincount(part) >= MIN_VERTICES) & (reach > MIN_REACH * np.linalg.norm(np.ptp(V, axis=0)))
     return np.flatnonzero(long[part])

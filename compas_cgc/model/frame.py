@@ -1,4 +1,4 @@
-"""Local frame: coordinates about the centroid at unit size, so that a solve knows neither units nor places."""
+"""Local frame: coordinates about the centroid at unit size, which make a solve independent of units and position."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class Frame(NamedTuple):
         return (vertices - self.origin) / self.scale
 
     def to_model(self, vertices: FloatArray) -> FloatArray:
-        """Return coordinates of this frame ``(n, 3)`` in the model."""
+        """Return local coordinates ``(n, 3)`` in the model."""
         return vertices * self.scale + self.origin
 
 
 def local_frame(vertices: FloatArray, faces: IntArray) -> Frame:
-    """Return the frame about the centroid of the vertices of faces (m, 3), with their diagonal between 1 and 2.
+    """Return the frame about the centroid of the vertices of faces (m, 3), with a bounding-box diagonal between 1 and 2.
 
-    The scale is a power of two, so that no digit is lost by it.
+    The scale is a power of two, so that scaling is free of rounding.
     """
     of_faces = np.zeros(len(vertices), bool)
     of_faces[faces] = True

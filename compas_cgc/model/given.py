@@ -1,4 +1,4 @@
-"""Validation of what scripts hand over: a wrong kind of thing gets a sentence that says what to write instead."""
+"""Validation of arguments of the wrong kind, with messages that say what to write instead."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from ..meshing.checks import listed
 
 __all__ = ["checked_number", "no_region", "no_vertex", "vertex_names", "vertex_paths", "wrong_problem"]
 
-NEAREST = "mesh.vertices_near(points) gives the keys of the vertices nearest to places"
+NEAREST = "mesh.vertices_near(points) returns the keys of the vertices nearest to given points"
 
 
 def checked_number(value: object, name: str) -> float:
-    """Return a number, or say that it is none.
+    """Return a number as a float.
 
     Raises
     ------
     ValueError
-        If it is no real number.
+        If it is not a real number.
     """
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise ValueError(f"{name} must be a number, not {_shown(value)}")
@@ -34,40 +34,40 @@ def checked_number(value: object, name: str) -> float:
 
 
 def no_region(region: object, count: int, creased: bool) -> str:
-    """Return the sentence on a region that does not exist."""
+    """Return the error message for a region that does not exist."""
     number = isinstance(region, numbers.Integral) and not isinstance(region, bool)
     if not number:
-        return f"a region is a number, not {_shown(region)}; {_numbered(count)}"
+        return f"a region must be given by its number, not {_shown(region)}; {_numbered(count)}"
     one = creased and count == 1
-    why = "; its creases part nothing: they have to run from edge to edge, or to close" if one else ""
+    why = "; its creases separate no regions: they must run from boundary to boundary, or close" if one else ""
     return f"there is no region {region}; {_numbered(count)}{why}"
 
 
 def no_vertex(lost: Sequence[object], keys: Iterable[int]) -> str:
-    """Return the sentence on vertices that do not exist, and which ones do."""
+    """Return the error message for vertices that do not exist, with the range of those that do."""
     known = sorted(keys)
-    those = f"; they are numbered from {known[0]} to {known[-1]}" if known else "; it has none"
+    those = f"; its vertices are numbered from {known[0]} to {known[-1]}" if known else "; it has none"
     return f"there {'is no vertex' if len(lost) == 1 else 'are no vertices'} {listed(lost)} in the mesh{those}"
 
 
 def _numbered(count: int) -> str:
-    return f"the mesh has {count}, from 0 to {count - 1}" if count > 1 else "the mesh has 1, number 0"
+    return f"the mesh has regions 0 to {count - 1}" if count > 1 else "the mesh has 1 region, number 0"
 
 
 def vertex_names(given: Any, what: str) -> list[int]:
-    """Return vertices as whole numbers.
+    """Return vertex keys as integers.
 
     Parameters
     ----------
     given
-        Names of vertices.
+        Vertex keys.
     what
-        What they are, as the sentence has it, such as ``"supports"``.
+        Name of the argument in error messages, such as ``"supports"``.
 
     Raises
     ------
     ValueError
-        If they are coordinates, words, or one vertex without a list.
+        If they are coordinates, words, or a single vertex without a list.
     """
     if isinstance(given, numbers.Number):
         raise ValueError(f"{what} must be a list of vertices, not the number {given}; write [{given}]")
@@ -80,48 +80,51 @@ def vertex_names(given: Any, what: str) -> list[int]:
 
 
 def vertex_paths(given: Any) -> list[list[int]]:
-    """Return creases as paths of vertices.
+    """Return creases as paths of vertex keys.
 
     Raises
     ------
     ValueError
-        If they are coordinates, or one path without a list around it.
+        If they are coordinates, or a single path without a list around it.
     """
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise ValueError(f"creases must be a list of paths of vertices such as [[0, 1, 2]], not {_shown(given)}")
     items = list(given)
     if items and all(isinstance(item, numbers.Number) for item in items):
-        raise ValueError(f"a crease is a path of vertices, and creases are a list of them; write [{_shown(items)}]")
+        raise ValueError(f"creases must be a list of paths, not one path of vertices; write [{_shown(items)}]")
     paths = [vertex_names(item, "the vertices of a crease") for item in items]
     short = next((path for path in paths if len(path) < 2), None)
     if short is not None:
-        raise ValueError(f"a crease leads along two vertices or more, not {short}; give the whole path")
+        raise ValueError(f"a crease must have two or more vertices, not {short}; give the whole path")
     return paths
 
 
 def wrong_problem(given: object, use: str = "is solved") -> str:
-    """Return the sentence on something that is no problem and no mesh with roles, and what would be done with one."""
+    """Return the error message for an object that is neither a problem nor a mesh with roles.
+
+    `use` says what a problem would be used for.
+    """
     if hasattr(given, "halfedge") and hasattr(given, "vertices"):
-        return "a COMPAS mesh says nothing of supports and targets; make it a CGCMesh.from_mesh(mesh), set them, and solve that"
+        return "a COMPAS mesh has no supports and targets; convert it with CGCMesh.from_mesh(mesh) and set them"
     if isinstance(given, (str, os.PathLike)):
-        return f"a file is read first: compas_cgc.read({str(given)!r})"
+        return f"read the file first: compas_cgc.read({str(given)!r})"
     if isinstance(given, (np.ndarray, Sequence, Mapping)):
-        return "make plain vertices and faces a CGCProblem(vertices, faces) first, or a CGCMesh.from_vertices_and_faces(vertices, faces)"
+        return "convert vertices and faces first: CGCProblem(vertices, faces) or CGCMesh.from_vertices_and_faces(vertices, faces)"
     if isinstance(given, type):
-        return f"{given.__name__} is a class; make one first, such as CGCMesh.from_outline(points, edge_length)"
+        return f"{given.__name__} is a class; create an instance first, such as CGCMesh.from_outline(points, edge_length)"
     return f"a CGCMesh or a CGCProblem {use}, not {_shown(given)}"
 
 
 def _vertex(item: Any, what: str) -> int:
     if isinstance(item, (bool, np.bool_)):
-        raise ValueError(f"{what} must be keys of vertices, not a mask; np.flatnonzero(mask) gives their numbers")
+        raise ValueError(f"{what} must be keys of vertices, not a mask; use np.flatnonzero(mask)")
     if isinstance(item, numbers.Real):
         if float(item).is_integer():
             return int(float(item))
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item}")
     if isinstance(item, str):
         if item in SUPPORT_NAMES:
-            raise ValueError(f"write {item!r} without the brackets of a list")
+            raise ValueError(f"write {item!r} without list brackets")
         raise ValueError(f"{what} must be whole numbers, the keys of vertices, not {item!r}")
     if isinstance(item, Iterable):
         raise ValueError(f"{what} must be keys of vertices, not coordinates such as {_shown(item)}; {NEAREST}")

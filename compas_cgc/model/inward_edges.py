@@ -1,4 +1,4 @@
-"""Held edges that turn inwards, which no surface of K > 0 passes without a fold."""
+"""Reentrant corners of supported boundaries, which a smooth surface of K > 0 cannot pass."""
 
 from __future__ import annotations
 
@@ -17,28 +17,28 @@ from .roles import FIXED
 
 __all__ = ["inward_edges"]
 
-TURN = np.radians(2.0)  # to the right, of an edge with the surface to its left
-CORNER, STRAIGHT = np.radians(20.0), np.radians(1.0)  # likewise, of a corner, and of parts that are straight beside it
-LOOKED_AT = 64  # vertices of a region, the sharpest, that are looked at
-DIRECTIONS = (0.5, 0.25, 0.75)  # of the lines through a vertex, between the two sides that meet there
-LEVEL = 1e-6  # height, against the size of the mesh, that is none
+MIN_TURN = np.radians(2.0)  # least turn to the right, with the surface on the left
+MIN_CORNER, MAX_BEND = np.radians(20.0), np.radians(1.0)  # least turn of a corner between straight parts, and largest bend within these
+MAX_CORNERS = 64  # number of the sharpest vertices of a region that are checked
+DIRECTIONS = (0.5, 0.25, 0.75)  # directions of lines through a vertex, as weights of the two sides that meet there
+LEVEL_TOLERANCE = 1e-6  # height relative to the size of the mesh that counts as zero
 
 
 class _Line(NamedTuple):
-    """A straight line in plan through a vertex of a held edge, within the region up to where it meets held edges again."""
+    """A straight line in plan through a supported boundary vertex, up to the next supported edges on both sides."""
 
     vertex: int
     turn: float  # [rad]
     ends: FloatArray  # (2, 3) [L]
-    over: float  # how high the vertex is over the straight way between them [L]
+    over: float  # height of the vertex over the straight line between the ends [L]
 
 
 def inward_edges(problem: CGCProblem) -> list[str]:
-    """Return a sentence for every region of K > 0 that is held along an edge which turns inwards, and cannot be smooth there.
+    """Return a sentence for every region of K > 0 that cannot be smooth at a reentrant corner of its supported boundary.
 
-    Over every line in its plan such a surface is convex, or over every line concave. A line through an inward corner, or along
-    a hole, meets held edges at three places: the middle one lies higher than the others, or lower, on all such lines of a
-    region, and level with them on none.
+    Such a surface is either convex over every line in its plan or concave over every line. A line through a reentrant corner, or
+    along a hole, meets supported edges at three points. The middle one must lie higher than the others on all such lines of a
+    region, or lower on all of them.
     """
     found = (_of_region(problem, region) for region in range(int(problem.regions().max(initial=-1)) + 1))
     return [said for said in found if said is not None]
@@ -51,29 +51,29 @@ def _of_region(problem: CGCProblem, region: int) -> Optional[str]:
         return None
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     lines = _lines(problem, faces)
-    level = next((line for line in lines if abs(line.over) <= LEVEL * size), None)
+    level = next((line for line in lines if abs(line.over) <= LEVEL_TOLERANCE * size), None)
     digits = 2 - int(np.floor(np.log10(size))) if size > 0.0 else 0
     over = max(lines, key=lambda line: line.over, default=None)
     under = min(lines, key=lambda line: line.over, default=None)
-    mend = "lead a crease to it, round it and let it go free there, or move it"
+    mend = "draw a crease to that corner, round it and free it there, or move it"
     if level is not None:
         turn, (one, other) = np.degrees(level.turn), (_place(end, digits) for end in level.ends)
         return (
-            f"the held edge turns inwards by {turn:.0f} degrees {_at(problem, level.vertex, digits)}, level with the held edges across, "
-            f"at {one} and {other}, and a smooth surface of K > 0, however small, is never straight; {mend}"
+            f"the supported boundary has a reentrant corner of {turn:.0f} degrees {_at(problem, level.vertex, digits)}, on a straight line "
+            f"with the supported edges at {one} and {other}, and a smooth surface of K > 0 is never straight; {mend}"
         )
     if over is None or under is None or not over.over > 0.0 > under.over:
         corner = _straight_corner(problem, faces)
         if corner is None:
             return None
         return (
-            f"the held edge turns inwards {_at(problem, corner, digits)} between straight parts, and past that corner a smooth surface of "
-            f"K > 0, however small, would have to lie both under and over their plane; {mend}"
+            f"the supported boundary has a reentrant corner {_at(problem, corner, digits)} between straight parts, and beyond it a smooth "
+            f"surface of K > 0 would have to lie both below and above their plane; {mend}"
         )
     dome, bowl = (_at(problem, line.vertex, digits) for line in (over, under))
     return (
-        f"the region {region} has K > 0 and so, however small that is, bulges to one side, but its held edge turns inwards {dome}, "
-        f"{over.over:.3g} over the straight way between held edges, as of a dome, and {bowl}, {-under.over:.3g} under it, as of a bowl; "
+        f"region {region} has K > 0 and so bulges to one side only, but its supported boundary has a reentrant corner {dome}, "
+        f"{over.over:.3g} above the straight line between supported edges (a dome), and one {bowl}, {-under.over:.3g} below it (a bowl); "
         f"{mend}"
     )
 
@@ -88,7 +88,7 @@ def _place(point: FloatArray, digits: int) -> str:
 
 
 def _rim(V: FloatArray, faces: IntArray) -> Edges:
-    """Return the edges around a region with the surface to their left in plan (e, 2), none where it has no plan."""
+    """Return the boundary edges of a region with the surface to their left in plan (e, 2), empty if the plan overlaps itself."""
     edges = edge_faces(faces)
     rim: Edges = edges[edges[:, 3] < 0, :2]
     corners = V[faces][:, :, :2]
@@ -99,10 +99,10 @@ def _rim(V: FloatArray, faces: IntArray) -> Edges:
 
 
 def _straight_corner(problem: CGCProblem, faces: IntArray) -> Optional[int]:
-    """Return the held vertex where the edge of a region turns inwards the most between parts that are straight in space.
+    """Return the supported vertex of the sharpest reentrant corner between parts that are straight in space.
 
-    Along a straight edge a surface of K > 0 is as steep as can be, to the side that it bulges away from; in line with the edge, past
-    an inward corner, it lies to the other side.
+    A surface of K > 0 lies to one side of the plane of two straight boundary parts along them, and to the other side beyond a
+    reentrant corner.
     """
     V, held = problem.vertices, problem.roles == FIXED
     rim = _rim(V, faces)
@@ -114,13 +114,13 @@ def _straight_corner(problem: CGCProblem, faces: IntArray) -> Optional[int]:
     sides = np.diff(V[rows], axis=1)
     turn = -np.arctan2(cross(sides[:, 1, :2], sides[:, 2, :2]), np.einsum("ki,ki->k", sides[:, 1, :2], sides[:, 2, :2]))
     bends = np.linalg.norm(np.cross(sides[:, ::2], sides[:, 1::2]), axis=2)
-    straight = bends < STRAIGHT * np.linalg.norm(sides[:, ::2], axis=2) * np.linalg.norm(sides[:, 1::2], axis=2)
+    straight = bends < MAX_BEND * np.linalg.norm(sides[:, ::2], axis=2) * np.linalg.norm(sides[:, 1::2], axis=2)
     turn = np.where(straight.all(axis=1), turn, 0.0)
-    return int(rows[np.argmax(turn), 2]) if turn.max(initial=0.0) > CORNER else None
+    return int(rows[np.argmax(turn), 2]) if turn.max(initial=0.0) > MIN_CORNER else None
 
 
 def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
-    """Return the lines through held vertices where the edge of a region turns inwards."""
+    """Return the lines through the reentrant corners of the supported boundary of a region."""
     V, held = problem.vertices, problem.roles == FIXED
     rim = _rim(V, faces)
     after, before = dict(rim.tolist()), dict(rim[:, ::-1].tolist())
@@ -130,9 +130,9 @@ def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
     behind = V[middle, :2] - V[[before[v] for v in middle.tolist()], :2]
     ahead = V[[after[v] for v in middle.tolist()], :2] - V[middle, :2]
     turn = -np.arctan2(cross(behind, ahead), np.einsum("ij,ij->i", behind, ahead))
-    sharpest = np.argsort(-turn, kind="stable")[:LOOKED_AT]
+    sharpest = np.argsort(-turn, kind="stable")[:MAX_CORNERS]
     found = []
-    for k in sharpest[turn[sharpest] > TURN].tolist():
+    for k in sharpest[turn[sharpest] > MIN_TURN].tolist():
         one, other = behind[k] / np.linalg.norm(behind[k]), ahead[k] / np.linalg.norm(ahead[k])
         for share in DIRECTIONS:
             along = (1.0 - share) * one + share * other
@@ -146,7 +146,7 @@ def _lines(problem: CGCProblem, faces: IntArray) -> list[_Line]:
 
 
 def _met(V: FloatArray, rim: Edges, held: np.ndarray, vertex: int, along: FloatArray) -> Optional[FloatArray]:
-    """Return where a ray in plan from a vertex meets the rim (3,), None where that is not held there."""
+    """Return where a ray in plan from a vertex meets the boundary (3,), None if the boundary is not supported there."""
     own = rim[(rim != vertex).all(axis=1)]
     start, side = V[own[:, 0], :2] - V[vertex, :2], V[own[:, 1], :2] - V[own[:, 0], :2]
     across = cross(np.broadcast_to(along, side.shape), side)

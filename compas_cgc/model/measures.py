@@ -1,4 +1,4 @@
-"""Measures of K: how it is read off a mesh."""
+"""Measures of K on a mesh."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from .roles import FIXED
 
 __all__ = ["is_smooth_alone", "measured_curvature", "read_across"]
 
-CORNERED = 1500, 4000  # vertices of regular meshes whose corners count: smaller ones are to be quick, larger ones differ little
+CORNER_RANGE = 1500, 4000  # number of vertices of regular meshes with this correction: smaller ones stay fast, larger ones hardly change
 
 
 def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVertex:
-    """Return K (n,) of the vertices of a problem where it is asked for, else NaN [1/L^2].
+    """Return the Gaussian curvature at each vertex, NaN where none is prescribed (n,) [1/L^2].
 
     Parameters
     ----------
     problem
         Vertices, faces, roles and targets.
     measure
-        ``defect``: angle defect over area (Eq. 10). ``smooth``: less what the layout of the mesh puts into it, across
-        :func:`read_across`.
-        ``exact``, ``exact-arc``: the target and what the triangles of its space form leave open, over the area.
+        ``defect``: angle defect over area (Eq. 10). ``smooth``: the same on the triangles of :func:`read_across`, less the
+        error due to the layout of the mesh. ``exact``, ``exact-arc``: the target, plus the angle defect of triangles in the
+        space form of the target over the area.
     """
     asked = problem.asked
     if measure in EXACT:
@@ -47,24 +47,24 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
 
 
 def read_across(problem: CGCProblem) -> IntArray:
-    """Return the triangles (m, 3) across which the smooth measure reads K.
+    """Return the triangles (m, 3) on which the smooth measure reads K.
 
-    They are those of the problem, but where one lies flat in a corner between three fixed vertices: there the diagonal is
-    turned into the corner, as that of the mesh cuts the corner off, whatever the surface.
+    They are those of the problem except for faces with three fixed vertices in a corner. There the diagonal is flipped so that
+    it runs into the corner, because a face between supports stays flat whatever the surface.
     """
     return turned_corners(problem.vertices, problem.faces, problem.roles == FIXED, problem.creases)
 
 
 def is_smooth_alone(problem: CGCProblem) -> bool:
-    """Return whether angle defects misread K in the corners of an edge held all around, so that a dome is too low.
+    """Check whether angle defects misread K at the corners of a supported boundary, so that a dome becomes too low.
 
-    They do where a face of an irregular mesh lies flat there, and on a regular mesh wherever K > 0, as curvatures grow without
-    bounds towards a straight edge that is held.
+    They do on an irregular mesh with a flat face in a corner, and on a regular mesh with K > 0, because one principal curvature is
+    unbounded towards a straight supported edge.
     """
     if problem.constraints or not problem.asked.any() or not problem.real_faces.all():
         return False
     if not is_regular(problem.faces, problem.asked):
         return read_across(problem) is not problem.faces
-    (few, many), held = CORNERED, problem.roles == FIXED
+    (few, many), held = CORNER_RANGE, problem.roles == FIXED
     convex = bool((problem.targets[problem.asked] > 0.0).all())
     return convex and few <= len(held) <= many and has_corners(problem.vertices, problem.faces, held)

@@ -1,4 +1,4 @@
-"""The problem: a mesh as arrays, with all that is asked of it."""
+"""CGCProblem: a mesh as arrays with supports, creases, targets and constraints."""
 
 from __future__ import annotations
 
@@ -54,50 +54,50 @@ Targets = Union[float, ArrayLike, Mapping[int, float]]
 
 
 class Names(NamedTuple):
-    """What the user calls vertices and faces."""
+    """Keys of vertices and faces in the user's mesh."""
 
     vertices: IntArray  # (n,)
     faces: IntArray  # (m,)
 
 
 class Drawing(NamedTuple):
-    """The drawing that a mesh comes from."""
+    """Metadata of the drawing that a mesh comes from."""
 
     name: str = "mesh"
     units: Optional[str] = None  # unit system such as ``Meters``
-    tolerance: Optional[float] = None  # distance within which points are one [L]
-    places: tuple[tuple[str, Sequence[Sequence[float]]], ...] = ()  # closed lines in plan by name [L]
+    tolerance: Optional[float] = None  # distance within which points coincide [L]
+    places: tuple[tuple[str, Sequence[Sequence[float]]], ...] = ()  # named closed polylines in plan [L]
 
 
 class Origin(NamedTuple):
-    """What a surface was found for."""
+    """The problem that a surface solves."""
 
-    drawn: CGCProblem  # as it was drawn, with its targets
-    vertices: FloatArray  # (n, 3) that were found for it [L]
+    drawn: CGCProblem  # the problem as drawn, with its targets
+    vertices: FloatArray  # (n, 3) vertices of the solution [L]
 
 
 class PosesProblem(Protocol):
-    """What can be turned into a problem, such as a :class:`~compas_cgc.datastructures.CGCMesh`."""
+    """Object that can be converted to a problem, such as a :class:`~compas_cgc.datastructures.CGCMesh`."""
 
     def to_problem(self) -> CGCProblem:
-        """Return the problem that this poses."""
+        """Return the problem."""
         ...
 
 
 def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
-    """Return the problem that a mesh, a result or the like poses.
+    """Return the problem of a mesh, a result or another object with ``to_problem``.
 
     Parameters
     ----------
     given
-        What a caller handed over.
+        The object.
     use
-        What is done with it, as the sentence has it.
+        What the problem is used for, for the error message.
 
     Raises
     ------
     CGCError
-        If it poses none, with what to make of it.
+        If the object cannot be converted.
     """
     if isinstance(given, type) or not hasattr(given, "to_problem"):
         raise CGCError(wrong_problem(given, use))
@@ -107,44 +107,43 @@ def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
 @names_what_was_meant()
 @dataclass(frozen=True, eq=False, repr=False)
 class CGCProblem:
-    """A triangle mesh with what is asked of it.
+    """A triangle mesh with supports, creases, target curvatures and constraints.
 
-    Wherever vertices are given to a method, they go by the user's names, which are their positions
-    where nothing else is said. Every method returns a new problem.
+    Methods take vertices by their keys in ``names``; by default keys are indices. Every method returns a new problem.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` float64 coordinates [L].
     faces
-        ``(m, 3)`` int64 vertex indices, anticlockwise seen from where the normals point.
+        ``(m, 3)`` int64 vertex indices, counterclockwise seen from the side to which the normals point.
     roles
-        ``(n,)`` role of every vertex, its name or its index in :data:`ROLES`. Default: crease on creases, free on
-        open edges, internal elsewhere.
+        ``(n,)`` role of every vertex, as a name or an index into :data:`ROLES`. Default: crease on creases, free on
+        the boundary, internal elsewhere.
     targets
-        ``(n,)`` float64 target Gaussian curvature K̄ [1/L^2]; read at internal vertices. Default: none is set (NaN).
+        ``(n,)`` float64 target Gaussian curvature K̄ [1/L^2], used at internal vertices. Default: NaN (not set).
     s
-        ``(n,)`` float64 factor of strategy S1, NaN where the settings' value holds.
+        ``(n,)`` float64 factor of strategy S1, NaN where the value in the settings applies.
     e
-        ``(n,)`` float64 delay of strategy S2 in steps, NaN where the settings' value holds.
+        ``(n,)`` float64 delay of strategy S2 in steps, NaN where the value in the settings applies.
     creases
         ``(c, 2)`` int64 edges along which the surface may fold, which divide it into regions; or paths of vertices
         ``[u, v, w, ...]``.
     constraints
-        What is asked of vertices besides K, each a :class:`Constraint` or its plain data; they go by their positions.
+        Constraints and goals, each a :class:`Constraint` or its plain data; they refer to vertices by index.
     names
-        What the user calls vertices and faces. Default: their positions.
+        Keys of vertices and faces in the user's mesh. Default: their indices.
     drawing
         Name, units and tolerance of the drawing that the mesh comes from.
     origin
-        Of a result: what its surface was found for, so that other targets lead on from there.
+        For a result: the problem that its surface solves, which later solves with other targets start from.
 
     Raises
     ------
     MeshError
-        If vertices and faces are no mesh.
+        If vertices and faces do not form a mesh.
     ValueError
-        If a length, a role or an index is wrong; the sentence says which.
+        If a length, a role or an index is invalid.
 
     Examples
     --------
@@ -193,32 +192,32 @@ class CGCProblem:
 
     @classmethod
     def from_mesh(cls, mesh: PosesProblem) -> CGCProblem:
-        """Return the problem that a mesh poses, with any dummy mesh, in the order of its vertices."""
+        """Return the problem of a mesh, including any dummy mesh, in the order of its vertices."""
         return mesh.to_problem()
 
     def to_problem(self) -> CGCProblem:
-        """Return the problem itself, so that it is taken wherever a mesh is."""
+        """Return the problem itself; functions that take a mesh call this."""
         return self
 
     # ------------------------------------------------------------------
-    # What is asked
+    # Supports, creases, targets, constraints
     # ------------------------------------------------------------------
 
     def with_supports(self, supports: Union[str, Iterable[int]], add: bool = False) -> CGCProblem:
-        """Fix vertices, and no others unless they shall be added.
+        """Return the problem with these vertices fixed; replaces the supports unless `add` is true.
 
         Parameters
         ----------
         supports
-            Vertices, ``"boundary"`` for every vertex on an open edge, ``"outline"`` for those around the mesh and not around
-            its holes, or ``"corners"`` for those where an open edge turns by more than 30 degrees.
+            Vertices, ``"boundary"`` for all boundary vertices, ``"outline"`` for those of the outer boundary without holes, or
+            ``"corners"`` for boundary vertices where the boundary turns by more than 30 degrees.
         add
-            Keep the supports that there are.
+            Keep the present supports.
 
         Raises
         ------
         ValueError
-            If there is no such vertex.
+            If a vertex does not exist.
         """
         if isinstance(supports, str):
             fixed = named_supports(self.vertices, self.faces[self.real_faces], supports)
@@ -229,42 +228,42 @@ class CGCProblem:
         return replace(self, roles=roles_by_place(self.vertices, self.faces, roles, self.creases))
 
     def with_creases(self, creases: Iterable[Sequence[int]], add: bool = False) -> CGCProblem:
-        """Let the surface fold along edges, and along no others unless they shall be added.
+        """Return the problem with creases along these edges; replaces the creases unless `add` is true.
 
         Parameters
         ----------
         creases
             Edges ``(u, v)`` or paths of vertices ``[u, v, w, ...]``.
         add
-            Keep the creases that there are.
+            Keep the present creases.
 
         Raises
         ------
         ValueError
-            If two vertices that follow each other are not joined by an edge.
+            If two consecutive vertices are not joined by an edge.
         """
         own = self.creases.tolist() if add else []
         edges = _edges([*own, *(self.positions(path).tolist() for path in vertex_paths(creases))], len(self.vertices))
         lost = lost_edges(self.faces, edges)
         if lost.any():
             u, v = self.names.vertices[edges[np.argmax(lost)]].tolist()
-            raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
+            raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge of the mesh; define creases along edges")
         return replace(self, creases=edges, roles=roles_by_place(self.vertices, self.faces, self.roles, edges))
 
     def with_targets(self, K: Targets, *, region: Optional[int] = None) -> CGCProblem:
-        """Ask for Gaussian curvatures [1/L^2].
+        """Return the problem with these target Gaussian curvatures.
 
         Parameters
         ----------
         K
-            One number for all, a number per vertex ``(n,)`` with NaN where what there is shall stay, or a number by region.
+            Target [1/L^2]: one number, ``(n,)`` numbers with NaN where the present target stays, or a dict of numbers by region.
         region
-            Where one number shall hold. Default: everywhere.
+            Region that gets the target. Default: all.
 
         Raises
         ------
         ValueError
-            If there is no such region, or not a number for every vertex.
+            If the region does not exist or the number of targets is wrong.
         """
         if isinstance(K, Mapping):
             problem = self
@@ -278,7 +277,7 @@ class CGCProblem:
         return replace(self, targets=np.where(within, given, self.targets))
 
     def with_constraints(self, constraints: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
-        """Ask for something besides K, next to what is asked already unless `add` is false.
+        """Return the problem with these constraints, added to the present ones unless `add` is false.
 
         Raises
         ------
@@ -288,12 +287,12 @@ class CGCProblem:
         return replace(self, constraints=(*(self.constraints if add else ()), *as_constraints(constraints)))
 
     def with_vertices(self, vertices: ArrayLike) -> CGCProblem:
-        """Put the vertices at other places (n, 3) [L].
+        """Return the problem with other vertex coordinates (n, 3) [L].
 
         Raises
         ------
         ValueError
-            If there is not one place for every vertex.
+            If the shape is wrong.
         """
         places = np.asarray(vertices, dtype=np.float64)
         if places.shape != self.vertices.shape:
@@ -301,7 +300,7 @@ class CGCProblem:
         return replace(self, vertices=places)
 
     def flipped(self) -> CGCProblem:
-        """Turn all faces over, so that the other side is the outside."""
+        """Return the problem with all faces flipped."""
         return replace(self, faces=self.faces[:, ::-1])
 
     # ------------------------------------------------------------------
@@ -310,7 +309,7 @@ class CGCProblem:
 
     @property
     def drawn(self) -> Optional[CGCProblem]:
-        """The problem over the drawing that its surface was found from; None unless its targets, and nothing else, were changed since."""
+        """The problem on the originally drawn vertices; None unless only the targets have changed since the solve."""
         if self.origin is None:
             return None
         was, now = self.origin.drawn, self
@@ -322,39 +321,39 @@ class CGCProblem:
 
     @property
     def asked(self) -> NDArray[np.bool_]:
-        """Vertices where K is asked for, N_I of the paper (n,)."""
+        """Mask of the vertices with a target, N_I of the paper (n,)."""
         return self.roles == INTERNAL
 
     @property
     def movable(self) -> NDArray[np.bool_]:
-        """Vertices that may move (n,)."""
+        """Mask of the vertices that may move (n,)."""
         return (self.roles == INTERNAL) | (self.roles == CREASE) | (self.roles == FREE)
 
     @property
     def supports(self) -> IntArray:
-        """Fixed vertices, by their positions (k,)."""
+        """Indices of the fixed vertices (k,)."""
         return np.flatnonzero(self.roles == FIXED)
 
     @property
     def real_faces(self) -> NDArray[np.bool_]:
-        """Faces without a dummy vertex (m,)."""
+        """Mask of the faces without dummy vertices (m,)."""
         return ~(self.roles == DUMMY)[self.faces].any(axis=1)
 
     @property
     def target_scale(self) -> float:
-        """Curvature that errors are small or large against: the largest |K̄|, or one over the area [1/L^2]."""
+        """Reference curvature for relative errors: the largest |K̄|, or one over the area if all targets are 0 [1/L^2]."""
         largest = float(np.abs(self.targets[self.asked]).max(initial=0.0))
         if largest > 0.0:
             return largest
         return 1.0 / float(face_areas(self.vertices, self.faces[self.real_faces]).sum())
 
     def positions(self, names: Iterable[int]) -> IntArray:
-        """Return the positions of vertices that the user names (k,).
+        """Return the indices of vertices given by their keys (k,).
 
         Raises
         ------
         ValueError
-            If there is no such vertex.
+            If a vertex does not exist.
         """
         wanted = np.array(vertex_names(names, "vertices"), dtype=np.int64)
         known = self.names.vertices
@@ -367,16 +366,16 @@ class CGCProblem:
         return found
 
     def regions(self) -> IntArray:
-        """Number the regions of the faces, see :func:`compas_cgc.meshing.face_regions` (m,)."""
+        """Return the region number of every face, see :func:`compas_cgc.meshing.face_regions` (m,)."""
         return face_regions(self.faces, self.creases)
 
     def region_vertices(self, region: int) -> NDArray[np.bool_]:
-        """Return the vertices of a region where K can be asked: not on creases (n,).
+        """Return the mask of the vertices of a region that are not on creases (n,).
 
         Raises
         ------
         ValueError
-            If there is no such region.
+            If the region does not exist.
         """
         label = self.regions()
         count = int(label[self.real_faces].max(initial=-1)) + 1
@@ -387,9 +386,9 @@ class CGCProblem:
         return inside & (self.roles != CREASE)
 
     def region_targets(self) -> list[Optional[float]]:
-        """Return the target of every region of the real mesh, None where it is not one number [1/L^2].
+        """Return the target of every region of the real mesh, None if it is not one number [1/L^2].
 
-        What counts are the vertices where K is asked, or else all but those on creases.
+        The internal vertices of a region count; a region without any uses its vertices off the creases.
         """
         label = np.where(self.real_faces, self.regions(), -1)
         return [self._target_of(self.faces[label == region]) for region in range(int(label.max(initial=-1)) + 1)]
@@ -403,18 +402,18 @@ class CGCProblem:
         return float(values[0]) if len(values) == 1 and np.isfinite(values[0]) else None
 
     def crease_paths(self) -> list[list[int]]:
-        """Return the creases as paths of positions between ends and branchings, in a stable order."""
+        """Return the creases as paths of vertex indices between ends and junctions, in a stable order."""
         return crease_paths(map(tuple, self.creases.tolist()))
 
     def face_targets(self) -> FloatArray:
-        """Return the target of every face: the mean over its corners where K is asked (m,).
+        """Return the target of every face: the mean over its internal corners (m,) [1/L^2].
 
-        Faces without such a corner (between creases, in the dummy ring) take the mean of the faces around them.
+        Faces without such a corner (between creases, in the dummy ring) take the mean of their neighbours.
         """
         return face_means(self.faces, self.asked, self.targets)
 
     def without_dummies(self) -> CGCProblem:
-        """Return the problem of the real mesh; its free edges are free again."""
+        """Return the problem without the dummy mesh; its free edges get the role free again."""
         real = self.roles != DUMMY
         if real.all():
             return self
@@ -435,7 +434,7 @@ class CGCProblem:
         )
 
     def local(self) -> tuple[CGCProblem, Frame]:
-        """Return the same problem about its centroid at unit size, and the frame."""
+        """Return the problem in its local frame (centroid, unit size), and the frame."""
         frame = local_frame(self.vertices, self.faces)
         local = replace(
             self,
@@ -454,7 +453,7 @@ def _edges(creases: ArrayLike, n: int) -> IntArray:
         edges = np.array(path_edges(creases), dtype=np.int64).reshape(-1, 2)  # type: ignore[arg-type]
     wrong = edges[(edges < 0) | (edges >= n)]
     if wrong.size:
-        raise ValueError(f"a crease names vertex {wrong[0]}; the mesh has {n}, from 0 to {n - 1}")
+        raise ValueError(f"a crease names vertex {wrong[0]}, but the mesh has vertices 0 to {n - 1}; correct the crease")
     return edges
 
 
@@ -462,7 +461,7 @@ def _column(values: ArrayLike, n: int, name: str) -> FloatArray:
     """Return one number per vertex (n,)."""
     given = np.asarray(np.nan if values is None else values, dtype=np.float64)
     if given.shape not in ((), (n,)):
-        raise ValueError(f"{name} must be one number, or one per vertex ({n}), not of shape {given.shape}")
+        raise ValueError(f"{name} must be one number or one number per vertex ({n}), not an array of shape {given.shape}")
     return np.ascontiguousarray(np.broadcast_to(given, (n,)))
 
 
@@ -473,5 +472,5 @@ def _roles_of_places(vertices: FloatArray, faces: IntArray, creases: IntArray) -
 def _checked_names(names: Names, n: int, m: int) -> Names:
     vertices, faces = (np.asarray(own, dtype=np.int64) for own in names)
     if vertices.shape != (n,) or faces.shape != (m,):
-        raise ValueError(f"names must be {n} of vertices and {m} of faces, not of shape {vertices.shape} and {faces.shape}")
+        raise ValueError(f"names must be {n} keys of vertices and {m} of faces, not arrays of shape {vertices.shape} and {faces.shape}")
     return Names(vertices, faces)

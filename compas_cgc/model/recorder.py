@@ -1,4 +1,4 @@
-"""Recorder: the history of a solve and what its callback is told, in model units, for every solver."""
+"""Recorder: history and callback of a solve, in model units."""
 
 from __future__ import annotations
 
@@ -19,47 +19,47 @@ Callback = Optional[Callable[[SolveState], object]]
 
 
 def refuse_no_callback(callback: object) -> None:
-    """Refuse what cannot be told of steps.
+    """Refuse a callback that cannot be called with a state.
 
     Raises
     ------
     ValueError
-        If it is no function of one argument, and not None.
+        If it is neither None nor a function of one argument.
     """
     if callback is None:
         return
     if not callable(callback):
-        raise ValueError(f"callback must be a function that is told of every step, such as print, not {callback!r:.60}")
+        raise ValueError(f"callback must be a function that is called after every step, such as print, not {callback!r:.60}")
     try:
         inspect.signature(callback).bind(None)
     except TypeError:
         raise ValueError("callback must be a function of one argument, the state after a step: lambda state: ...") from None
-    except ValueError:  # Some of those in C have no signature.
+    except ValueError:  # Some functions in C have no signature.
         return
 
 
 def show_arrived(callback: Callback, vertices: FloatArray) -> None:
-    """Show the vertices (n, 3) of a surface that meets its targets, before it is judged, to a callback with a method ``arrived``."""
+    """Pass the vertices (n, 3) of a converged surface, before its verdict, to the method ``arrived`` of a callback if it has one."""
     arrived = getattr(callback, "arrived", None)
     if arrived is not None:
         arrived(vertices)
 
 
 class Recorder:
-    """Takes down every step of a solve in a local frame.
+    """Records every step of a solve in a local frame.
 
     Parameters
     ----------
     steps
-        Most steps that will be taken.
+        Largest number of steps.
     callback
-        Told of every step; it cancels by returning True or raising ``StopIteration``.
+        Called after every step; it cancels by returning True or raising ``StopIteration``.
     frame
         The local frame of the solve.
     to_model
-        Turns local vertices (n, 3) into those of the model [L].
+        Converts local vertices (n, 3) to model vertices [L].
     length_power
-        Dimension of the step length, n of L^n.
+        Dimension of the step length: n of L^n.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Recorder:
 
     @property
     def seconds(self) -> float:
-        """Wall time since the start, without that of compiling kernels."""
+        """Wall time since the start, without the compilation of kernels [s]."""
         return _solving_time() - self.started
 
     @property
@@ -85,12 +85,12 @@ class Recorder:
         return History.from_rows(self._rows)
 
     def record(self, energy: float, error_norm: float, max_error: float, step_length: float, trials: int, accepted: bool = True) -> None:
-        """Take down a step, its figures in the local frame."""
+        """Record a step; the values are in the local frame."""
         figures = (value * unit for value, unit in zip((energy, error_norm, max_error, step_length), self._units))
         self._rows.append((*figures, trials, accepted))
 
     def cancelled(self, vertices: FloatArray) -> bool:
-        """Show the last step with its local vertices (n, 3) to the callback, and return whether it cancels."""
+        """Call the callback with the last step and its local vertices (n, 3), and return whether it cancels."""
         if self._callback is None:
             return False
         state = SolveState(len(self._rows), self._steps, *_figures(self._rows[-1]), self.seconds, self._to_model(vertices))

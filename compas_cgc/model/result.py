@@ -1,4 +1,4 @@
-"""History, states and solution of a solve, on arrays."""
+"""History, state and solution of a solve as arrays."""
 
 from __future__ import annotations
 
@@ -28,42 +28,42 @@ class History(NamedTuple):
 
     @classmethod
     def from_rows(cls, rows: list[tuple]) -> History:
-        """Return the history of a list of rows, one per step."""
+        """Return the history of rows, one per step."""
         columns = list(zip(*rows)) if rows else [()] * 6
         energy, error_norm, max_error, step_length = (np.array(column, dtype=np.float64) for column in columns[:4])
         return cls(energy, error_norm, max_error, step_length, np.array(columns[4], dtype=np.int64), np.array(columns[5], dtype=np.bool_))
 
     def to_dict(self) -> dict:
-        """Return plain lists by name."""
+        """Return a dict of lists."""
         return {name: getattr(self, name).tolist() for name in self._fields}
 
 
 class SolveState(NamedTuple):
-    """What a callback sees after every step."""
+    """State of a solve after a step, passed to callbacks."""
 
     step: int  # number of this step, from 1
-    steps: int  # most steps that will be taken
+    steps: int  # largest number of steps
     energy: float  # Φ about the centroid [L]
     error_norm: float  # κ of Eq. 30 [1/L^2]
     max_error: float  # largest |K - K̄| [1/L^2]
     step_length: float  # μ taken [L^3]
     trials: int  # step lengths tried
-    seconds: float  # since the start
-    vertices: FloatArray  # (n, 3) present coordinates with any dummy vertices at the end [L]
+    seconds: float  # seconds since the start
+    vertices: FloatArray  # (n, 3) coordinates, dummy vertices last [L]
 
 
 class Solution(NamedTuple):
-    """What a solver on arrays returns."""
+    """Result of a solver, as arrays."""
 
     vertices: FloatArray  # (n, 3) [L]
     status: str  # one of STATUSES
     message: str  # one sentence
     iterations: int  # steps taken
     seconds: float  # wall time
-    max_error: float  # largest |K - K̄| where K is asked [1/L^2]
+    max_error: float  # largest |K - K̄| at internal vertices [1/L^2]
     history: History
-    method: str = ""  # the method that was used
-    measure: str = "defect"  # of K, by which the errors are told
-    targets: Optional[FloatArray] = None  # (n,) targets with those that were found, None where all were given [1/L^2]
-    verdict: Optional[Verdict] = None  # of the surface, where it was judged on the way
-    faces: Optional[IntArray] = None  # (m, 3) where edges were turned, None where they are those of the problem
+    method: str = ""  # name of the method
+    measure: str = "defect"  # measure of K in max_error
+    targets: Optional[FloatArray] = None  # (n,) targets including solved unknowns, None if all were given [1/L^2]
+    verdict: Optional[Verdict] = None  # of the surface, None if not judged yet
+    faces: Optional[IntArray] = None  # (m, 3) if edges were flipped, None if they are those of the problem

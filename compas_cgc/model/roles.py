@@ -1,4 +1,4 @@
-"""Roles of vertices: what a solve may do with each, and what it asks of it."""
+"""Roles of vertices: internal, fixed, crease, free, dummy."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ INTERNAL, FIXED, CREASE, FREE, DUMMY = range(len(ROLES))
 
 
 def role_numbers(roles: Iterable[Union[int, str]], n: int) -> IntArray:
-    """Return roles, given by their names or numbers, as indices into :data:`ROLES` (n,).
+    """Return roles given as names or numbers as indices into :data:`ROLES` (n,).
 
     Raises
     ------
     ValueError
-        If there is not one for each of `n` vertices, or one is none.
+        If there is not one role for each of `n` vertices, or a role is unknown.
     """
     given = np.asarray(roles if isinstance(roles, np.ndarray) else list(roles))
     if given.shape != (n,):
-        raise ValueError(f"roles must be one per vertex ({n}), not of shape {given.shape}")
+        raise ValueError(f"roles must be one per vertex ({n}), not an array of shape {given.shape}")
     if given.dtype.kind in "iu":
         numbers = given.astype(np.int64)
     else:
@@ -39,14 +39,14 @@ def role_numbers(roles: Iterable[Union[int, str]], n: int) -> IntArray:
 
 
 def roles_by_place(vertices: FloatArray, faces: IntArray, roles: IntArray, creases: IntArray) -> IntArray:
-    """Give every vertex that is neither fixed nor dummy the role that its place calls for (n,).
+    """Return the roles with those of vertices neither fixed nor dummy set by position: crease, free or internal (n,).
 
     Parameters
     ----------
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     roles
-        ``(n,)`` of which those of fixed and dummy vertices are kept.
+        ``(n,)`` present roles; fixed and dummy vertices keep theirs.
     creases
         ``(c, 2)`` crease edges.
     """

@@ -1,4 +1,4 @@
-"""Held edges that step up or down between two vertices, which no smooth surface follows."""
+"""Steps in supported boundaries, which a smooth surface cannot follow."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from .roles import FIXED
 
 __all__ = ["stepped_edges"]
 
-TURN = np.radians(30.0)  # of a held edge at both ends of a step
-ACROSS = np.radians(45.0)  # between the planes that it turns in there
+MIN_TURN = np.radians(30.0)  # least turn of the boundary at both ends of a step
+MIN_PLANE_ANGLE = np.radians(45.0)  # least angle between the planes of these turns
 
 
 def stepped_edges(problem: CGCProblem) -> list[str]:
-    """Return a sentence on the steepest step of the held edges, none without any.
+    """Return a sentence about the steepest step of the supported boundaries, empty if there is none.
 
-    Where an edge of a surface turns, the surface is tangent to the plane that it turns in. Between the two ends of a step that
-    plane is another one, so that the surface folds there over a single edge of the mesh, whatever its curvature.
+    Where its boundary turns, a surface is tangent to the plane of the turn. If the planes at the two ends of a step differ, the
+    surface has to fold over a single mesh edge, whatever its curvature.
     """
     V, F, held = problem.vertices, problem.faces, problem.roles == FIXED
     edges = edge_faces(F)
@@ -35,7 +35,7 @@ def stepped_edges(problem: CGCProblem) -> list[str]:
     if not len(row) or len(np.unique(rim[:, 0])) < len(rim):
         return []
     turns, across = _turns(V, row)
-    stepped = (turns > TURN).all(axis=1) & (across > ACROSS)
+    stepped = (turns > MIN_TURN).all(axis=1) & (across > MIN_PLANE_ANGLE)
     if not stepped.any():
         return []
     k = int(np.argmax(np.where(stepped, turns.min(axis=1), 0.0)))
@@ -44,14 +44,14 @@ def stepped_edges(problem: CGCProblem) -> list[str]:
     digits = 2 - int(np.floor(np.log10(np.linalg.norm(np.ptp(V, axis=0)))))
     x, y = (round(number, digits) + 0.0 for number in V[a, :2].tolist())
     return [
-        f"the held edge makes a step of {abs(V[b, 2] - V[a, 2]):.3g} in height from vertex {names[a]} ({x:g}, {y:g}) to the next, "
-        f"{names[b]}: it turns by {first:.0f} and {second:.0f} degrees there, in planes {np.degrees(across[k]):.0f} degrees apart, and a "
-        "smooth surface cannot follow; spread the step over more edges, or lead creases to both ends of it"
+        f"the supported boundary has a step of {abs(V[b, 2] - V[a, 2]):.3g} in height from vertex {names[a]} ({x:g}, {y:g}) to the next, "
+        f"{names[b]}, with turns of {first:.0f} and {second:.0f} degrees in planes {np.degrees(across[k]):.0f} degrees apart; a smooth "
+        "surface cannot follow it: spread the step over more edges, or draw creases to both of its ends"
     ]
 
 
 def _turns(V: FloatArray, row: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the angles (k, 2) by which rows of four vertices (k, 4) turn at the inner two, and those (k,) between the planes."""
+    """Return the turns (k, 2) at the inner vertices of rows of four (k, 4), and the angles (k,) between the planes of the turns [rad]."""
     sides = np.diff(V[row], axis=1)
     crosses = np.cross(sides[:, :-1], sides[:, 1:])
     sines = np.linalg.norm(crosses, axis=2)

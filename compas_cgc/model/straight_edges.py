@@ -1,4 +1,4 @@
-"""Straight held edges along which K < 0 twists a surface by another angle than the edges at their ends do."""
+"""Straight supported edges along which K < 0 requires a twist that contradicts the corners at their ends."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from .roles import FIXED
 
 __all__ = ["twisted_edges"]
 
-STRAIGHT = 1e-6  # sine of the turn of an edge that goes straight on
-CORNER = np.sin(np.radians(20.0))  # of one that turns, to either side
-OFF = np.radians(8.0)  # of the twist, from which corners show it
+MAX_SINE = 1e-6  # largest sine of the turn within a straight edge
+MIN_CORNER_SINE = np.sin(np.radians(20.0))  # least sine of the turn at a corner
+MIN_TWIST_ERROR = np.radians(8.0)  # difference of twists above which corners visibly fold
 
 
 class _Side(NamedTuple):
-    """A straight side of the rim that is held, between two corners at which the rim is held on."""
+    """A straight supported part of the boundary between two corners of supported edges."""
 
     ends: tuple[int, int]
     length: float  # [L]
@@ -31,20 +31,20 @@ class _Side(NamedTuple):
 
     @property
     def off(self) -> float:
-        """How far the twist that K asks for is from that of the corners, turned either way and by whole turns more or not [rad]."""
+        """Difference between the twist required by K, modulo full turns and sign, and the twist between the corners [rad]."""
         asked = float(np.sqrt(-self.target)) * self.length
         return float(abs(np.arccos(np.clip(np.cos(asked), -1.0, 1.0)) - self.twist))
 
 
 def twisted_edges(problem: CGCProblem) -> list[str]:
-    r"""Return a sentence on the straight held side that K < 0 twists by an angle that its corners do not allow, none without any.
+    r"""Return a sentence about the straight supported edge whose twist contradicts its corners the most, empty if there is none.
 
-    A straight line in a surface is an asymptotic line, and along one the tangent plane turns by :math:`\sqrt{-K}` per length
-    (Beltrami and Enneper). At a corner of held edges it is the plane of the two.
+    A straight line in a surface is an asymptotic line, along which the tangent plane turns by :math:`\sqrt{-K}` per unit length
+    (Beltrami-Enneper theorem). At a corner of supported edges the tangent plane is the plane of both edges.
     """
     sides = [side for loop in boundary_loops(problem.faces) for side in _sides(problem, loop)]
     worst = max(sides, key=lambda side: side.off, default=None)
-    if worst is None or not worst.off > OFF:
+    if worst is None or not worst.off > MIN_TWIST_ERROR:
         return []
     (a, b), names = worst.ends, problem.names.vertices
     digits = 2 - int(np.floor(np.log10(np.linalg.norm(np.ptp(problem.vertices, axis=0)))))
@@ -52,15 +52,15 @@ def twisted_edges(problem: CGCProblem) -> list[str]:
     asked = np.degrees(np.sqrt(-worst.target)) * worst.length
     fits = -((worst.twist / worst.length) ** 2) + 0.0
     return [
-        f"along the straight held edge from vertex {names[a]} ({places[0]}) to {names[b]} ({places[1]}), {worst.length:.3g} long, a "
-        f"surface of K = {worst.target:.3g} twists by {asked:.0f} degrees, and the held edges at its ends twist it by "
-        f"{np.degrees(worst.twist):.0f}: its corners cannot be smooth; let one of these edges go free or bend it, or ask for K = "
+        f"along the straight supported edge from vertex {names[a]} ({places[0]}) to {names[b]} ({places[1]}), length {worst.length:.3g}, "
+        f"a surface of K = {worst.target:.3g} twists by {asked:.0f} degrees, but the supported edges at its ends require "
+        f"{np.degrees(worst.twist):.0f} degrees: the surface will fold at its corners; free or bend one of these edges, or set K = "
         f"{fits:.3g} there"
     ]
 
 
 def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:
-    """Return the straight sides of a loop of the rim, with the surface to its left, whose ends are corners of held edges."""
+    """Return the straight sides of a boundary loop, with the surface to its left, between corners of supported edges."""
     V, held = problem.vertices, problem.roles == FIXED
     along = np.roll(V[loop], -1, axis=0) - V[loop]
     length = np.linalg.norm(along, axis=1)
@@ -70,7 +70,7 @@ def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:
     before = np.roll(unit, 1, axis=0)
     turn = np.linalg.norm(np.cross(before, unit), axis=1)
     on = held[loop] & held[np.roll(loop, -1)]
-    corner = (turn > CORNER) & on & np.roll(on, 1) & ~np.isin(loop, problem.creases)
+    corner = (turn > MIN_CORNER_SINE) & on & np.roll(on, 1) & ~np.isin(loop, problem.creases)
     found = []
     for first in np.flatnonzero(corner).tolist():
         last, total = first, 0.0
@@ -78,7 +78,7 @@ def _sides(problem: CGCProblem, loop: IntArray) -> list[_Side]:
             total += float(length[last % len(loop)])
             last += 1
             here = last % len(loop)
-            if corner[here] or not on[here] or turn[here] > STRAIGHT or here == first or np.isin(loop[here], problem.creases):
+            if corner[here] or not on[here] or turn[here] > MAX_SINE or here == first or np.isin(loop[here], problem.creases):
                 break
         if corner[here] and here != first:
             side = _side(problem, loop, first, here, total, unit)
@@ -93,7 +93,7 @@ def _side(problem: CGCProblem, loop: IntArray, first: int, last: int, length: fl
     asked = problem.targets[beside[problem.asked[beside]]]
     if not len(asked) or not np.isfinite(asked).all() or np.ptp(asked) > 0.0 or asked[0] >= 0.0:
         return None
-    # Towards the surface, across the side: along the edge that comes before, and along the one that follows.
+    # Directions into the surface, across the side: those of the edges before and after it.
     ways = (-unit[first - 1], unit[last])
     inwards = []
     for vertex, way in zip((loop[first], loop[last]), ways):

@@ -1,4 +1,4 @@
-"""Whether a surface is one that somebody would build: fair or rough, with numbers and reasons."""
+"""Verdict on a surface: fair or rough, with numbers and reasons."""
 
 from __future__ import annotations
 
@@ -34,54 +34,54 @@ from .roles import FIXED
 
 __all__ = ["Verdict", "verdict"]
 
-MEDIAN, MOST = 0.05, 0.3  # errors of the fits, against the targets, of a fair surface: the median, and that of nine in ten
-DEGREE, RINGS = 4, 3  # of the polynomials that decide where cubic ones, over two rings, are off
-COARSE = 0.6  # what cubic fits on a sphere are off, against (radius of the fit / radius of the sphere)^2
-COARSEST = 0.25  # that square above which a fit tells nothing, and no more is allowed for it
-FAINT = 0.1  # target, against the largest, below which errors are held against that
-WAVY, WAVIEST = 0.2, 0.4  # residual of a fit, against its bending, at three in four and at nineteen in twenty vertices
-FLAT = 0.3  # bending, against the median, below which residuals are held against that
-LEVEL = 0.01  # bending, against the radius of the fit, likewise: nobody sees waves of a part of that
-BOTH = 0.05  # part of a region with K > 0 that may bulge to the other side
-SHARP = 1.6  # fold, against the most that a smooth surface through the vertices has, that is too sharp
-SLIGHT = np.radians(3.0)  # fold that nobody sees
-KINK = np.radians(8.0)  # fold of a single edge, besides the most of a smooth surface and as much again as it may differ, that is seen
-TIP = np.radians(9.0)  # turn of a surface of K > 0 across a single support, besides that of its curvature, that is seen
-CREASED = 0.02  # part of the edges that may fold too sharply
-NEEDLE = 3.0  # smallest angle of a triangle [degree], if it was twice that
-LOST = 0.6  # part of the area that has to be left
-SHALLOW = {3: 0.0, 2: 0.2, 1: 0.35}  # what fits are off besides, where vertices are no farther from these
-ENOUGH = 12  # vertices that tell a median
+MAX_MEDIAN_ERROR, MAX_ERROR_90 = 0.05, 0.3  # relative error of the fitted K on a fair surface: median and 90th percentile
+FINE_DEGREE, FINE_RINGS = 4, 3  # degree and rings of the second fits, used where cubic fits over two rings have large errors
+FIT_ERROR_FACTOR = 0.6  # relative error of cubic fits on a sphere over (radius of the fit / radius of the sphere)^2
+MAX_FIT_SQUARE = 0.25  # upper bound of that square: fits over a larger part of the sphere get no further allowance
+TARGET_FLOOR = 0.1  # smallest reference for relative errors, relative to the largest target
+MAX_WAVINESS_75, MAX_WAVINESS_95 = 0.2, 0.4  # residual of the fits over their sagitta on a fair surface: 75th and 95th percentiles
+SAGITTA_FLOOR = 0.3  # smallest reference for residuals, relative to the median sagitta
+RADIUS_FLOOR = 0.01  # the same relative to the radius of the fit: smaller waves are invisible
+MAX_OTHER_SIDE = 0.05  # largest share of the vertices with K > 0 that may bulge to the other side
+FOLD_RATIO = 1.6  # a fold is too sharp above this multiple of the largest fold of a smooth surface through the vertices
+INVISIBLE_FOLD = np.radians(3.0)  # smaller folds are invisible
+VISIBLE_KINK = np.radians(8.0)  # excess of a single fold over FOLD_RATIO times that of a smooth surface that is visible
+VISIBLE_TIP = np.radians(9.0)  # turn across a single support where K > 0, in excess of that due to K, that is visible
+MAX_SHARP_SHARE = 0.02  # largest share of edges that may fold too sharply
+NEEDLE_ANGLE = 3.0  # degrees; a smaller angle of a triangle that had at least twice this angle before counts as a needle
+MIN_AREA_KEPT = 0.6  # smallest share of the input area that has to remain
+FIT_ERROR_NEAR_SUPPORTS = {3: 0.0, 2: 0.2, 1: 0.35}  # further relative error of fits by distance from supports in edges
+MIN_SAMPLES = 12  # least number of vertices for percentiles
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """How fair a surface is; lists no reasons where it is.
+    """Fairness of a surface; `reasons` is empty if it is fair.
 
     Parameters
     ----------
     fair
-        Whether nothing speaks against it.
+        Whether there are no reasons against it.
     reasons
         One sentence each.
     fit_median
-        |K - K̄| / |K̄| of polynomials fitted away from edges, the median; None without any.
+        Median of |K - K̄| / |K̄| for polynomials fitted away from the boundary; None without fits.
     fit_most
-        The same, of nine in ten of the vertices.
+        90th percentile of the same.
     waviness
-        Distance of vertices from the fits against the bending of these, of nineteen in twenty.
+        95th percentile of the distance of vertices from the fits over the sagitta of these.
     bulging_both_ways
-        Part of the vertices with K > 0 that bulge to the other side than the rest of their region.
+        Share of the vertices with K > 0 that bulge to the other side than most of their region.
     sharpest_fold
-        Between two faces, creases apart [degree].
+        Largest angle between two faces, without creases [degree].
     folds_too_sharp
-        Part of the inner edges that fold more than curvature and edge length call for.
+        Share of the inner edges that fold more than curvature and edge length explain.
     smallest_angle
-        Of a triangle [degree].
+        Smallest angle of a triangle [degree].
     area_kept
-        Area against that of the input, None without one.
+        Area over that of the input, None without an input.
     places
-        Vertices where a rough surface is rough, dummies left out.
+        Indices of the vertices where a rough surface is rough, without dummies.
 
     Examples
     --------
@@ -93,20 +93,20 @@ class Verdict:
 
     fair: bool
     reasons: list[str]  # one sentence each
-    fit_median: Optional[float]  # |K - K̄| / |K̄| of polynomials fitted away from edges, the median; None without any
-    fit_most: Optional[float]  # the same, of nine in ten of the vertices
-    waviness: Optional[float]  # distance of vertices from the fits against the bending of these, of nineteen in twenty
-    bulging_both_ways: float  # part of the vertices with K > 0 that bulge to the other side than the rest of their region
-    sharpest_fold: float  # between two faces, creases apart [degree]
-    folds_too_sharp: float  # part of the inner edges that fold more than curvature and edge length call for
-    smallest_angle: float  # of a triangle [degree]
-    area_kept: Optional[float]  # area against that of the input, None without one
-    places: list[int]  # vertices where a rough surface is rough, dummies left out
+    fit_median: Optional[float]  # median of |K - K̄| / |K̄| of fitted polynomials, None without fits
+    fit_most: Optional[float]  # 90th percentile of the same
+    waviness: Optional[float]  # 95th percentile of residual over sagitta of the fits
+    bulging_both_ways: float  # share of the vertices with K > 0
+    sharpest_fold: float  # largest angle between two faces, without creases [degree]
+    folds_too_sharp: float  # share of the inner edges
+    smallest_angle: float  # smallest angle of a triangle [degree]
+    area_kept: Optional[float]  # area over that of the input, None without an input
+    places: list[int]  # indices of vertices where the surface is rough
 
     @property
     def roughness(self) -> float:
-        """The largest of fit, waviness and bulging against what a fair surface has of it, to compare surfaces by."""
-        return max((self.fit_most or 0.0) / MOST, (self.waviness or 0.0) / WAVIEST, self.bulging_both_ways / BOTH)
+        """Largest of fit error, waviness and bulging, each relative to its limit for a fair surface."""
+        return max((self.fit_most or 0.0) / MAX_ERROR_90, (self.waviness or 0.0) / MAX_WAVINESS_95, self.bulging_both_ways / MAX_OTHER_SIDE)
 
     @property
     def word(self) -> str:
@@ -117,26 +117,26 @@ class Verdict:
         return self.word if self.fair else "rough: " + "; ".join(self.reasons)
 
     def to_dict(self) -> dict:
-        """Return plain data, ready for JSON."""
+        """Return a dict that can be written as JSON."""
         return {"word": self.word, **asdict(self)}
 
 
 @names_what_was_meant()
 def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict:
-    """Judge the vertices of a problem, whatever its angle defects say.
+    """Judge the fairness of a surface independently of its angle defects.
 
-    Polynomials fitted to two rings, or those of a higher degree fitted to three, must have the curvature asked for, as far
-    as the mesh is fine enough to tell, and the vertices must lie on them; a region with K > 0 must bulge to one side; edges
-    must fold no more than the curvature and their length call for; within a region bending must not change suddenly; and
-    triangles must not be drawn out or lost. Beside supports the surface asked for may itself be singular (K > 0 at a straight
-    edge): fits are compared where they look all ways.
+    On a fair surface, polynomials fitted to two rings of neighbours (or of higher degree to three) have the target curvature
+    within the accuracy of the mesh, and the vertices lie on them. A region with K > 0 bulges to one side. Edges fold no more than
+    curvature and edge length explain, and bending does not jump within a region. Triangles are not stretched to needles, and
+    the area does not collapse. Fits near supports are not compared, because the exact surface may be singular there (K > 0 at
+    a straight edge).
 
     Parameters
     ----------
     problem
         Vertices, faces, roles, targets and creases.
     before
-        ``(n, 3)`` where its vertices were before [L].
+        ``(n, 3)`` vertices before the solve [L].
 
     Returns
     -------
@@ -162,14 +162,14 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     off_creases = _off_creases(problem)
     edges, fold, called = _folds(problem, fits, off_creases)
     torn = fault(problem, fits, off_creases[:, :2])
-    sharp = (fold > SHARP * called) & (fold > SLIGHT)
-    kinked = fold - SHARP * called
+    sharp = (fold > FOLD_RATIO * called) & (fold > INVISIBLE_FOLD)
+    kinked = fold - FOLD_RATIO * called
     angle = _smallest_angle(V, F)
     kept = None if before is None else float(face_areas(V, F).sum() / face_areas(before, F).sum())
 
     if _is_off(error - own):
-        # What cubic polynomials miss on stretched or coarse triangles those of higher degree tell, over more of them.
-        finer = local_fits(V, F, problem.asked, problem.asked, DEGREE, RINGS, pinned=False, layout=False).gaussian
+        # On stretched or coarse triangles cubic fits are inaccurate; fits of higher degree over more rings decide.
+        finer = local_fits(V, F, problem.asked, problem.asked, FINE_DEGREE, FINE_RINGS, pinned=False, layout=False).gaussian
         closer = _against(problem, fits, np.where(np.isfinite(error) & np.isfinite(finer), finer, fits.gaussian), np.isfinite(error))
         error = error if _is_off(closer - own) else closer
     median, most = _percentiles(error, 50, 90)
@@ -180,48 +180,52 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
     sharpest = float(np.degrees(fold.max(initial=0.0)))
     reasons = []
     if _is_off(error - own):
-        off = f"{_percent(median or 0.0)} % off the curvature asked for, and up to {_percent(most or 0.0)} %"
-        reasons.append(f"polynomials fitted to it are {off}")
-    if wavy is not None and waviest is not None and (wavy > WAVY or waviest > WAVIEST):
-        reasons.append(f"it is wavy: vertices lie up to {_percent(waviest)} % of its bending off a smooth surface")
-    if both > BOTH:
-        # What a bound bends to the other side no crease mends.
+        off = f"{_percent(median or 0.0)} % (median) and {_percent(most or 0.0)} % (90th percentile)"
+        reasons.append(f"the curvature of fitted polynomials deviates from its target by {off}")
+    if wavy is not None and waviest is not None and (wavy > MAX_WAVINESS_75 or waviest > MAX_WAVINESS_95):
+        reasons.append(f"it is wavy: vertices deviate from a smooth surface by up to {_percent(waviest)} % of its sagitta")
+    if both > MAX_OTHER_SIDE:
+        # Where an inequality goal bends the surface to the other side, a crease does not help.
         bound = any(isinstance(own, Bound) for own in problem.constraints)
-        between = "with a fold between" + ("" if bound else " (a crease there may mend that)")
-        reasons.append(f"{_percent(both)} % of it bulge to the other side than the rest of their region, {between}")
-    if too_sharp > CREASED:
-        reasons.append(f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature calls for, up to {sharpest:.0f} degrees")
-    elif kinked.max(initial=0.0) > KINK:
+        between = "with a fold between" + ("" if bound else " (draw a crease there)")
+        reasons.append(f"{_percent(both)} % of it bulges to the other side than the rest of its region, {between}")
+    if too_sharp > MAX_SHARP_SHARE:
+        reasons.append(
+            f"{_percent(too_sharp)} % of its edges fold more sharply than its curvature explains, by up to {sharpest:.0f} degrees"
+        )
+    elif kinked.max(initial=0.0) > VISIBLE_KINK:
         worst = int(np.argmax(kinked))
         a, b = problem.names.vertices[edges[worst]].tolist()
         bent, most_bent = np.degrees([fold[worst], called[worst]])
-        reasons.append(f"it is kinked: between vertices {a} and {b} it folds by {bent:.0f} degrees, where {most_bent:.0f} are called for")
+        reasons.append(
+            f"it is kinked: between vertices {a} and {b} it folds by {bent:.0f} degrees, but its curvature explains only {most_bent:.0f}"
+        )
     if len(torn.vertices):
         at = problem.names.vertices[torn.worst]
         reasons.append(
-            f"it has a fault at vertex {at} and {len(torn.vertices) - 1} others: over one edge its bending changes by up to "
-            f"{_percent(torn.change)} % (draw a crease along it, hold fewer points of its edge, or ask for a smaller K)"
+            f"it has a fault at vertex {at} and {len(torn.vertices) - 1} others: its bending changes by up to {_percent(torn.change)} % "
+            "over one edge (draw a crease along the fault, support fewer boundary vertices, or set a smaller K)"
         )
-    if before is not None and angle < NEEDLE and 2 * angle < _smallest_angle(before, F):
-        reasons.append(f"triangles are drawn out to needles of {angle:.2g} degrees")
-    if kept is not None and kept < LOST:
-        reasons.append(f"it has {_percent(kept)} % of the area of the input")
+    if before is not None and angle < NEEDLE_ANGLE and 2 * angle < _smallest_angle(before, F):
+        reasons.append(f"triangles are stretched to needles with angles down to {angle:.2g} degrees")
+    if kept is not None and kept < MIN_AREA_KEPT:
+        reasons.append(f"it has only {_percent(kept)} % of the area of the input")
     branches = branch_points(problem, fits)
     if len(branches):
         at = problem.names.vertices[branches[int(np.argmax(fits.gaussian[branches]))]]
         reasons.append(
-            f"it has a branch point at vertex {at}, where K is 0 whatever is asked and more valleys meet than its supports need "
-            "(draw it as a saddle, or ask for a smaller K)"
+            f"it has a branch point at vertex {at}, where K is 0 whatever the target and more valleys meet than its supports require "
+            "(draw the surface as a saddle, or set a smaller K)"
         )
     tips, pointed = _tips(problem)
-    if (pointed > TIP).any():
+    if (pointed > VISIBLE_TIP).any():
         at = problem.names.vertices[tips[int(np.argmax(pointed))]]
-        reasons.append(f"it comes to a tip of {np.degrees(pointed.max()):.0f} degrees at its support at vertex {at}")
-    bad = (error - own > MOST) | (wave > WAVIEST) | other
+        reasons.append(f"it has a sharp tip of {np.degrees(pointed.max()):.0f} degrees at the support at vertex {at}")
+    bad = (error - own > MAX_ERROR_90) | (wave > MAX_WAVINESS_95) | other
     bad[edges[sharp]] = True
     bad[torn.vertices] = True
     bad[branches] = True
-    bad[tips[pointed > TIP]] = True
+    bad[tips[pointed > VISIBLE_TIP]] = True
     places = np.flatnonzero(bad).tolist() if reasons else []
     return Verdict(not reasons, reasons, median, most, waviest, both, sharpest, too_sharp, angle, kept, places)
 
@@ -239,69 +243,69 @@ def _percentiles(values: FloatArray, low: float, high: float) -> tuple[Optional[
 
 
 def _errors(problem: CGCProblem, fits: LocalFits) -> tuple[FloatArray, FloatArray]:
-    """Return the relative error of the fits' K where they look all ways (n,), else NaN, and what of it is the fits' own.
+    """Return the relative error of the fitted K away from supports (n,), else NaN, and the error expected of the fits themselves (n,).
 
-    On a surface with the curvatures κ a fit of radius r is off by about ``κ^2 (κ r)^2``.
+    On a surface with principal curvatures κ the K of a fit of radius r has an error of about ``κ^2 (κ r)^2``.
     """
     fitted = np.isfinite(fits.gaussian)
     away = depth(problem)
-    least = next((least for least in range(DEEP, 1, -1) if (fitted & (away >= least)).sum() >= ENOUGH), 1)
+    least = next((least for least in range(DEEP, 1, -1) if (fitted & (away >= least)).sum() >= MIN_SAMPLES), 1)
     deep = fitted & (away >= least)
     error = _against(problem, fits, fits.gaussian, deep)
     if not fitted.any():
         return error, error
     scale = _scale(problem, fits)
     square = np.where(problem.targets == 0.0, np.median(_principal(fits)[fitted] ** 2), np.abs(problem.targets))
-    own = COARSE * square / scale * np.minimum(square * fits.radius**2, COARSEST)
-    return error, np.where(deep, own + SHALLOW[least], np.nan)
+    own = FIT_ERROR_FACTOR * square / scale * np.minimum(square * fits.radius**2, MAX_FIT_SQUARE)
+    return error, np.where(deep, own + FIT_ERROR_NEAR_SUPPORTS[least], np.nan)
 
 
 def _against(problem: CGCProblem, fits: LocalFits, K: FloatArray, where: Mask) -> FloatArray:
-    """Return how far K (n,) is off the targets, in parts of these, at some vertices (n,), else NaN."""
+    """Return the relative error of K (n,) at the vertices `where` (n,), else NaN."""
     return np.where(where, np.abs(K - problem.targets) / _scale(problem, fits), np.nan)
 
 
 def _is_off(excess: FloatArray) -> bool:
-    """Return whether errors (n,), less what of them is the fits' own, are more than a fair surface has."""
+    """Check whether errors (n,) in excess of the fits' own are too large for a fair surface."""
     middle, most = _percentiles(excess, 50, 90)
-    return middle is not None and most is not None and (middle > MEDIAN or most > MOST)
+    return middle is not None and most is not None and (middle > MAX_MEDIAN_ERROR or most > MAX_ERROR_90)
 
 
 def _scale(problem: CGCProblem, fits: LocalFits) -> FloatArray:
-    """Return what errors of K are held against (n,)."""
+    """Return the reference curvature for relative errors (n,) [1/L^2]."""
     return np.maximum(np.abs(problem.targets), _least(problem, fits))
 
 
 def _principal(fits: LocalFits) -> FloatArray:
-    """Return the larger principal curvature, without its sign (n,)."""
+    """Return the larger absolute principal curvature (n,) [1/L]."""
     return np.abs(fits.mean) + np.sqrt(np.maximum(fits.mean**2 - fits.gaussian, 0.0))
 
 
 def _least(problem: CGCProblem, fits: LocalFits) -> FloatArray:
-    """Return the curvatures (n,) that are small, whatever is asked.
+    """Return the smallest reference curvature for relative errors (n,) [1/L^2].
 
-    Where K = 0 is asked of a bent surface, that is one with a principal curvature of FAINT times the other.
+    Where K̄ = 0 on a bent surface, it is the K of a second principal curvature of TARGET_FLOOR times the first.
     """
     targets = problem.targets[problem.asked]
-    least = FAINT * float(np.abs(targets).max(initial=0.0))
+    least = TARGET_FLOOR * float(np.abs(targets).max(initial=0.0))
     if not targets.any():
         least = 1.0 / max(float(face_areas(problem.vertices, problem.faces).sum()), np.finfo(float).tiny)
     flat = np.isfinite(fits.mean) & (problem.targets == 0.0)
-    bent = FAINT * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
+    bent = TARGET_FLOOR * float(np.median(4.0 * fits.mean[flat] ** 2)) if flat.any() else 0.0
     return np.where(problem.targets == 0.0, max(least, bent), least)
 
 
 def _waves(fits: LocalFits) -> FloatArray:
-    """Return the residuals of the fits against their bending (n,), NaN without a fit."""
+    """Return the residuals of the fits relative to their sagitta (n,), NaN without a fit."""
     bent = np.isfinite(fits.sagitta)
     if not bent.any():
         return np.full(len(bent), np.nan)
-    floor = np.maximum(FLAT * float(np.median(fits.sagitta[bent])), LEVEL * fits.radius)
+    floor = np.maximum(SAGITTA_FLOOR * float(np.median(fits.sagitta[bent])), RADIUS_FLOOR * fits.radius)
     return fits.residual / np.maximum(fits.sagitta, floor)
 
 
 def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
-    """Return the vertices with K > 0 that are convex to another side than most of their region (n,)."""
+    """Return the vertices with K > 0 that bulge to the other side than most of their region (n,)."""
     region = vertex_labels(len(problem.vertices), problem.faces, problem.regions())
     known = np.isfinite(fits.mean) & problem.asked & (problem.targets > 0) & (region >= 0)
     side = np.sign(fits.mean[known])
@@ -312,11 +316,11 @@ def _bulging_otherwise(problem: CGCProblem, fits: LocalFits) -> Mask:
 
 
 def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return those edges off the creases (e, 4) that a fit is at (k, 2), their angles, and the most that a smooth surface has there [rad].
+    """Return the edges with a fit (k, 2), their fold angles, and the largest fold of a smooth surface there (k,) [rad].
 
-    A paraboloid sampled at the corners of two triangles of heights a and b over their edge turns across it by its
-    curvature times ``(a + b) / 2``, and along it lifts their tops by ``s t / 2``, with s and t the parts of the edge on
-    both sides of their feet.
+    Two triangles of heights a and b over their common edge, with corners on a paraboloid, fold by the curvature across the edge
+    times ``(a + b) / 2``. The curvature along the edge lifts each apex by ``s t / 2``, where s and t are the parts of the edge
+    on both sides of the foot of the height.
     """
     V, F = problem.vertices, problem.faces
     u, v, left, right = edges.T
@@ -338,9 +342,9 @@ def _folds(problem: CGCProblem, fits: LocalFits, edges: IntArray) -> tuple[IntAr
 
 
 def _tips(problem: CGCProblem) -> tuple[IntArray, FloatArray]:
-    """Return single supports (k,) within K > 0, and by how much the surface turns over each as over the tip of a cone (k,) [rad].
+    """Return single supports (k,) where K > 0, and the turn of the surface at each, as at the tip of a cone (k,) [rad].
 
-    A cone of the slope s has the angle defect ``π s^2``.
+    A cone of slope s has the angle defect ``π s^2``.
     """
     V, F = problem.vertices, problem.faces
     inner = (problem.roles == FIXED) & ~boundary_vertices(V, F)

@@ -174,7 +174,7 @@ REFUSED = [
     (["solve", "DOME", "-o", "out.xyz", "--target", "0.01"], ".xyz"),
     (["solve", "DOME", "-o", "out.json", "--target", "much"], "--target must be a number or REGION=NUMBER"),
     (["solve", "DOME", "-o", "out.json", "--target", "7=0.01"], "there is no region 7"),
-    (["solve", "DOME", "-o", "out.json"], "no target is set"),
+    (["solve", "DOME", "-o", "out.json"], "no target curvature is set"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--s", "3"], "s must be between 0 and 1"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--method", "magic"], "method must be one of"),
     (["solve", "DOME", "-o", "out.json", "--target", "0.01", "--steps", "0"], "steps must be a whole number from 1 up"),
@@ -275,7 +275,7 @@ def test_check_says_what_a_file_holds_and_what_is_missing(tmp_path, capsys):
     assert (ROOFS / "nine_regions.3dm").read_bytes() == before
     assert call("check", ROOFS / "curved_crease.3dm") == 2
     said = capsys.readouterr().out
-    assert said.splitlines()[-1].startswith("- no target is set") and "--target K" in said
+    assert said.splitlines()[-1].startswith("- no target curvature is set") and "--target K" in said
     out = tmp_path / "roof.3dm"
     assert call("solve", ROOFS / "nine_regions.3dm", "-o", out) == 0
     capsys.readouterr()
@@ -335,7 +335,7 @@ def test_a_method_in_the_registry_is_found_with_its_options(dome, tmp_path, monk
     assert "--toy-height X Height of the flat surface (Eq. 1) (toy; default 1.0)" in said
     for options in (["--method", "toy", "--toy-height", "2.5"], ["--toy-height", "2.5"]):
         assert call("solve", dome, "-o", tmp_path / "out.json", "--target", "0.01", *options) == ROUGH
-        assert "rough: polynomials fitted to it are 100 % off" in capsys.readouterr().err
+        assert "rough: the curvature of fitted polynomials deviates from its target by 100 %" in capsys.readouterr().err
         mesh = CGCMesh.from_json(tmp_path / "out.json")
         assert {mesh.vertex_coordinates(v)[2] for v in mesh.vertices()} == {2.5}
 
@@ -400,7 +400,7 @@ def test_what_does_not_refuse_a_solve_is_said(tmp_path, capsys):
         mesh.delete_vertex(v)
     mesh.to_obj(str(plan))
     call("solve", plan, "-o", tmp_path / "out.obj", "--target", "0.001", "--supports", "boundary")
-    assert "note: the edge is concave at vertices" in capsys.readouterr().out
+    assert "note: the boundary is concave at vertices" in capsys.readouterr().out
 
 
 def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, capsys):

@@ -148,7 +148,7 @@ def test_targets_by_region_and_by_vertex():
     mesh.set_target(2.5, vertices=[11])
     assert [mesh.region_target(r) for r in range(9)] == [None, 1.0, 1.0, 1.0, 4.0, 1.0, 1.0, 1.0, 1.0]
     assert mesh.vertices_target([11, 12]) == [2.5, 1.0]
-    with pytest.raises(ValueError, match="no region 9; the mesh has 9, from 0 to 8"):
+    with pytest.raises(ValueError, match="no region 9; the mesh has regions 0 to 8"):
         mesh.set_target(1, region=9)
     for wrong in (float("nan"), float("inf"), "much", None):
         with pytest.raises(ValueError, match="the target must be a"):
@@ -344,7 +344,10 @@ def touching():
 REFUSED = [
     (with_faces, "the mesh has no faces; give a mesh with faces"),
     (lambda: with_faces([0, 1, 2], [0, 2, 1], [1, 3, 2], vertices=4), "faces 1 are duplicates of others; remove them"),
-    (lambda: with_faces([0, 1, 2], [1, 3, 2], [1, 1, 3], vertices=4), "faces 2 of the input have fewer than three different corners"),
+    (
+        lambda: with_faces([0, 1, 2], [1, 3, 2], [1, 1, 3], vertices=4),
+        "faces 2 of the input are degenerate: they have fewer than three different corners",
+    ),
     (
         lambda: CGCMesh.from_vertices_and_faces([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),
         "faces 0 are degenerate, without area; weld or remove their vertices, or remesh there",
@@ -359,12 +362,12 @@ REFUSED = [
     (nan, "vertices 12 have coordinates that are no finite numbers"),
     (lambda: with_faces([0, 1, 2], [1, 3, 2]), "vertices 4, 5 belong to no face; remove them"),
     (quads, "faces 32 have more than three corners; triangulate them"),
-    (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "the mesh has no support, nothing holds it; fix vertices"),
-    (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "no target is set; say which Gaussian curvature is wanted"),
-    (lambda: ready(CGCMesh.from_meshgrid(dx=1, nx=1)), "there is no internal vertex, so no curvature to ask for"),
-    (no_target, "vertices 12 have no target; set one for their region"),
+    (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "the mesh has no supports; fix vertices"),
+    (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "no target curvature is set; set one"),
+    (lambda: ready(CGCMesh.from_meshgrid(dx=1, nx=1)), "the mesh has no internal vertex at which K could be prescribed"),
+    (no_target, "vertices 12 have no target curvature; set one for their region"),
     (text_target, "the targets of vertices 12 are not finite numbers ('one'); set numbers"),
-    (stale_crease, "the creases 6-7, 7-8 do not follow edges of the mesh; set the creases again"),
+    (stale_crease, "creases 6-7, 7-8 do not follow edges of the mesh; set the creases again"),
     (lambda: ready(CGCMesh.from_meshgrid(dx=4, nx=4), 0.3), "the target 0.3 is more than this boundary can carry"),
 ]
 
@@ -437,9 +440,9 @@ def test_concave_edges_and_closed_meshes_are_noted_but_not_refused():
         mesh.remove_unused_vertices()
         ready(mesh, 0.001)
         note, *others = mesh.check()
-        assert not note.fatal and note.startswith("the edge is concave at vertices")
+        assert not note.fatal and note.startswith("the boundary is concave at vertices")
         # Around the square hole three held vertices of one height lie on a line within the region.
-        assert all(not other.fatal and "lies level between" in other for other in others) and len(others) == (corners == 4)
+        assert all(not other.fatal and "lies on the straight line or plane" in other for other in others) and len(others) == (corners == 4)
         assert len(note.split(",")[0:-1]) >= 1 and note.count(", ") == corners
         mesh.set_target(0.0)
         assert mesh.check() == []

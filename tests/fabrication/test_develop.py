@@ -109,7 +109,7 @@ def test_what_is_not_exact_is_told_by_its_gap():
 
 def test_regions_that_cannot_be_laid_are_refused():
     problem = nine_regions(9)
-    with pytest.raises(ValueError, match="there is no region 9; the mesh has 9"):
+    with pytest.raises(ValueError, match="there is no region 9; the mesh has regions 0 to 8"):
         develop(problem, 9)
     with pytest.raises(ValueError, match="too large for a mould"):
         develop(problem, 0, K=10.0)

@@ -40,8 +40,8 @@ def columns(*places, target=0.01, corner=False, creases=()):
     [
         ([(4, 4, 4)], None),
         ([(4, 4, 2)], None),
-        ([(2, 4, 4), (6, 4, 2)], "as of a dome"),
-        ([(4, 4, 3)], "lies level between those at"),
+        ([(2, 4, 4), (6, 4, 2)], "(a dome)"),
+        ([(4, 4, 3)], "lies on the straight line or plane through the supports"),
     ],
 )
 def test_columns_within_a_square(inner, words):
@@ -60,7 +60,7 @@ def test_a_free_edge_that_must_not_leave_its_line_is_one_of_the_lines():
     loose = columns(*places)
     assert not two_sided_supports(loose), "an edge may move off the line"
     (said,) = two_sided_supports(loose.with_constraints([EdgeInPlan()]))
-    assert "as of a dome" in said and "as of a bowl" in said
+    assert "(a dome)" in said and "(a bowl)" in said
     level = columns(*CORNERS, (4, 0, 3)).with_constraints([EdgeInPlan()])
     assert not two_sided_supports(level), "a straight edge is as a straight rim is: the surface may be singular there"
 

@@ -83,9 +83,9 @@ def test_there_and_back(constraint):
         (3, "an object with a 'kind'"),
         ({"kind": "magnet"}, "plane, height, line"),
         ({"kind": ["plane"]}, "an object with a 'kind'"),
-        ({"kind": "held"}, "lacks vertices; it has vertices"),
+        ({"kind": "held"}, "needs vertices; its fields are vertices"),
         ({"kind": "held", "vertices": [0.5]}, "list of vertices"),
-        ({"kind": "held", "vertices": [1], "height": 3}, "has no 'height'"),
+        ({"kind": "held", "vertices": [1], "height": 3}, "has no field 'height'"),
         ({"kind": "height", "vertices": [1], "height": float("nan")}, "finite number"),
         ({"kind": "height", "vertices": [1], "height": True}, "finite number"),
         ({"kind": "plane", "vertices": [1], "point": [0, 0], "normal": [0, 0, 1]}, "three numbers"),
@@ -94,7 +94,7 @@ def test_there_and_back(constraint):
         ({"kind": "curve", "vertices": [1], "points": 3}, "points of a constraint"),
         ({"kind": "curve", "vertices": [1], "points": [[0, 0, 0], [1, 0, 0]], "closed": 1}, "true or false"),
         ({"kind": "near", "vertices": [1], "weight": 0.0}, "weight"),
-        ({"kind": "clearance", "where": [1, 1, 2], "height": 2}, "must be the number of a region, a box"),
+        ({"kind": "clearance", "where": [1, 1, 2], "height": 2}, "must be a region number, a box"),
     ],
 )
 def test_what_is_wrong_is_said(data, part):

@@ -54,39 +54,48 @@ def box(x0: float, y0: float, x1: float, y1: float) -> list[tuple[float, float]]
 
 FAR, SMALL = box(20, 20, 30, 30), box(2, 2, 6, 6)
 PAIRS = {
-    "lowest and greatest": ([Above(1.0), Below(-1.0)], "the lowest height 1 and the greatest height -1"),
-    "rise and ceiling": ([Rise(3.0), Below(2.0)], "the greatest height 2 and the rise 3"),
+    "lowest and greatest": ([Above(1.0), Below(-1.0)], "the lowest height 1 and the highest height -1"),
+    "rise and ceiling": ([Rise(3.0), Below(2.0)], "the highest height 2 and the rise 3"),
     "sag and floor": ([Rise(-3.0), Above(-2.0)], "the lowest height -2 and the rise -3"),
-    "sag and ceiling": ([Rise(-1.0), Below(-2.0, [40])], "the greatest height -2 and the rise -1"),
+    "sag and ceiling": ([Rise(-1.0), Below(-2.0, [40])], "the highest height -2 and the rise -1"),
     "sag and a low vertex": ([Rise(-1.0), Height([40], -2.0)], "the height -2 of vertices and the rise -1"),
     "crown and floor": ([Height("crown", 2.0), Above(3.0)], "the lowest height 3 and the height 2 of the crown"),
     "crown and a high vertex": ([Height("crown", 2.0), Height([40], 3.0)], "the height 3 of vertices and the height 2 of the crown"),
-    "clearance and ceiling": ([Clearance((2, 2, 5, 5), 3.0), Below(2.0)], "the clearance 3 and the greatest height 2"),
+    "clearance and ceiling": ([Clearance((2, 2, 5, 5), 3.0), Below(2.0)], "the clearance 3 and the highest height 2"),
     "clearance and a low vertex": ([Clearance((2, 2, 6, 6), 3.0), Height([40], 1.0)], "the clearance 3 and the height 1"),
     "two heights of a vertex": ([Height([40], 1.0), Height([40, 41], 2.0)], "the height 2 of vertices and the height 1 of vertices"),
     "floor and slab": ([Above(3.0), NearPlane((0, 0, 1), (0, 0, -2), 0.5)], "the lowest height 3 and the distance from a plane 0.5"),
-    "slab and ceiling": ([NearPlane((0, 0, 5), (0, 0, 1), 0.5), Below(3.0)], "the distance from a plane 0.5 and the greatest height 3"),
-    "plane and ceiling": ([OnPlane([40], (0, 0, 4), (0, 0, 1)), Below(3.0)], "the level plane at 4 and the greatest height 3"),
-    "fixed place and floor": ([Fixed([40]), Above(1.0)], "the lowest height 1 and the place that vertex 40 is fixed at"),
-    "support and height": ([Height([0], 1.0)], "the height 1 of vertices is not that of the support at vertex 0, 0; free it"),
+    "slab and ceiling": ([NearPlane((0, 0, 5), (0, 0, 1), 0.5), Below(3.0)], "the distance from a plane 0.5 and the highest height 3"),
+    "plane and ceiling": ([OnPlane([40], (0, 0, 4), (0, 0, 1)), Below(3.0)], "the level plane at 4 and the highest height 3"),
+    "fixed place and floor": ([Fixed([40]), Above(1.0)], "the lowest height 1 and the fixed height 0 of vertex 40"),
+    "support and height": (
+        [Height([0], 1.0)],
+        "the height 1 of vertices contradicts the height 0 of the support at vertex 0; free that vertex",
+    ),
     "level edge at two heights": (
         [Level(RIM[1:-1]), Height([2], 1.0), Height([5], 2.0)],
         "the height 2 of .* and the height 1 of .* on the level",
     ),
-    "level edge and ceiling": ([Level(RIM[1:-1]), Above(2.0, [3]), Below(1.0, [6])], "the lowest height 2 and the greatest height 1"),
-    "level edge with a support": ([Level(RIM[:-1]), Height([5], 2.0)], "the height 2 of vertices and the support at vertex 0"),
+    "level edge and ceiling": ([Level(RIM[1:-1]), Above(2.0, [3]), Below(1.0, [6])], "the lowest height 2 and the highest height 1"),
+    "level edge with a support": (
+        [Level(RIM[:-1]), Height([5], 2.0)],
+        "the height 2 of vertices and the height 0 of the support at vertex 0",
+    ),
     "level edge elsewhere": ([Level([2, 3], [(5, 2), (5, 3)]), EdgeInPlan(RIM)], "the level edge and the edge in plan .* 5 apart"),
-    "volume and ceiling": ([Volume(300.0), Below(2.0), EdgeInPlan()], "the volume 300 and the greatest height 2 .* there is 128"),
+    "volume and ceiling": ([Volume(300.0), Below(2.0), EdgeInPlan()], "the volume 300 and the highest height 2 .* at most 128"),
     "volume and rise": ([Volume(300.0), Rise(2.0), EdgeInPlan()], "the volume 300 and the rise 2"),
     "volume and floor": ([Volume(10.0, -2.0), Above(-1.0), EdgeInPlan()], "the volume 10 and the lowest height -1"),
     "path and heights": ([Length([37, 38, 39, 40], 4.0), Height([40], 3.0), Height([37], -2.0)], "length of a path 4 and the height -2"),
-    "within and within": ([Within(SMALL, [40]), Within(FAR, [40])], "the line to stay within and the line to stay within"),
-    "edge outside": ([Within(SMALL, RIM[1:-1]), EdgeInPlan(RIM)], "the line to stay within and the edge in plan .* outside all along"),
-    "level edge outside": ([Within(SMALL, RIM[1:-1]), Level(RIM[1:-1])], "the line to stay within and the level edge .* 2.236 outside"),
-    "support outside": ([Within(SMALL)], "the line to stay within leaves out the support"),
+    "within and within": ([Within(SMALL, [40]), Within(FAR, [40])], "the outline to stay within and the outline to stay within"),
+    "edge outside": (
+        [Within(SMALL, RIM[1:-1]), EdgeInPlan(RIM)],
+        "the outline to stay within and the edge in plan .* the whole edge lies outside",
+    ),
+    "level edge outside": ([Within(SMALL, RIM[1:-1]), Level(RIM[1:-1])], "the outline to stay within and the level edge .* 2.24 outside"),
+    "support outside": ([Within(SMALL)], "the outline to stay within excludes the support"),
     "plane and line": (
         [Within(SMALL, [40]), NearPlane((20, 0, 0), (1, 0, 0), 1.0, [40])],
-        "the line to stay within and the distance from a",
+        "the outline to stay within and the distance from a",
     ),
     "plane and edge": (
         [NearPlane((5, 0, 0), (1, 0, 0), 1.0, RIM[1:-1]), EdgeInPlan(RIM)],
@@ -107,7 +116,7 @@ def test_a_contradiction_is_one_sentence_that_names_the_pair(case):
 
 def test_volume_over_a_held_edge():
     (said,) = goal_problems(roof(held=True).with_constraints([Volume(300.0), Below(2.0)]))
-    assert "the volume 300 and the greatest height 2 contradict each other" in said
+    assert "the volume 300 and the highest height 2 contradict each other" in said
     assert not goal_problems(roof(held=True).with_constraints([Volume(100.0), Below(2.0)]))
     assert not goal_problems(roof().with_constraints([Volume(300.0), Below(2.0)])), "its free edges may go out"
 

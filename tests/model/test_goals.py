@@ -127,63 +127,71 @@ WRONG = {
     "mm for m, clearance": ([Clearance((5, 5, 8, 8), 2500.0)], {}, "the clearance 2500 is far larger"),
     "mm3 for m3": ([Volume(3e11)], {}, "the volume 3e\\+11 is far larger"),
     "mm2 for m2": ([Area(2.5e8)], {}, "the area 2.5e\\+08 is far larger"),
-    "m for km": ([Rise(0.004)], {}, "the rise 0.004 is nothing beside the size of the mesh"),
+    "m for km": ([Rise(0.004)], {}, "the rise 0.004 is negligible against the size of the mesh"),
     "two heights": ([Rise(3.0), Height("crown", 4.0)], {}, "the rise 3 and the height 4 of the crown contradict"),
     "two crowns": ([Height("crown", 3.0), Height("crown", 4.0)], {}, "the height 3 of the crown and the height 4 of the crown contradict"),
     "two volumes": ([Volume(300.0), Volume(400.0)], {}, "the volume 300 and the volume 400 contradict"),
     "two areas": ([Area(300.0), Area(400.0)], {}, "the area 300 and the area 400 contradict"),
     "two lengths": ([Length([0, 1, 2], 4.0), Length([0, 1, 2], 5.0)], {}, "the length of a path 4 and the length of a path 5 contradict"),
-    "above below": ([Above(3.0), Below(2.0)], {}, "the lowest height 3 and the greatest height 2 contradict"),
-    "crown over ceiling": ([Rise(3.0), Below(2.0)], {}, "the greatest height 2 and the rise 3 contradict each other"),
+    "above below": ([Above(3.0), Below(2.0)], {}, "the lowest height 3 and the highest height 2 contradict"),
+    "crown over ceiling": ([Rise(3.0), Below(2.0)], {}, "the highest height 2 and the rise 3 contradict each other"),
     "two heights of a vertex": ([Height([60], 2.0), Height([60], 3.0)], {}, "the height 3 .* and the height 2 .* at vertex 60"),
     "a length there and back": ([Length([0, 1, 2], 4.0), Length([2, 1, 0], 5.0)], {}, "a path 4 and the length of a path 5 contradict"),
     "a path that stands still": ([Length([3, 3], 1.0)], {}, "the length of a path 1 names a vertex twice in a row"),
     "planes apart": (
         [NearPlane((0, 0, 0), (0, 0, 1), 1.0), NearPlane((0, 0, 5), (0, 0, -1), 1.5)],
         {},
-        "a plane 1 and the distance from a plane 1.5 contradict each other, as these planes are 5 apart",
+        "a plane 1 and the distance from a plane 1.5 contradict each other: these planes are 5 apart",
     ),
     "a goal in words": (["rise = 3"], {}, "must be an object with a 'kind'"),
     "a goal without a kind": ([{"rise": 3}], {}, "must be an object with a 'kind'"),
     "true for a number": ([{"kind": "rise", "rise": True}], {}, "must be a finite number"),
-    "a unit of its own": ([{"kind": "rise", "rise": 3, "unit": "m"}], {}, "has no 'unit'; it has rise"),
+    "a unit of its own": ([{"kind": "rise", "rise": 3, "unit": "m"}], {}, "has no field 'unit'; its fields are rise"),
     "half a vertex": ([{"kind": "above", "height": 1, "vertices": [1.5]}], {}, "must be a list of vertices, counted from 0"),
     "clearance over crown": ([Height("crown", 2.0), Clearance((5, 5, 8, 8), 3.0)], {}, "the clearance 3 and the height 2 of the crown"),
-    "clearance over ceiling": ([Below(2.0), Clearance((5, 5, 8, 8), 3.0)], {}, "the clearance 3 and the greatest height 2 contradict"),
+    "clearance over ceiling": ([Below(2.0), Clearance((5, 5, 8, 8), 3.0)], {}, "the clearance 3 and the highest height 2 contradict"),
     "vertex over ceiling": (
         [Below(2.0), Height([60], 3.0)],
         {},
-        "the height 3 of vertices and the greatest .* vertex 60",
+        "the height 3 of vertices and the highest .* vertex 60",
     ),
     "vertex under floor": ([Above(2.0), Height([60], 1.0)], {}, "the lowest height 2 and the height 1 of .* vertex 60"),
     "crown under a support": ([Height("crown", -1.0)], {}, "the height -1 of the crown lies below the support at vertex 0"),
-    "gate beside the mesh": ([Clearance((100, 100, 104, 103), 2.5)], {}, "over a place where the mesh has nothing"),
-    "gate over no region": ([Clearance(7, 2.5)], {}, "over region 7, but the mesh has 1"),
-    "support under a clearance": ([Clearance((-1, -1, 3, 3), 2.5)], {}, "cannot be kept at vertex 0, a support 2.5 on the wrong side"),
-    "support under a floor": ([Above(2.0, [0, 5])], {}, "the lowest height 2 cannot be kept at vertex 0"),
-    "support off a plane": ([NearPlane((0, 0, 5), (0, 0, 1), 0.4, [0])], {}, "the distance from a plane 0.4 cannot be kept at vertex 0"),
-    "support outside": ([Within([(1, 1), (9, 1), (9, 9)], [0])], {}, "the line to stay within cannot be kept at vertex 0"),
+    "gate beside the mesh": ([Clearance((100, 100, 104, 103), 2.5)], {}, "lies outside the plan of the mesh"),
+    "gate over no region": ([Clearance(7, 2.5)], {}, "over region 7, but the mesh has regions 0 to 0"),
+    "support under a clearance": (
+        [Clearance((-1, -1, 3, 3), 2.5)],
+        {},
+        "cannot be met at the support at vertex 0, which violates it by 2.5",
+    ),
+    "support under a floor": ([Above(2.0, [0, 5])], {}, "the lowest height 2 cannot be met at the support at vertex 0"),
+    "support off a plane": (
+        [NearPlane((0, 0, 5), (0, 0, 1), 0.4, [0])],
+        {},
+        "the distance from a plane 0.4 cannot be met at the support at vertex 0",
+    ),
+    "support outside": ([Within([(1, 1), (9, 1), (9, 9)], [0])], {}, "the outline to stay within cannot be met at the support at vertex 0"),
     "no vertices": ([Above(2.0, [])], {}, "the lowest height 2 names no vertices"),
     "no vertices of a height": ([Height([], 2.0)], {}, "the height 2 of vertices names no vertices"),
     "no edge": ([EdgeInPlan([])], {}, "the edge in plan names no vertices"),
     "no region": ([Unknown([])], {}, "the unknown K names no region"),
     "no such region": ([], {"unknown": [3]}, "names region 3, but the mesh has 1"),
     "no such region by name": ([], {"unknown": "roof"}, "numbers or 'all', not 'roof'"),
-    "no such vertex": ([Above(2.0, [999])], {}, "names vertex 999; the mesh has the vertices 0 to 120"),
-    "short way": ([Length([0, 5, 10], 10.0)], {}, "the length of a path 10 is shorter than the way between its fixed ends, 15"),
+    "no such vertex": ([Above(2.0, [999])], {}, "names vertex 999, but the mesh has vertices 0 to 120"),
+    "short way": ([Length([0, 5, 10], 10.0)], {}, "the length of a path 10 is shorter than the distance 15 between its fixed ends"),
     "kind with a typo": ([{"kind": "ries", "rise": 3}], {}, "not 'ries'; did you mean 'rise'?"),
-    "field with a typo": ([{"kind": "rise", "ris": 3}], {}, "has no 'ris'; it has rise"),
-    "field missing": ([{"kind": "clearance", "height": 3}], {}, "lacks where; it has where, height"),
+    "field with a typo": ([{"kind": "rise", "ris": 3}], {}, "has no field 'ris'; its fields are rise"),
+    "field missing": ([{"kind": "clearance", "height": 3}], {}, "needs where; its fields are where, height"),
     "not a number": ([{"kind": "volume", "volume": float("nan")}], {}, "volume of a constraint of kind volume must be a finite number"),
     "a word for a number": ([{"kind": "rise", "rise": "4 m"}], {}, "rise of a constraint of kind rise must be a finite number"),
     "a box of three": ([{"kind": "clearance", "where": [0, 0, 4], "height": 2}], {}, "a box \\[x0, y0, x1, y1\\]"),
     "a box inside out": (
         [{"kind": "clearance", "where": [4, 0, 0, 3], "height": 2}],
         {},
-        "a box x0, y0, x1, y1 or a closed line",
+        "a box x0, y0, x1, y1 or a closed polyline",
     ),
     "a word for vertices": ([{"kind": "above", "height": 2, "vertices": "crwn"}], {}, "or 'all', not 'crwn'"),
-    "a line of two": ([{"kind": "within", "points": [[0, 0], [1, 0]]}], {}, "the closed line to stay within must be 3 or more"),
+    "a line of two": ([{"kind": "within", "points": [[0, 0], [1, 0]]}], {}, "the outline to stay within must be 3 or more"),
     "newton with two goals": ([Rise(3.0), Volume(300.0)], {"method": "newton"}, "projection"),
     "flow": ([Rise(3.0)], {"method": "flow"}, "only the method 'projection' holds constraints"),
 }
@@ -199,13 +207,13 @@ def test_goals_that_cannot_be_are_told_in_one_sentence(case):
 
 
 def test_of_a_fixed_edge():
-    with pytest.raises(ProblemError, match="the area 200 is no more than the 225 that the fixed edge encloses"):
+    with pytest.raises(ProblemError, match="the area 200 must be larger than 225"):
         solve(roof(held=True), goals=[Area(200.0)])
     for goal in (EdgeInPlan(), Level()):
         with pytest.raises(ProblemError, match="the mesh has no free edge"):
             solve(roof(held=True), goals=[goal])
     without = replace(roof(), roles=np.where(roof().roles == FIXED, FREE, roof().roles))
-    with pytest.raises(ProblemError, match="told from the supports, and the mesh has none"):
+    with pytest.raises(ProblemError, match="measured from the supports, but the mesh has none"):
         solve(without, goals=[Rise(2.0)])
 
 
@@ -235,15 +243,15 @@ def test_check_says_the_same():
 
 MISNAMED = {
     "Rise takes rise; write": lambda: Rise(),
-    "nothing called 'height'": lambda: Rise(height=4),
-    "nothing called 'hight'; did you mean 'height'": lambda: Clearance((0, 0, 1, 1), hight=2),
+    "not 'height'": lambda: Rise(height=4),
+    "not 'hight'; did you mean 'height'": lambda: Clearance((0, 0, 1, 1), hight=2),
     "vertices of the goal Height must be a list of vertices, not the number 6; write \\[6\\]": lambda: Height(6, 1.0),
     "vertices of the goal Above must be a list of vertices, not the number 6": lambda: Above(1.0, 6),
-    "name one of these in the goal Height": lambda: Height([999], 1.0),
-    "out of the goal Height": lambda: Height([0], 1.0),
+    "the goal Height names vertex 999": lambda: Height([999], 1.0),
+    "from the goal Height": lambda: Height([0], 1.0),
     "not 'rise 4'": lambda: "rise 4",
-    "the edge in plan names one vertex, which is no edge": lambda: EdgeInPlan([4]),
-    "leaves out the support at vertex": lambda: Within([(0, 0), (5, 0), (5, 5), (0, 5)]),
+    "the edge in plan names only one vertex": lambda: EdgeInPlan([4]),
+    "excludes the support at vertex": lambda: Within([(0, 0), (5, 0), (5, 5), (0, 5)]),
 }
 
 
@@ -289,8 +297,8 @@ def test_more_of_a_goal_than_was_asked_for_is_had_instead_of_it():
 
 def test_a_rough_surface_names_the_goal_and_no_crease_where_a_bound_bends_it():
     result = solve(corner_roof(0.004, 12.0, 9), goals=[Below(-1.0)])
-    assert not result.verdict.fair and "over these supports with the greatest height -1, not even" in result.message
-    assert "bulge to the other side" in result.message and "crease" not in result.message
+    assert not result.verdict.fair and "over these supports with the highest height -1, not even" in result.message
+    assert "bulges to the other side" in result.message and "crease" not in result.message
 
 
 def test_a_sheet_that_nothing_asks_to_curve_is_flat_and_fair():

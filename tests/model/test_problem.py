@@ -84,7 +84,7 @@ def test_what_is_wrong_with_arrays_is_said_by_positions():
     sentences = {
         "no support": CGCProblem(vertices, faces, np.full(len(vertices), INTERNAL), 0.01),
         "creases 0-24 do not follow": CGCProblem(vertices, faces, roles, 0.01, creases=[[0, 24]]),
-        "no target is set": CGCProblem(vertices, faces, roles, np.nan),
+        "no target curvature is set": CGCProblem(vertices, faces, roles, np.nan),
         "targets of vertices 7 are not finite": CGCProblem(vertices, faces, roles, np.where(np.arange(len(vertices)) == 7, np.inf, 0.01)),
         "no faces": CGCProblem(vertices, np.empty((0, 3), int), roles, 0.01),
     }

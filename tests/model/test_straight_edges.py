@@ -35,8 +35,8 @@ def test_the_k_that_fits_is_the_square_of_the_twist_per_length(lift):
     assert not twisted_edges(three_sides(lift, -(twist**2)))
     for factor in (0.3, 3.0):
         (said,) = twisted_edges(three_sides(lift, -factor * twist**2))
-        assert float(re.search(r"or ask for K = (\S+) there", said)[1]) == pytest.approx(-(twist**2), rel=1e-2)
-        assert f"by {np.degrees(np.sqrt(factor) * twist):.0f} degrees" in said and f"it by {np.degrees(twist):.0f}:" in said
+        assert float(re.search(r"or set K = (\S+) there", said)[1]) == pytest.approx(-(twist**2), rel=1e-2)
+        assert f"by {np.degrees(np.sqrt(factor) * twist):.0f} degrees" in said and f"require {np.degrees(twist):.0f} degrees:" in said
 
 
 def test_whole_turns_more_and_the_other_way_round_fit_too():
@@ -50,7 +50,7 @@ def test_neither_units_nor_the_place_nor_the_side_matter(size):
     moved = CGCProblem(size * (turn.apply(plain.vertices) + [3.0, -2.0, 1.0]), plain.faces, plain.roles, -1.0 / size**2)
     for problem in (moved, moved.flipped()):
         (said,) = twisted_edges(problem)
-        assert "by 57 degrees" in said and "it by 27:" in said
+        assert "by 57 degrees" in said and "require 27 degrees:" in said
 
 
 def test_nothing_is_said_of_edges_that_are_free_curved_or_not_asked_to_twist():
@@ -79,7 +79,7 @@ def test_an_inward_corner_turns_the_way_in_around():
     rim = notch | (x == 0.0) | (y == 0.0) | np.isclose(y, 1.0)
     problem = CGCProblem(V, F, np.where(notch, FIXED, np.where(rim, FREE, INTERNAL)), -4.0)
     (said,) = twisted_edges(problem)
-    assert "0.5 long" in said and "by 57 degrees" in said and "it by 0:" in said
+    assert "length 0.5" in said and "by 57 degrees" in said and "require 0 degrees:" in said
 
 
 def test_it_is_said_before_a_solve_and_of_a_rough_surface_and_the_k_it_names_is_fair():
@@ -88,5 +88,5 @@ def test_it_is_said_before_a_solve_and_of_a_rough_surface_and_the_k_it_names_is_
     assert not said.fatal
     result = solve(rough)
     assert not result.verdict.fair and "twists by 16 degrees" in result.message
-    K = float(re.search(r"or ask for K = (\S+) there", said)[1])
+    K = float(re.search(r"or set K = (\S+) there", said)[1])
     assert solve(rough.with_targets(K)).verdict.fair

@@ -100,7 +100,7 @@ def test_targets_of_vertices_leave_those_that_are_no_numbers_alone():
 def test_one_region_is_all_that_changes():
     problem = plan().with_creases([row(3)]).with_targets(0.01).with_targets(0.02, region=1)
     assert problem.region_targets() == [0.01, 0.02]
-    with pytest.raises(ValueError, match="there is no region 2; the mesh has 2, from 0 to 1"):
+    with pytest.raises(ValueError, match="there is no region 2; the mesh has regions 0 to 1"):
         problem.with_targets(0.02, region=2)
 
 
@@ -121,16 +121,16 @@ def test_turning_over_and_moving_leave_the_rest():
 
 VERTICES, FACES = shapes.grid(N)
 WRONG = {
-    "too few roles": (lambda: CGCProblem(VERTICES, FACES, [0, 1]), r"roles must be one per vertex \(49\), not of shape \(2,\)"),
+    "too few roles": (lambda: CGCProblem(VERTICES, FACES, [0, 1]), r"roles must be one per vertex \(49\), not an array of shape \(2,\)"),
     "no such role": (lambda: CGCProblem(VERTICES, FACES, np.full(49, 9)), "the role of vertex 0 must be one of internal, fixed"),
     "a role misspelt": (lambda: CGCProblem(VERTICES, FACES, ["fixd"] * 49), "the role of vertex 0 must be one of .* not .*fixd"),
-    "too many targets": (lambda: CGCProblem(VERTICES, FACES, targets=np.ones(50)), "targets must be one number, or one per vertex"),
-    "too few delays": (lambda: CGCProblem(VERTICES, FACES, e=[1.0, 2.0]), "e must be one number, or one per vertex"),
+    "too many targets": (lambda: CGCProblem(VERTICES, FACES, targets=np.ones(50)), "targets must be one number or one number per vertex"),
+    "too few delays": (lambda: CGCProblem(VERTICES, FACES, e=[1.0, 2.0]), "e must be one number or one number per vertex"),
     "a crease to nowhere": (
         lambda: CGCProblem(VERTICES, FACES, creases=[[0, 49]]),
-        "a crease names vertex 49; the mesh has 49, from 0 to 48",
+        "a crease names vertex 49, but the mesh has vertices 0 to 48",
     ),
-    "too few names": (lambda: CGCProblem(VERTICES, FACES, names=Names([1], [2])), "names must be 49 of vertices and 72 of faces"),
+    "too few names": (lambda: CGCProblem(VERTICES, FACES, names=Names([1], [2])), "names must be 49 keys of vertices and 72 of faces"),
     "other vertices": (lambda: plan().with_vertices(VERTICES[:-1]), r"vertices must have the shape \(49, 3\), not \(48, 3\)"),
 }
 
@@ -143,9 +143,9 @@ def test_what_is_wrong_is_refused_in_a_sentence(case):
 
 
 def test_a_constraint_on_no_vertex_and_a_face_on_none_are_refused_too():
-    with pytest.raises(ProblemError, match="a constraint names vertex 99; the mesh has the vertices 0 to 48"):
+    with pytest.raises(ProblemError, match="names vertex 99, but the mesh has vertices 0 to 48"):
         plan().with_constraints([AtHeight([99], 1.0)])
-    with pytest.raises(ProblemError, match="a constraint names vertex 99"):
+    with pytest.raises(ProblemError, match="names vertex 99"):
         CGCMesh.from_problem(plan()).set_constraints([AtHeight([99], 1.0)])
     with pytest.raises(MeshError, match="face 0 names a vertex that does not exist"):
         CGCProblem(VERTICES, [[0, 1, 99]])

@@ -35,10 +35,10 @@ def test_so_are_other_goals_of_the_whole(goal):
 
 def test_a_target_that_is_there_stays_and_bounds_fix_no_curvature():
     mesh = plan("boundary")
-    with pytest.raises(ProblemError, match="no target is set"):
+    with pytest.raises(ProblemError, match="no target curvature is set"):
         solve(mesh, goals=[Above(0.0)])
     mesh.set_creases([[13 * i + 6 for i in range(13)]])
-    with pytest.raises(ProblemError, match="no target is set"):
+    with pytest.raises(ProblemError, match="no target curvature is set"):
         solve(mesh, goals=[Rise(2.5)])
     corners = plan("corners")
     corners.set_target(0.004)

@@ -129,7 +129,7 @@ def test_a_piece_that_nothing_holds_is_refused_by_name():
     mesh = CGCMesh.from_vertices_and_faces(np.vstack([vertices, vertices + [5, 0, 0]]), np.vstack([faces, faces + len(vertices)]))
     mesh.set_supports([0, 3, 12, 15])
     mesh.set_target(0.1)
-    with pytest.raises(ProblemError, match="the piece of vertex 16 has no support, nothing holds it; fix one of its vertices or remove it"):
+    with pytest.raises(ProblemError, match="the piece of the mesh with vertex 16 has no supports; fix some of its vertices or remove it"):
         solve(mesh)
 
 

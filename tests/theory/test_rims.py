@@ -66,4 +66,4 @@ def test_an_L_with_a_crease_from_its_inward_corner_is_solved_as_far():
     result = solve(problem.with_targets(NEARLY * most))
     assert most > 0.1 and result.converged and result.verdict.fair, str(result.verdict)
     whole = solve(problem.with_creases([]).with_targets(NEARLY * most))
-    assert not whole.verdict.fair and "the held edge turns inwards by 90 degrees" in whole.message
+    assert not whole.verdict.fair and "the supported boundary has a reentrant corner of 90 degrees" in whole.message

@@ -1,3 +1,3 @@
-"""Goals: what a designer asks of a surface besides K, such as its height, its volume or what stays clear under it."""
+"""Goals: requirements besides K, such as height, volume or clearance."""
 
 from __future__ import annotations

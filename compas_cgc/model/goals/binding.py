@@ -1,4 +1,4 @@
-"""Goals bound to a problem: equations of the whole surface, places of vertices and sides that they keep to."""
+"""Goals bound to a problem: equations of the whole surface, position constraints and inequalities."""
 
 from __future__ import annotations
 
@@ -39,37 +39,37 @@ from .wholes import Volume
 
 __all__ = ["BoundGoals", "Equation", "Side", "bind", "held_by_newton", "support_height", "unknown_regions"]
 
-STEP = 1e-5  # of a difference quotient, in the local frame
+DIFFERENCE_STEP = 1e-5  # step of a difference quotient in the local frame
 
 
 class Equation(NamedTuple):
-    """One number of the whole surface that is asked for."""
+    """A prescribed value of one quantity of the whole surface."""
 
     name: str  # the goal in words
-    wanted: float
-    power: int  # of a length, that the number is
+    wanted: float  # prescribed value
+    power: int  # dimension of the quantity: n of L^n
     value: Callable[[FloatArray], float]  # of a shape (n, 3)
-    gradient: Callable[[FloatArray], FloatArray]  # by the vertices (n, 3)
+    gradient: Callable[[FloatArray], FloatArray]  # derivative with respect to the vertices (n, 3)
 
     def curvature_along(self, vertices: FloatArray, moves: FloatArray) -> FloatArray:
-        """Return how the gradient changes along a move (n, 3)."""
+        """Return the derivative of the gradient along displacements (n, 3)."""
         size = float(np.abs(moves).max(initial=0.0))
         if size == 0.0:
             return np.zeros_like(vertices)
-        step = STEP / size
+        step = DIFFERENCE_STEP / size
         return (self.gradient(vertices + step * moves) - self.gradient(vertices - step * moves)) / (2.0 * step)
 
 
 class Side(NamedTuple):
-    """Vertices that keep to one side of something."""
+    """An inequality for some vertices."""
 
     name: str  # the goal in words
     goal: Bound
-    candidates: Callable[[FloatArray], IntArray]  # which do, of a shape (n, 3)
+    candidates: Callable[[FloatArray], IntArray]  # vertices of a shape (n, 3) to which it applies
 
 
 class BoundGoals(NamedTuple):
-    """What the constraints of a problem ask for, sorted by how it is met."""
+    """The goals of a problem, sorted by type."""
 
     equations: tuple[Equation, ...]
     places: tuple[PositionConstraint, ...]
@@ -77,24 +77,24 @@ class BoundGoals(NamedTuple):
 
     @property
     def whole(self) -> bool:
-        """Whether there is more than places of vertices."""
+        """Whether there are goals other than position constraints."""
         return bool(self.equations or self.sides)
 
 
 def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> BoundGoals:
-    """Return the goals of a problem with all that they need of it.
+    """Return the goals of a problem, bound to its vertices and supports.
 
     Parameters
     ----------
     problem
         The problem, in any frame.
     named
-        Its constraints in the units that sentences shall speak of. Default: its own.
+        Its constraints in the units for messages. Default: its own.
 
     Raises
     ------
     ProblemError
-        If a goal names what is not there.
+        If a goal names vertices or regions that do not exist.
     """
     equations: list[Equation] = []
     places: list[PositionConstraint] = []
@@ -119,7 +119,7 @@ def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> B
 
 
 def unknown_regions(problem: CGCProblem) -> list[int]:
-    """Return the regions whose K is to be found, by their numbers.
+    """Return the numbers of the regions with unknown K.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def unknown_regions(problem: CGCProblem) -> list[int]:
         lost = [region for region in numbers if not 0 <= region < count]
         if lost:
             mend = f"name regions from 0 to {count - 1}, or 'all'"
-            raise ProblemError([f"the goal of unknown K names region {lost[0]}, but the mesh has {count}; {mend}"])
+            raise ProblemError([f"the goal Unknown names region {lost[0]}, but the mesh has {count} region{'s' * (count != 1)}; {mend}"])
         found.update(numbers)
     return sorted(found)
 
@@ -151,13 +151,13 @@ def support_height(problem: CGCProblem) -> float:
     """
     fixed = problem.vertices[problem.roles == FIXED]
     if not len(fixed):
-        mend = "fix vertices (mesh.set_supports, or --supports corners), or give a level"
-        raise ProblemError([f"a rise or a volume is told from the supports, and the mesh has none; {mend}"])
+        mend = "fix vertices (mesh.set_supports, or --supports corners), or give the volume a level"
+        raise ProblemError([f"a rise or a volume is measured from the supports, but the mesh has none; {mend}"])
     return float(fixed[:, 2].mean())
 
 
 def _crown(name: str, wanted: float, side: float) -> Equation:
-    """Return the equation of the highest vertex, or of the lowest for side -1."""
+    """Return the equation for the height of the highest vertex, or of the lowest for side -1."""
 
     def highest(vertices: FloatArray) -> int:
         return int(np.argmax(side * vertices[:, 2]))
@@ -201,7 +201,7 @@ def _whole(problem: CGCProblem, goal: Constraint, name: str) -> Equation:
 
 
 def _candidates(problem: CGCProblem, goal: Bound) -> Callable[[FloatArray], IntArray]:
-    """Return a function that tells which vertices of a shape keep to a side."""
+    """Return a function that selects the vertices of a shape to which an inequality applies."""
     movable = problem.movable
     faces = problem.faces[problem.real_faces]
     if isinstance(goal, Clearance):
@@ -231,25 +231,25 @@ def _on_region(problem: CGCProblem, region: int) -> np.ndarray:
 
 
 def _rings(problem: CGCProblem, goal: Level, name: str) -> list[PositionConstraint]:
-    """Return a level edge for every edge that it means."""
+    """Return one level goal for every edge that it names."""
     if not isinstance(goal.vertices, str):
         order = np.unique(np.asarray(goal.vertices, dtype=np.int64), return_index=True)
         points = problem.vertices if goal.points is None else np.asarray(goal.points, dtype=np.float64)
         return [replace(goal, vertices=order[0].tolist(), points=points[order[0] if goal.points is None else order[1]])]
     runs = [np.sort(path[problem.roles[path] == FREE]) for path, _ in _free_edges(problem)]
     if not runs:
-        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or leave the goal out"])
+        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or remove the goal"])
     return [replace(goal, vertices=path.tolist(), points=problem.vertices[path]) for path in runs]
 
 
 def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionConstraint]:
-    """Return an edge in plan for every line of the drawing that its vertices follow."""
+    """Return one edge-in-plan goal for every line that its vertices follow."""
     if isinstance(goal.vertices, str):
         paths = [(path, closed) for path, closed in _free_edges(problem)]
     else:
         paths = [(np.asarray(goal.vertices, dtype=np.int64), goal.closed)]
     if isinstance(goal.vertices, str) and not paths:
-        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or leave the goal out"])
+        raise ProblemError([f"{name}: the mesh has no free edge; name the vertices of an edge, or remove the goal"])
     found: list[PositionConstraint] = []
     for path, closed in paths:
         line = problem.vertices[path] if goal.points is None else goal.points
@@ -261,7 +261,7 @@ def _sheets(problem: CGCProblem, goal: EdgeInPlan, name: str) -> list[PositionCo
 
 
 def _free_edges(problem: CGCProblem) -> list[tuple[IntArray, bool]]:
-    """Return the runs of free vertices along the rims, each with the vertices that it ends at, and whether it is closed."""
+    """Return the runs of free vertices along the boundaries, with the vertices at their ends, and whether each is closed."""
     runs: list[tuple[IntArray, bool]] = []
     for loop in boundary_loops(problem.faces[problem.real_faces]):
         rim = np.asarray(loop, dtype=np.int64)
@@ -277,7 +277,7 @@ def _free_edges(problem: CGCProblem) -> list[tuple[IntArray, bool]]:
 
 
 def held_by_newton(problem: CGCProblem) -> bool:
-    """Return whether one goal of the whole surface is asked for one unknown K > 0 over fixed edges, and nothing besides."""
+    """Check whether the goals are one whole-surface goal and one unknown K > 0 over a fixed boundary, which Newton's method solves."""
     kinds = (Rise, Volume, Area, Length, Unknown)
     mine = [own for own in problem.constraints if isinstance(own, kinds) or (isinstance(own, AtHeight) and own.vertices == CROWN)]
     goals = [own for own in mine if not isinstance(own, Unknown)]

@@ -1,4 +1,4 @@
-"""Goals that cannot be met together, or at all, told before a solve."""
+"""Detection of contradictory or impossible goals before a solve."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ from .wholes import Volume
 
 __all__ = ["goal_problems", "refuse_impossible"]
 
-LARGE = 50.0  # length, against the size of the mesh, that must be in other units
-SLIGHT = 5e-4  # rise, against the size of the mesh, that must be in other units
-SAME = 1e-9  # difference, against the size of the mesh, that is none
+MAX_LENGTH_RATIO = 50.0  # length over the size of the mesh above which it is probably in other units
+MIN_RISE_RATIO = 5e-4  # rise over the size of the mesh below which it is probably in other units
+RELATIVE_TOLERANCE = 1e-9  # difference over the size of the mesh that counts as zero
 
 
 def refuse_impossible(problem: CGCProblem) -> None:
@@ -46,7 +46,7 @@ def refuse_impossible(problem: CGCProblem) -> None:
     Raises
     ------
     ProblemError
-        With a sentence for each that names the goals and the mend.
+        With one sentence per contradiction that names the goals and a remedy.
     """
     found = goal_problems(problem)
     if found:
@@ -54,7 +54,7 @@ def refuse_impossible(problem: CGCProblem) -> None:
 
 
 def goal_problems(problem: CGCProblem) -> list[str]:
-    """Return what keeps goals from being met: a sentence for each that names the goals and the mend."""
+    """Return one sentence per contradiction between goals, supports and drawing; each names the goals and a remedy."""
     if not problem.constraints:
         return []
     try:
@@ -71,23 +71,23 @@ def goal_problems(problem: CGCProblem) -> list[str]:
 
 
 def _empty(problem: CGCProblem) -> Iterator[str]:
-    """Tell goals that are about nothing."""
+    """Return messages for goals that apply to nothing."""
     count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
     for goal in problem.constraints:
         if isinstance(goal, Unknown) and not isinstance(goal.regions, str) and not len(goal.regions):
-            yield f"{goal_name(goal)} names no region; name regions from 0 to {count - 1}, or 'all', or leave it out"
+            yield f"{goal_name(goal)} names no region; name regions from 0 to {count - 1}, or 'all', or remove the goal"
         elif isinstance(goal, Clearance):
             where = goal.where
             if isinstance(where, (int, np.integer)):
                 if not 0 <= where < count:
-                    yield f"{goal_name(goal)} is over region {where}, but the mesh has {count}; name one from 0 to {count - 1}"
+                    yield f"{goal_name(goal)} is over region {where}, but the mesh has regions 0 to {count - 1}; name one of these"
             elif not len(bind(_only(problem, goal)).sides[0].candidates(problem.vertices)):
-                yield f"{goal_name(goal)} is over a place where the mesh has nothing; move the place under the mesh, in the drawing's units"
+                yield f"{goal_name(goal)} lies outside the plan of the mesh; give a place under the mesh, in the units of the drawing"
         elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, AtHeight)) and not isinstance(goal.vertices, str):
             if not len(goal.vertices):
-                yield f"{goal_name(goal)} names no vertices; name some, or leave it out"
+                yield f"{goal_name(goal)} names no vertices; name some, or remove the goal"
             elif isinstance(goal, EdgeInPlan) and goal.points is None and len(set(goal.vertices)) < 2:
-                yield f"{goal_name(goal)} names one vertex, which is no edge; name the vertices along an edge in their order, or 'free'"
+                yield f"{goal_name(goal)} names only one vertex; name two or more along an edge in their order, or 'free'"
 
 
 def _only(problem: CGCProblem, goal: Constraint) -> CGCProblem:
@@ -99,19 +99,19 @@ def _size(problem: CGCProblem) -> float:
 
 
 def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
-    """Tell numbers in other units than those of the drawing."""
+    """Return messages for values that are probably in other units than the drawing."""
     size, middle = _size(problem), float(problem.vertices[:, 2].mean())
-    mend = "give it in the units of the drawing"
+    mend = "check its units: they must be those of the drawing"
     for goal in problem.constraints:
         far = _reach(goal, middle)
-        if far > LARGE * size:
-            yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.4g}; {mend}"
-        elif isinstance(goal, Rise) and far < SLIGHT * size:
-            yield f"{goal_name(goal)} is nothing beside the size of the mesh, {size:.4g}; {mend}"
+        if far > MAX_LENGTH_RATIO * size:
+            yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.3g}; {mend}"
+        elif isinstance(goal, Rise) and far < MIN_RISE_RATIO * size:
+            yield f"{goal_name(goal)} is negligible against the size of the mesh, {size:.3g}; {mend}"
 
 
 def _reach(goal: Constraint, middle: float) -> float:
-    """Return the length that a goal speaks of, from a middle height on, zero where it speaks of none [L]."""
+    """Return the characteristic length of a goal, heights measured from `middle`; zero if it has none [L]."""
     if isinstance(goal, Rise):
         return abs(goal.rise)
     if isinstance(goal, AtHeight):
@@ -128,7 +128,7 @@ def _reach(goal: Constraint, middle: float) -> float:
 
 
 def _pairs(problem: CGCProblem) -> Iterator[str]:
-    """Tell two numbers for one thing."""
+    """Return messages for two different values of the same quantity."""
     size = _size(problem)
     seen: dict[object, tuple[float, str]] = {}
     for goal in problem.constraints:
@@ -146,28 +146,29 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
             key, value = ("length", min(path, path[::-1])), goal.length
         else:
             continue
-        if key in seen and abs(seen[key][0] - value) > SAME * size:
-            yield f"{seen[key][1]} and {goal_name(goal)} contradict each other; take one of them away"
+        if key in seen and abs(seen[key][0] - value) > RELATIVE_TOLERANCE * size:
+            yield f"{seen[key][1]} and {goal_name(goal)} contradict each other; remove one of them"
         seen[key] = (value, goal_name(goal))
 
 
 def _held(problem: CGCProblem) -> Iterator[str]:
-    """Tell supports on the wrong side of something."""
-    rounding = SAME * _size(problem)
+    """Return messages for supports that violate a goal."""
+    rounding = RELATIVE_TOLERANCE * _size(problem)
     supports = np.flatnonzero(problem.roles == FIXED)
     for goal in problem.constraints:
         if isinstance(goal, Within) and isinstance(goal.vertices, str) and len(supports):
             inside = goal.slack(problem.vertices[supports])[0]
             if inside.min() < -rounding:
                 vertex = int(supports[np.argmin(inside)])
-                yield f"{goal_name(goal)} leaves out the support at vertex {vertex}, {-inside.min():.4g} outside; widen it or free that"
+                off = f"which lies {-inside.min():.3g} outside; widen the outline or free that vertex"
+                yield f"{goal_name(goal)} excludes the support at vertex {vertex}, {off}"
         if isinstance(goal, AtHeight) and not isinstance(goal.vertices, str):
             named = np.intersect1d(about(problem, goal), supports)
             off = np.abs(problem.vertices[named, 2] - goal.height)
             if off.max(initial=0.0) > rounding:
                 vertex = int(named[np.argmax(off)])
-                support = f"the support at vertex {vertex}, {problem.vertices[vertex, 2]:.4g}"
-                yield f"{goal_name(goal)} is not that of {support}; free it, or take it out of the goal Height"
+                support = f"the height {problem.vertices[vertex, 2]:.4g} of the support at vertex {vertex}"
+                yield f"{goal_name(goal)} contradicts {support}; free that vertex, or remove it from the goal Height"
     for side in bind(problem).sides:
         at = side.candidates(problem.vertices)
         fixed = at[problem.roles[at] == FIXED]
@@ -176,24 +177,25 @@ def _held(problem: CGCProblem) -> Iterator[str]:
         slack: FloatArray = side.goal.slack(problem.vertices[fixed])[0]
         if slack.min() < -rounding:
             vertex = int(fixed[np.argmin(slack)])
-            yield f"{side.name} cannot be kept at vertex {vertex}, a support {-slack.min():.4g} on the wrong side; free it, or leave it out"
+            by = f"{-slack.min():.3g}; free that vertex or remove the goal there"
+            yield f"{side.name} cannot be met at the support at vertex {vertex}, which violates it by {by}"
 
 
 def _too_small(problem: CGCProblem) -> Iterator[str]:
-    """Tell areas and lengths that a fixed edge or fixed ends do not allow."""
+    """Return messages for areas and lengths below the minimum that fixed boundaries and ends allow."""
     faces = problem.faces[problem.real_faces]
     rim = boundary_vertices(problem.vertices, faces)
     for goal in problem.constraints:
         if isinstance(goal, Area) and rim.any() and (problem.roles[rim] == FIXED).all():
             a, b, c = (problem.vertices[faces[:, k]] for k in range(3))
             least = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a).sum(axis=0)))
-            if goal.area <= least * (1.0 + SAME):
-                yield f"{goal_name(goal)} is no more than the {least:.6g} that the fixed edge encloses; ask for more"
+            if goal.area <= least * (1.0 + RELATIVE_TOLERANCE):
+                yield f"{goal_name(goal)} must be larger than {least:.6g}, the least area that the fixed boundary allows"
         elif isinstance(goal, Length) and any(one == other for one, other in zip(goal.vertices, goal.vertices[1:])):
-            yield f"{goal_name(goal)} names a vertex twice in a row; name the vertices of a path once each, in their order"
+            yield f"{goal_name(goal)} names a vertex twice in a row; name each vertex of the path once, in order"
         elif isinstance(goal, Length):
             first, last = problem.vertices[goal.vertices[0]], problem.vertices[goal.vertices[-1]]
             ends = problem.roles[[goal.vertices[0], goal.vertices[-1]]]
             least = float(np.linalg.norm(last - first))
             if (ends == FIXED).all() and goal.length < least:
-                yield f"{goal_name(goal)} is shorter than the way between its fixed ends, {least:.6g}; ask for more"
+                yield f"{goal_name(goal)} is shorter than the distance {least:.6g} between its fixed ends; increase it"

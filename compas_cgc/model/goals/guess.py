@@ -1,4 +1,4 @@
-"""A first guess of K where it is to be found."""
+"""Initial guess of an unknown K."""
 
 from __future__ import annotations
 
@@ -25,12 +25,15 @@ from .wholes import Volume
 
 __all__ = ["guessed"]
 
-LOW = 0.1  # rise of a dome of which nothing is known, against its radius
-FULL = 1.6  # rise of a dome, against its volume over its plan
+LOW_RISE = 0.1  # rise over radius of a cap whose goals give no height
+RISE_OVER_MEAN_HEIGHT = 1.6  # rise of a cap over its mean height (volume / plan area)
 
 
 def guessed(problem: CGCProblem) -> CGCProblem:
-    """Return a problem with a guess where K is unknown: that of the spherical cap as high as the goals say, else what is given."""
+    """Return the problem with an initial guess for unknown K.
+
+    The guess is the K of a spherical cap with the height that the goals imply, or else the given target.
+    """
     unknown = unknown_regions(problem)
     if not unknown:
         return problem
@@ -47,7 +50,7 @@ def guessed(problem: CGCProblem) -> CGCProblem:
 
 
 def _cap(problem: CGCProblem) -> float:
-    """Return K of the cap over the plan that is as high as asked, zero where no goal says how high."""
+    """Return K of the spherical cap over the plan area with the height that the goals imply; zero if they imply none."""
     faces = problem.faces[problem.real_faces]
     plan = float(np.abs((face_normals(problem.vertices, faces)[:, 2] * face_areas(problem.vertices, faces)).sum()))
     if plan <= 0.0 or not (problem.roles == FIXED).any():
@@ -60,7 +63,7 @@ def _cap(problem: CGCProblem) -> float:
             rises.append(abs(goal.height - base))
         elif isinstance(goal, Volume):
             level = base if goal.level is None else goal.level
-            rises.append(FULL * max(0.0, goal.volume / plan - (base - level)))
+            rises.append(RISE_OVER_MEAN_HEIGHT * max(0.0, goal.volume / plan - (base - level)))
         elif isinstance(goal, Area):
             rises.append(math.sqrt(max(0.0, goal.area - plan) / math.pi))
         elif isinstance(goal, Length):
@@ -69,7 +72,7 @@ def _cap(problem: CGCProblem) -> float:
         elif isinstance(goal, (AtHeight, Above, Clearance)):
             rises.append(abs(goal.height - base))
     radius = math.sqrt(plan / math.pi)
-    return _cap_curvature(max(rises) or LOW * radius, radius) if len(rises) > 1 else 0.0
+    return _cap_curvature(max(rises) or LOW_RISE * radius, radius) if len(rises) > 1 else 0.0
 
 
 def _cap_curvature(rise: float, radius: float) -> float:

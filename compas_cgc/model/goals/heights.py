@@ -1,4 +1,4 @@
-"""Heights that goals leave to vertices and to the whole surface, and goals that leave none between them."""
+"""Contradictions between goals about heights: admissible ranges per vertex, crown, volume and path length."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ from .wholes import Volume
 
 __all__ = ["about", "height_clashes"]
 
-SAME = 1e-9  # difference, against the size of the mesh, that is none
-UPRIGHT = 1e-12  # 1 - cosine of a normal that points up
-CUT = 0.02  # of a plan, that an edge over its line may cut off at its corners
-AWAY = "take one of them away"
+RELATIVE_TOLERANCE = 1e-9  # difference relative to the size of the mesh that counts as zero
+UPRIGHT_COSINE = 1e-12  # tolerance of 1 - cosine for a vertical normal
+VOLUME_TOLERANCE = 0.02  # part of the plan area that the boundary edges may cut off at corners of their line
+REMEDY = "remove one of them"
 
 
 class _Range(NamedTuple):
-    """Heights that some vertices may have, and what says so."""
+    """Admissible heights of some vertices, and the goal that sets them."""
 
     vertices: IntArray
     low: float
@@ -50,38 +50,38 @@ class _Range(NamedTuple):
 
 
 class _Heights(NamedTuple):
-    """The heights that all goals together leave to every vertex."""
+    """Admissible heights of every vertex under all goals."""
 
     low: FloatArray  # (n,)
     high: FloatArray  # (n,)
-    says_low: IntArray  # (n,) number of the name, -1 without any
-    says_high: IntArray  # (n,)
+    source_low: IntArray  # (n,) index into `names`, -1 if no goal bounds the height
+    source_high: IntArray  # (n,)
     names: list[str]
 
     def name_of_low(self, vertex: int) -> str:
-        return self.names[self.says_low[vertex]]
+        return self.names[self.source_low[vertex]]
 
     def name_of_high(self, vertex: int) -> str:
-        return self.names[self.says_high[vertex]]
+        return self.names[self.source_high[vertex]]
 
 
 class _Ends(NamedTuple):
-    """A height that the whole surface ends at, and what says so."""
+    """A prescribed highest or lowest height of the surface, and the goal that sets it."""
 
     height: float
     name: str
 
 
 def height_clashes(problem: CGCProblem) -> Iterator[str]:
-    """Tell goals that leave no height between them: at a vertex, of the crown or the bottom, of a volume, along a path."""
+    """Return messages for goals without a common height: at a vertex, at the crown or the lowest point, of a volume, along a path."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
-    rounding = SAME * size
+    rounding = RELATIVE_TOLERANCE * size
     ranges = list(_ranges(problem))
     heights = _together(problem, ranges)
     crossed = np.flatnonzero(heights.low > heights.high + rounding)
     if len(crossed):
         at = int(crossed[0])
-        yield f"{heights.name_of_low(at)} and {heights.name_of_high(at)} contradict each other at vertex {at}; {AWAY}"
+        yield f"{heights.name_of_low(at)} and {heights.name_of_high(at)} contradict each other at vertex {at}; {REMEDY}"
         return
     level = list(_level_edges(problem, heights, rounding))
     crown, bottom = _end(problem, 1.0), _end(problem, -1.0)
@@ -93,14 +93,14 @@ def height_clashes(problem: CGCProblem) -> Iterator[str]:
 
 
 def about(problem: CGCProblem, goal: Constraint) -> IntArray:
-    """Return the vertices that a goal of places or sides is about, of the drawing."""
+    """Return the vertices of the drawing to which a position or inequality goal applies."""
     if isinstance(goal, (AtHeight, OnPlane, Fixed)):
         return indices(goal.vertices, len(problem.vertices))
     return bind(problem.with_constraints([goal], add=False)).sides[0].candidates(problem.vertices)
 
 
 def _ranges(problem: CGCProblem) -> Iterator[_Range]:
-    """Return the heights that goals leave to vertices that may move; supports on the wrong side are told on their own."""
+    """Return the admissible heights of movable vertices; supports that violate a goal have messages of their own."""
     for goal in problem.constraints:
         between = _between(goal)
         if between is None:
@@ -111,18 +111,18 @@ def _ranges(problem: CGCProblem) -> Iterator[_Range]:
         if isinstance(goal, Fixed):
             for vertex in np.setdiff1d(about(problem, goal), np.flatnonzero(problem.roles == FIXED)).tolist():
                 z = float(problem.vertices[vertex, 2])
-                yield _Range(np.array([vertex]), z, z, f"the place that vertex {vertex} is fixed at")
+                yield _Range(np.array([vertex]), z, z, f"the fixed height {z:.4g} of vertex {vertex}")
 
 
 def _between(goal: Constraint) -> Optional[tuple[float, float]]:
-    """Return the least and the greatest height that a goal leaves to vertices, None where it says nothing of their heights."""
+    """Return the lowest and highest height that a goal admits, None if it does not restrict heights."""
     if isinstance(goal, AtHeight):
         return None if isinstance(goal.vertices, str) else (goal.height, goal.height)
     if isinstance(goal, (Above, Clearance)):
         return goal.height, np.inf
     if isinstance(goal, Below):
         return -np.inf, goal.height
-    if isinstance(goal, (NearPlane, OnPlane)) and abs(unit(goal.normal, "the normal of a plane")[2]) >= 1.0 - UPRIGHT:
+    if isinstance(goal, (NearPlane, OnPlane)) and abs(unit(goal.normal, "the normal of a plane")[2]) >= 1.0 - UPRIGHT_COSINE:
         z, near = float(goal.point[2]), goal.distance if isinstance(goal, NearPlane) else 0.0
         return z - near, z + near
     return None
@@ -135,38 +135,38 @@ def _name(goal: Constraint) -> str:
 def _together(problem: CGCProblem, ranges: list[_Range]) -> _Heights:
     n = len(problem.vertices)
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
-    says_low, says_high = np.full(n, -1), np.full(n, -1)
+    source_low, source_high = np.full(n, -1), np.full(n, -1)
     names = [own.name for own in ranges]
     for number, own in enumerate(ranges):
         raised, lowered = own.vertices[own.low > low[own.vertices]], own.vertices[own.high < high[own.vertices]]
-        low[raised], says_low[raised] = own.low, number
-        high[lowered], says_high[lowered] = own.high, number
+        low[raised], source_low[raised] = own.low, number
+        high[lowered], source_high[lowered] = own.high, number
     fixed = problem.roles == FIXED
     low[fixed] = high[fixed] = problem.vertices[fixed, 2]
-    return _Heights(low, high, says_low, says_high, names)
+    return _Heights(low, high, source_low, source_high, names)
 
 
 def _level_edges(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[str]:
-    """Tell heights that the vertices of a level edge, which are all as high, cannot have."""
+    """Return messages for contradictory heights along a level edge."""
     for place in bind(problem).places:
         if not isinstance(place, Level):
             continue
         ring = np.asarray(place.vertices, dtype=np.int64)
         floor, ceiling = int(ring[np.argmax(heights.low[ring])]), int(ring[np.argmin(heights.high[ring])])
         if heights.low[floor] > heights.high[ceiling] + rounding:
-            one, other = _said(problem, heights.says_low, heights, floor), _said(problem, heights.says_high, heights, ceiling)
-            yield f"{one} and {other} contradict each other on {goal_name(place)}, whose vertices are all as high; {AWAY}"
+            one, other = _source(problem, heights.source_low, heights, floor), _source(problem, heights.source_high, heights, ceiling)
+            yield f"{one} and {other} contradict each other on {goal_name(place)}, whose vertices have the same height; {REMEDY}"
 
 
-def _said(problem: CGCProblem, says: IntArray, heights: _Heights, vertex: int) -> str:
-    """Return what says how high a vertex may be: a goal, or that it is a support."""
+def _source(problem: CGCProblem, says: IntArray, heights: _Heights, vertex: int) -> str:
+    """Return what sets the height of a vertex: the name of a goal, or its support."""
     if says[vertex] >= 0:
         return heights.names[says[vertex]]
-    return f"the support at vertex {vertex}, which is {problem.vertices[vertex, 2]:.4g} high,"
+    return f"the height {problem.vertices[vertex, 2]:.4g} of the support at vertex {vertex}"
 
 
 def _end(problem: CGCProblem, side: float) -> Optional[_Ends]:
-    """Return the height of the crown, for side 1, or of the lowest vertex, for side -1, None where no goal says it."""
+    """Return the prescribed height of the crown (side 1) or of the lowest vertex (side -1), None if no goal prescribes it."""
     ends = []
     for goal in problem.constraints:
         if isinstance(goal, Rise) and goal.rise * side > 0.0:
@@ -183,14 +183,14 @@ def _of_crown(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], ro
     low = np.where(free, heights.low, -np.inf)
     top = int(np.argmax(low))
     if low[top] > crown.height + rounding:
-        yield f"{heights.name_of_low(top)} and {crown.name} contradict each other; {AWAY}"
+        yield f"{heights.name_of_low(top)} and {crown.name} contradict each other; {REMEDY}"
     highest = int(np.argmax(heights.high))
     if heights.high[highest] < crown.height - rounding:
         ceiling = int(np.argmax(np.where(free, heights.high, -np.inf)))
-        yield f"{_said(problem, heights.says_high, heights, ceiling)} and {crown.name} contradict each other; {AWAY}"
+        yield f"{_source(problem, heights.source_high, heights, ceiling)} and {crown.name} contradict each other; {REMEDY}"
     at = _support(problem, 1.0)
     if at is not None and problem.vertices[at, 2] > crown.height + rounding:
-        yield f"{crown.name} lies below the support at vertex {at}, which is {problem.vertices[at, 2]:.4g} high; ask for more"
+        yield f"{crown.name} lies below the support at vertex {at}, whose height is {problem.vertices[at, 2]:.4g}; increase it"
 
 
 def _of_bottom(problem: CGCProblem, heights: _Heights, bottom: Optional[_Ends], rounding: float) -> Iterator[str]:
@@ -200,24 +200,24 @@ def _of_bottom(problem: CGCProblem, heights: _Heights, bottom: Optional[_Ends], 
     high = np.where(free, heights.high, np.inf)
     under = int(np.argmin(high))
     if high[under] < bottom.height - rounding:
-        yield f"{heights.name_of_high(under)} and {bottom.name} contradict each other; {AWAY}"
+        yield f"{heights.name_of_high(under)} and {bottom.name} contradict each other; {REMEDY}"
     lowest = int(np.argmin(heights.low))
     if heights.low[lowest] > bottom.height + rounding:
         floor = int(np.argmin(np.where(free, heights.low, np.inf)))
-        yield f"{_said(problem, heights.says_low, heights, floor)} and {bottom.name} contradict each other; {AWAY}"
+        yield f"{_source(problem, heights.source_low, heights, floor)} and {bottom.name} contradict each other; {REMEDY}"
     at = _support(problem, -1.0)
     if at is not None and problem.vertices[at, 2] < bottom.height - rounding:
-        yield f"{bottom.name} lies over the support at vertex {at}, which is {problem.vertices[at, 2]:.4g} high; ask for a lower one"
+        yield f"{bottom.name} lies above the support at vertex {at}, whose height is {problem.vertices[at, 2]:.4g}; lower it"
 
 
 def _support(problem: CGCProblem, side: float) -> Optional[int]:
-    """Return the highest support, for side 1, or the lowest, for side -1."""
+    """Return the highest support (side 1) or the lowest (side -1)."""
     fixed = np.flatnonzero(problem.roles == FIXED)
     return int(fixed[np.argmax(side * problem.vertices[fixed, 2])]) if len(fixed) else None
 
 
 def _volumes(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], bottom: Optional[_Ends]) -> Iterator[str]:
-    """Tell volumes that do not go under a ceiling or over a floor, where the plan stays as it is drawn."""
+    """Return messages for volumes too large or too small for the admissible heights, where the plan stays as drawn."""
     plan = _held_plan(problem)
     if plan is None:
         return
@@ -231,20 +231,20 @@ def _volumes(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], bot
         if crown is not None and crown.height <= top.height:
             top = crown
         most = plan * (top.height - level)
-        if goal.volume > most + CUT * abs(most):
-            name = top.name or _said(problem, heights.says_high, heights, int(np.argmax(np.where(free, heights.high, -np.inf))))
-            yield f"{goal_name(goal)} and {name} contradict each other: under that there is {max(most, 0.0):.6g} over the plan; {AWAY}"
+        if goal.volume > most + VOLUME_TOLERANCE * abs(most):
+            name = top.name or _source(problem, heights.source_high, heights, int(np.argmax(np.where(free, heights.high, -np.inf))))
+            yield f"{goal_name(goal)} and {name} contradict each other: that height allows at most {max(most, 0.0):.4g}; {REMEDY}"
         floor = _Ends(float(heights.low[lowest]), "")
         if bottom is not None and bottom.height >= floor.height:
             floor = bottom
         least = plan * (floor.height - level)
-        if goal.volume < least - CUT * abs(least):
-            name = floor.name or _said(problem, heights.says_low, heights, int(np.argmin(np.where(free, heights.low, np.inf))))
-            yield f"{goal_name(goal)} and {name} contradict each other: under that there is {least:.6g} over the plan; {AWAY}"
+        if goal.volume < least - VOLUME_TOLERANCE * abs(least):
+            name = floor.name or _source(problem, heights.source_low, heights, int(np.argmin(np.where(free, heights.low, np.inf))))
+            yield f"{goal_name(goal)} and {name} contradict each other: that height needs at least {least:.4g}; {REMEDY}"
 
 
 def _held_plan(problem: CGCProblem) -> Optional[float]:
-    """Return the area in plan where supports, or goals, keep the whole edge over the line that it is drawn along."""
+    """Return the plan area if supports or goals keep the whole boundary over its drawn line, else None."""
     faces = problem.faces[problem.real_faces]
     held = problem.roles == FIXED
     for goal in problem.constraints:
@@ -263,7 +263,7 @@ def _named(problem: CGCProblem, goal: Constraint) -> IntArray:
 
 
 def _paths(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[str]:
-    """Tell paths that are shorter than the heights that they have to go up and down."""
+    """Return messages for paths that are shorter than the height differences along them."""
     for goal in problem.constraints:
         if not isinstance(goal, Length):
             continue
@@ -273,5 +273,5 @@ def _paths(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[
         if len(climbs) and goal.length < climbs.sum() - rounding:
             worst = int(np.argmax(climbs))
             ends = (known[worst], known[worst + 1])
-            said = next((heights.names[heights.says_low[end]] for end in ends if heights.says_low[end] >= 0), "its supports")
-            yield f"{goal_name(goal)} and {said} contradict each other: it goes up and down by {climbs.sum():.6g}; {AWAY}"
+            said = next((heights.names[heights.source_low[end]] for end in ends if heights.source_low[end] >= 0), "its supports")
+            yield f"{goal_name(goal)} and {said} contradict each other: its height differences add up to {climbs.sum():.4g}; {REMEDY}"

@@ -1,4 +1,4 @@
-"""Goals that keep vertices on one side of something."""
+"""Inequality goals: heights, clearance, plan outline, distance from a plane."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ from .numbers import local_plan
 
 __all__ = ["Above", "Below", "Bound", "Clearance", "NearPlane", "Within"]
 
-NEAR = 1e-9  # of a line, against its size, that is on it
+ON_LINE_TOLERANCE = 1e-9  # distance from a line, relative to its size, that counts as zero
 Where = Union[int, Sequence[float], Sequence[Sequence[float]], FloatArray]
 
 
 @dataclass(frozen=True)
 class Bound(Constraint):
-    """Base of goals that keep vertices on one side of something."""
+    """Base class of inequality goals."""
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points (k, 3) are on the right side (k,) [L], and the unit directions further in (k, 3)."""
+        """Return the slack of points (k, 3), positive where the goal is met (k,) [L], and its unit gradients (k, 3)."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class Above(Bound):
-    """Vertices nowhere below a height z [L]; default: all that may move.
+    """Keep vertices at or above a height z.
 
     Parameters
     ----------
     height
-        No vertex is lower than this z [L].
+        Lowest z coordinate [L].
     vertices
-        Those it holds for. Default: all that move.
+        Indices of vertices. Default: all movable ones.
 
     Examples
     --------
@@ -68,20 +68,20 @@ class Above(Bound):
         return replace(self, height=local_height(self.height, frame))
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points are above the height."""
+        """Return the slack of points: their height above the limit."""
         return points[:, 2] - self.height, _each((0.0, 0.0, 1.0), points)
 
 
 @dataclass(frozen=True)
 class Below(Bound):
-    """Vertices nowhere above a height z [L]; default: all that may move.
+    """Keep vertices at or below a height z.
 
     Parameters
     ----------
     height
-        No vertex is higher than this z [L].
+        Highest z coordinate [L].
     vertices
-        Those it holds for. Default: all that move.
+        Indices of vertices. Default: all movable ones.
 
     Examples
     --------
@@ -101,23 +101,22 @@ class Below(Bound):
         return replace(self, height=local_height(self.height, frame))
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points are below the height."""
+        """Return the slack of points: their height below the limit."""
         return self.height - points[:, 2], _each((0.0, 0.0, -1.0), points)
 
 
 @dataclass(frozen=True)
 class Clearance(Bound):
-    """No point of the surface below a height z [L] over a part of the plan.
+    """Keep the surface at or above a height z over a part of the plan.
 
-    `where` is the number of a region, a box ``(x0, y0, x1, y1)`` or a closed line of points ``(p, 2)`` or ``(p, 3)``. All
-    corners of the faces over it are kept above, so that the faces themselves are.
+    The goal applies to all corners of faces that reach over that part, so that the faces themselves are above it.
 
     Parameters
     ----------
     where
-        Number of a region, a box ``x0, y0, x1, y1`` in plan, or ``(p, 2)`` or ``(p, 3)`` points of a closed line.
+        Number of a region, a box ``(x0, y0, x1, y1)`` in plan, or ``(p, 2)`` or ``(p, 3)`` points of a closed polyline [L].
     height
-        Nothing over that place is lower than this z [L].
+        Lowest z coordinate there [L].
 
     Examples
     --------
@@ -135,43 +134,43 @@ class Clearance(Bound):
             self.outline()
 
     def outline(self) -> FloatArray:
-        """Return the closed line in plan (p, 3).
+        """Return the outline in plan (p, 3).
 
         Raises
         ------
         ValueError
-            If it is neither a box nor a line.
+            If `where` is neither a box nor a polyline.
         """
         given = np.asarray(self.where, dtype=np.float64)
         if given.ndim == 2:
-            return in_plan(given, "the closed line of a clearance", 3)
+            return in_plan(given, "the outline of a clearance", 3)
         if given.shape != (4,) or not np.isfinite(given).all() or not (given[0] < given[2] and given[1] < given[3]):
-            raise ValueError(f"where of a clearance must be a region, a box x0, y0, x1, y1 or a closed line, not {given.tolist()}")
+            raise ValueError(f"where of a clearance must be a region, a box x0, y0, x1, y1 or a closed polyline, not {given.tolist()}")
         x0, y0, x1, y1 = given
         return np.array([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
 
     def local(self, frame: Frame) -> Clearance:
-        """Return the place and the height in a local frame."""
+        """Return the goal in a local frame."""
         height = local_height(self.height, frame)
         if isinstance(self.where, (int, np.integer)):
             return replace(self, height=height)
         return replace(self, where=local_plan(self.outline(), frame), height=height)
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points are above the height."""
+        """Return the slack of points: their height above the limit."""
         return points[:, 2] - self.height, _each((0.0, 0.0, 1.0), points)
 
 
 @dataclass(frozen=True)
 class Within(Bound):
-    """Vertices within a closed line in plan, of points ``(p, 2)`` or ``(p, 3)`` [L]; default: all that may move.
+    """Keep vertices within a closed polyline in plan.
 
     Parameters
     ----------
     points
-        ``(p, 2)`` or ``(p, 3)`` points of a closed line in plan [L].
+        ``(p, 2)`` or ``(p, 3)`` points of the polyline [L].
     vertices
-        Those it holds for. Default: all that move.
+        Indices of vertices. Default: all movable ones.
 
     Examples
     --------
@@ -184,14 +183,14 @@ class Within(Bound):
     vertices: Vertices = ALL
 
     def __post_init__(self) -> None:
-        in_plan(self.points, "the closed line to stay within", 3)
+        in_plan(self.points, "the outline to stay within", 3)
 
     def local(self, frame: Frame) -> Within:
         """Return the line in a local frame."""
         return replace(self, points=local_plan(self.points, frame))
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points are within the line."""
+        """Return the slack of points: their distance inside the polyline."""
         from ...meshing.in_outline import inside_outline
 
         line, flat = in_plan(self.points, "points", 3), flattened(points)
@@ -202,24 +201,24 @@ class Within(Bound):
         turn = 1.0 if _turns_left(line) else -1.0
         across = turn * np.column_stack([-tangents[:, 1], tangents[:, 0], np.zeros(len(points))])
         signed = np.where(inside, distance, -distance)
-        apart = distance > NEAR * float(np.ptp(line))
+        apart = distance > ON_LINE_TOLERANCE * float(np.ptp(line))
         return signed, np.where(apart[:, None], away / np.where(apart, signed, 1.0)[:, None], across)
 
 
 @dataclass(frozen=True)
 class NearPlane(Bound):
-    """Vertices no further than a distance [L] from the plane through a point with a normal; default: all that may move.
+    """Keep vertices within a distance of a plane.
 
     Parameters
     ----------
     point
-        On the plane [L].
+        ``(3,)`` point on the plane [L].
     normal
-        Of the plane, of any length.
+        ``(3,)`` normal of the plane, of any length.
     distance
-        None of the vertices is further from the plane [L].
+        Largest distance from the plane [L].
     vertices
-        Those it holds for. Default: all that move.
+        Indices of vertices. Default: all movable ones.
 
     Examples
     --------
@@ -242,7 +241,7 @@ class NearPlane(Bound):
         return replace(self, point=frame.to_local(np.asarray(self.point, float)), distance=self.distance / frame.scale)
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points are from the nearer of the two faces of the slab."""
+        """Return the slack of points: the limit less their distance from the plane."""
         normal = unit(self.normal, "the normal of a plane")
         above = (points - np.asarray(self.point, float)) @ normal
         return self.distance - np.abs(above), np.where(above > 0.0, -1.0, 1.0)[:, None] * normal

@@ -11,16 +11,16 @@ __all__ = ["area", "area_gradient", "length", "length_gradient", "volume", "volu
 
 
 def volume(vertices: FloatArray, faces: IntArray, level: float) -> float:
-    """Return the volume between a surface (n, 3), (m, 3) and a level z [L^3]; what is below the level counts as negative.
+    """Return the volume between a surface (n, 3), (m, 3) and a level z [L^3]; parts below the level count as negative.
 
-    Every face is the top of an upright prism. The side that the mesh faces does not count: its plan is positive on the whole.
+    Every face is the top of a vertical prism. The orientation of the mesh does not matter: its total plan area counts as positive.
     """
     plan, mean = _prisms(vertices, faces, level)
     return float(plan @ mean) * _side(plan)
 
 
 def volume_gradient(vertices: FloatArray, faces: IntArray, level: float) -> FloatArray:
-    """Return the derivative of :func:`volume` by the vertices (n, 3) [L^2]."""
+    """Return the derivative of :func:`volume` with respect to the vertices (n, 3) [L^2]."""
     plan, mean = _prisms(vertices, faces, level)
     gradient = np.zeros_like(vertices)
     for k in range(3):
@@ -36,7 +36,7 @@ def area(vertices: FloatArray, faces: IntArray) -> float:
 
 
 def area_gradient(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the derivative of :func:`area` by the vertices (n, 3) [L]."""
+    """Return the derivative of :func:`area` with respect to the vertices (n, 3) [L]."""
     crosses = _crosses(vertices, faces)
     lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
     normals = crosses / np.where(lengths > 0.0, lengths, 1.0)
@@ -53,7 +53,7 @@ def length(vertices: FloatArray, path: IntArray) -> float:
 
 
 def length_gradient(vertices: FloatArray, path: IntArray) -> FloatArray:
-    """Return the derivative of :func:`length` by the vertices (n, 3)."""
+    """Return the derivative of :func:`length` with respect to the vertices (n, 3)."""
     along = np.diff(vertices[path], axis=0)
     lengths = np.linalg.norm(along, axis=1, keepdims=True)
     along = along / np.where(lengths > 0.0, lengths, 1.0)

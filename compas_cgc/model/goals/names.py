@@ -1,4 +1,4 @@
-"""Goals in words, for sentences."""
+"""Names of goals in messages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["goal_name", "listed"]
 
 
 def goal_name(goal: Constraint) -> str:
-    """Return a goal in words, with its number in the units that it is in."""
+    """Return the name of a goal in messages, with its value in the units that it has."""
     if isinstance(goal, AtHeight):
         return (
             f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
@@ -33,7 +33,7 @@ def goal_name(goal: Constraint) -> str:
         Area: ("area", "area"),
         Length: ("length", "length of a path"),
         Above: ("height", "lowest height"),
-        Below: ("height", "greatest height"),
+        Below: ("height", "highest height"),
         Clearance: ("height", "clearance"),
         NearPlane: ("distance", "distance from a plane"),
     }
@@ -43,13 +43,13 @@ def goal_name(goal: Constraint) -> str:
     words: dict[type, str] = {
         EdgeInPlan: "the edge in plan",
         Level: "the level edge",
-        OnSurface: "the place on a surface",
-        Within: "the line to stay within",
+        OnSurface: "the position on a surface",
+        Within: "the outline to stay within",
         Unknown: "the unknown K",
     }
     return next((word for kind, word in words.items() if isinstance(goal, kind)), f"the constraint {type(goal).__name__}")
 
 
 def listed(names: list[str]) -> str:
-    """Return names as they are said one after the other."""
+    """Return names joined by commas and "and"."""
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]

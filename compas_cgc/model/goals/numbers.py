@@ -1,4 +1,4 @@
-"""Numbers and lines that goals are given: read, checked and put into a local frame."""
+"""Validation of the numbers and polylines of goals, and their conversion to a local frame."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Vertices = Union[str, Sequence[int]]
 
 
 def in_plan(points: Any, name: str, fewest: int) -> FloatArray:
-    """Return points as (p, 3) with z zero, the last one dropped where it closes the line.
+    """Return points (p, 3) with z = 0, without the last one if it repeats the first.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Goals that say where vertices may be: on a vertical sheet, level, on a surface."""
+"""Goals for the positions of vertices: in plan, level, on a surface."""
 
 from __future__ import annotations
 
@@ -27,22 +27,19 @@ from .numbers import local_plan
 
 __all__ = ["EdgeInPlan", "Height", "Level", "OnSurface"]
 
-Height = AtHeight  # of vertices, or of the crown, the highest vertex
+Height = AtHeight
 
 
 @dataclass(frozen=True)
 class EdgeInPlan(PositionConstraint):
-    """Edges that stay on their vertical sheets: over the line that they are drawn along, while they rise and slide.
-
-    `vertices` are a path along an edge, or ``"free"`` for all free edges. The line is that of the drawing, unless
-    its points ``(p, 2)`` or ``(p, 3)`` [L] are given.
+    """Keep edges over a line in plan; they may rise and slide along it.
 
     Parameters
     ----------
     vertices
-        A path along an edge, or ``"free"`` for all free edges.
+        Path of vertices along an edge, or ``"free"`` for all free edges.
     points
-        ``(p, 3)`` line to stay over [L]. Default: that of the drawing.
+        ``(p, 2)`` or ``(p, 3)`` points of the line [L]. Default: the drawn edge.
     closed
         Whether the line closes.
 
@@ -66,7 +63,7 @@ class EdgeInPlan(PositionConstraint):
         return self if self.points is None else replace(self, points=local_plan(self.points, frame))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
-        """Return the nearest points over the line."""
+        """Return the nearest points above or below the line."""
         line = np.asarray(self.points, dtype=np.float64)
         closest, tangents = nearest_on_polyline(flattened(points), flattened(line), self.closed)
         closest[:, 2] = points[:, 2]
@@ -75,17 +72,14 @@ class EdgeInPlan(PositionConstraint):
 
 @dataclass(frozen=True)
 class Level(PositionConstraint):
-    """An edge that keeps its plan and rises as one, level: such as the ring of an oculus, which stays round.
-
-    `vertices` are those of the edge, or ``"free"`` for every free edge, each at a height of its own. The plan is that of the
-    drawing, unless points ``(k, 2)`` or ``(k, 3)`` [L] are given, one for every vertex.
+    """Keep an edge level and its plan unchanged while its height is free, such as the ring of an oculus.
 
     Parameters
     ----------
     vertices
-        Of the edge; by default those of the free edges.
+        Vertices of the edge, or ``"free"`` for every free edge, each with its own height.
     points
-        ``(p, 3)`` line in plan to stay over [L]. Default: that of the drawing.
+        ``(k, 2)`` or ``(k, 3)`` position in plan of every vertex [L]. Default: that in the drawing.
 
     Examples
     --------
@@ -99,14 +93,14 @@ class Level(PositionConstraint):
 
     def __post_init__(self) -> None:
         if self.points is not None and not isinstance(self.vertices, str) and len(self.points) != len(self.vertices):
-            raise ValueError(f"points of a level edge must be one for every vertex, {len(self.vertices)}, not {len(self.points)}")
+            raise ValueError(f"a level edge needs one point per vertex ({len(self.vertices)}), not {len(self.points)}")
 
     def local(self, frame: Frame) -> Level:
         """Return the plan in a local frame."""
         return self if self.points is None else replace(self, points=local_plan(self.points, frame))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
-        """Return the places in plan at the mean height."""
+        """Return the positions in plan at the mean height."""
         plan = np.asarray(self.points, dtype=np.float64)[:, :2]
         places = np.column_stack([plan, np.full(len(points), points[:, 2].mean())])
         return ClosestPoints(places, _every_plan(len(points)))
@@ -114,16 +108,16 @@ class Level(PositionConstraint):
 
 @dataclass(frozen=True)
 class OnSurface(PositionConstraint):
-    """Vertices on a surface, given as a mesh of points ``(p, 3)`` [L] and triangles ``(q, 3)``; they slide on it.
+    """Keep vertices on a surface, given as a triangle mesh; they slide on it.
 
     Parameters
     ----------
     vertices
-        Positions of the vertices that slide on the mesh.
+        Indices of the vertices.
     points
-        ``(p, 3)`` vertices of that mesh [L].
+        ``(p, 3)`` vertices of the triangle mesh [L].
     faces
-        ``(q, 3)`` triangles of it.
+        ``(q, 3)`` triangles.
 
     Examples
     --------
@@ -143,7 +137,7 @@ class OnSurface(PositionConstraint):
         if faces.ndim != 2 or faces.shape[1] != 3 or not len(faces):
             raise ValueError(f"faces of a surface must be triangles (q, 3), one or more, not of shape {faces.shape}")
         if not ((faces >= 0) & (faces < len(points))).all():
-            raise ValueError(f"faces of a surface name points that are not among its {len(points)}")
+            raise ValueError(f"faces of a surface must name points 0 to {len(points) - 1}; correct the faces")
 
     def local(self, frame: Frame) -> OnSurface:
         """Return the surface in a local frame."""

@@ -1,4 +1,4 @@
-"""Goals that leave vertices no place in plan between them, or no distance from planes."""
+"""Contradictions between goals about positions in plan and distances from planes."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ from .places import Level
 
 __all__ = ["plan_clashes"]
 
-SAME = 1e-9  # difference, against the size of the mesh, that is none
-LEVEL = 1e-9  # height of a unit normal that points sideways
+RELATIVE_TOLERANCE = 1e-9  # difference relative to the size of the mesh that counts as zero
+UPRIGHT_TOLERANCE = 1e-9  # z of the unit normal of a vertical plane that counts as zero
 
 
 def plan_clashes(problem: CGCProblem) -> Iterator[str]:
-    """Tell goals that have no place in plan in common, and planes too far apart to be near both."""
+    """Return messages for goals without a common position in plan, and for planes too far apart."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     goals = [goal for goal in problem.constraints if isinstance(goal, (Within, NearPlane, EdgeInPlan, Level))]
     for one, other in combinations(goals, 2):
-        said = _apart(problem, one, other, SAME * size)
+        said = _apart(problem, one, other, RELATIVE_TOLERANCE * size)
         if said is not None:
             yield f"{goal_name(one)} and {goal_name(other)} contradict each other{said}"
 
 
 def _apart(problem: CGCProblem, one: Constraint, other: Constraint, rounding: float) -> Optional[str]:
-    """Return why two goals have nothing in common, None where they may."""
+    """Return why two goals exclude each other, None if they may be compatible."""
     if isinstance(one, NearPlane) and isinstance(other, NearPlane):
         return _planes_apart(problem, one, other, rounding)
     if isinstance(one, Within) and isinstance(other, Within):
         common = np.intersect1d(about(problem, one), about(problem, other))
         first, second = _line(one), _line(other)
         meet = _meet(first, second) or bool(inside_outline(first[:1], second).any() or inside_outline(second[:1], first).any())
-        return ", as their lines have nothing in common; widen one of them" if len(common) and not meet else None
+        return ": their outlines do not overlap; widen one of them" if len(common) and not meet else None
     if isinstance(one, (EdgeInPlan, Level)) and isinstance(other, (EdgeInPlan, Level)):
         return _edges_apart(problem, one, other, rounding)
     within, edge = (one, other) if isinstance(one, (Within, NearPlane)) else (other, one)
@@ -59,23 +59,23 @@ def _apart(problem: CGCProblem, one: Constraint, other: Constraint, rounding: fl
         common = np.intersect1d(about(problem, within), about(problem, plane))
         off = _off(plane, _line(within))
         if len(common) and off is not None and ((off > plane.distance + rounding).all() or (off < -plane.distance - rounding).all()):
-            return ", as the line lies further from the plane; widen one of them"
+            return ": the outline lies too far from the plane; widen one of them"
     return None
 
 
 def _planes_apart(problem: CGCProblem, one: NearPlane, other: NearPlane, rounding: float) -> Optional[str]:
     first, second = (unit(goal.normal, "the normal of a plane") for goal in (one, other))
     apart = abs(float((np.asarray(other.point, float) - np.asarray(one.point, float)) @ first))
-    parallel = float(np.linalg.norm(np.cross(first, second))) <= SAME
+    parallel = float(np.linalg.norm(np.cross(first, second))) <= RELATIVE_TOLERANCE
     if not parallel or apart <= one.distance + other.distance + rounding:
         return None
     if not len(np.intersect1d(about(problem, one), about(problem, other))):
         return None
-    return f", as these planes are {apart:.4g} apart; ask for more of one"
+    return f": these planes are {apart:.3g} apart; increase one of the distances"
 
 
 def _edges_apart(problem: CGCProblem, one: Constraint, other: Constraint, rounding: float) -> Optional[str]:
-    """Tell a level edge, whose plan stays, that is not over the line of another goal."""
+    """Return why a level edge, whose plan is fixed, is not over the line of another goal."""
     for ring, line in ((one, other), (other, one)):
         for place in _places(problem, ring):
             for sheet in _places(problem, line):
@@ -91,12 +91,12 @@ def _edges_apart(problem: CGCProblem, one: Constraint, other: Constraint, roundi
                 off = np.linalg.norm((points - nearest)[:, :2], axis=1)
                 if off.max() > rounding:
                     vertex = int(common[np.argmax(off)])
-                    return f" at vertex {vertex}, whose places in plan are {off.max():.4g} apart; take one of them away"
+                    return f" at vertex {vertex}, whose prescribed positions in plan are {off.max():.3g} apart; remove one of them"
     return None
 
 
 def _edge_outside(problem: CGCProblem, within: Constraint, edge: Constraint, rounding: float) -> Optional[str]:
-    """Tell an edge whose line, or a place of whose level plan, is outside of a closed line or too far from an upright plane."""
+    """Return why an edge lies outside a closed line or too far from a vertical plane."""
     for place in _places(problem, edge):
         mine = np.isin(np.asarray(place.vertices, dtype=np.int64), about(problem, within))
         if not mine.any():
@@ -106,9 +106,9 @@ def _edge_outside(problem: CGCProblem, within: Constraint, edge: Constraint, rou
             slack = _slack(within, points[mine])
             if slack is not None and slack.min() < -rounding:
                 vertex = int(np.asarray(place.vertices)[mine][np.argmin(slack)])
-                return f" at vertex {vertex}, {-slack.min():.4g} outside; widen one of them"
+                return f" at vertex {vertex}, which lies {-slack.min():.3g} outside; widen one of them"
         elif _all_outside(within, points, bool(getattr(place, "closed", False)), rounding):
-            return ", as the edge lies outside all along; widen one of them"
+            return ": the whole edge lies outside; widen one of them"
     return None
 
 
@@ -123,7 +123,7 @@ def _all_outside(within: Constraint, line: FloatArray, closed: bool, rounding: f
 
 
 def _slack(within: Constraint, points: FloatArray) -> Optional[FloatArray]:
-    """Return how far points in plan are within something (k,), None where that depends on their heights."""
+    """Return the slack of points in plan (k,), None if it depends on their heights."""
     if isinstance(within, Within):
         return within.slack(points)[0]
     plane = cast(NearPlane, within)
@@ -132,9 +132,9 @@ def _slack(within: Constraint, points: FloatArray) -> Optional[FloatArray]:
 
 
 def _off(plane: NearPlane, points: FloatArray) -> Optional[FloatArray]:
-    """Return how far points in plan are off an upright plane, with the side (k,), None for any other plane."""
+    """Return the signed distance of points in plan from a vertical plane (k,), None for any other plane."""
     normal = unit(plane.normal, "the normal of a plane")
-    if abs(normal[2]) > LEVEL:
+    if abs(normal[2]) > UPRIGHT_TOLERANCE:
         return None
     return np.asarray((points[:, :2] - np.asarray(plane.point, float)[:2]) @ normal[:2])
 
@@ -148,7 +148,7 @@ def _line(within: Constraint) -> FloatArray:
 
 
 def _meet(outline: FloatArray, line: FloatArray, closed: bool = True) -> bool:
-    """Return whether a closed line and another cross or touch in plan."""
+    """Check whether a closed line and another one cross or touch in plan."""
     a, b = outline[:, None, :2], np.roll(outline, -1, axis=0)[:, None, :2]
     ahead = np.roll(line, -1, axis=0)
     p, q = (line, ahead) if closed else (line[:-1], ahead[:-1])

@@ -1,4 +1,4 @@
-"""Goals that are one number of the whole surface, and K that is to be found."""
+"""Goals for one quantity of the whole surface, and unknown K."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ __all__ = ["Area", "Length", "Rise", "Unknown", "Volume", "Whole", "is_of_whole"
 
 @dataclass(frozen=True)
 class Whole(Constraint):
-    """Base of goals that are one number of the whole surface."""
+    """Base class of goals for one quantity of the whole surface."""
 
 
 @dataclass(frozen=True)
 class Rise(Whole):
-    """Height of the crown over the mean height of the supports [L]; negative where the surface hangs.
+    """Prescribe the height of the crown over the mean height of the supports; negative if the surface hangs.
 
     Parameters
     ----------
     rise
-        Of the crown over the supports [L]; not 0.
+        Height over the supports [L]; not 0.
 
     Examples
     --------
@@ -56,14 +56,14 @@ class Rise(Whole):
 
 @dataclass(frozen=True)
 class Volume(Whole):
-    """Volume between the surface and a level z [L^3]; default: the mean height of the supports.
+    """Prescribe the volume between the surface and a horizontal plane.
 
     Parameters
     ----------
     volume
-        Above zero [L^3].
+        Positive volume [L^3].
     level
-        z that it counts from [L]. Default: the mean height of the supports.
+        z of the plane [L]. Default: the mean height of the supports.
 
     Examples
     --------
@@ -88,12 +88,12 @@ class Volume(Whole):
 
 @dataclass(frozen=True)
 class Area(Whole):
-    """Area of the surface [L^2].
+    """Prescribe the area of the surface.
 
     Parameters
     ----------
     area
-        Of the surface [L^2].
+        Area of the surface [L^2].
 
     Examples
     --------
@@ -114,14 +114,14 @@ class Area(Whole):
 
 @dataclass(frozen=True)
 class Length(Whole):
-    """Length of a path of vertices, in their order [L].
+    """Prescribe the length of a path of vertices.
 
     Parameters
     ----------
     vertices
-        A path of two or more, in their order.
+        Indices of two or more vertices, in their order.
     length
-        Of the path on the surface [L].
+        Length of the path on the surface [L].
 
     Examples
     --------
@@ -136,7 +136,7 @@ class Length(Whole):
     def __post_init__(self) -> None:
         check_positive(self.length, "length")
         if len(self.vertices) < 2:
-            raise ValueError("vertices of a length must be a path of two or more")
+            raise ValueError("vertices of a length must be a path of two or more vertices")
 
     def local(self, frame: Frame) -> Length:
         """Return the length in a local frame."""
@@ -145,7 +145,7 @@ class Length(Whole):
 
 @dataclass(frozen=True)
 class Unknown(Constraint):
-    """Regions whose K is not given but found, together with the surface: those numbered, or ``"all"``.
+    """Regions whose K is an unknown of the solve.
 
     Parameters
     ----------
@@ -167,5 +167,5 @@ class Unknown(Constraint):
 
 
 def is_of_whole(goal: Constraint) -> bool:
-    """Return whether a goal is one number of the whole surface, or K that is to be found."""
+    """Check whether a goal prescribes a quantity of the whole surface or makes K unknown."""
     return isinstance(goal, (Whole, Unknown)) or (isinstance(goal, AtHeight) and isinstance(goal.vertices, str))

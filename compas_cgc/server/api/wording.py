@@ -5,7 +5,7 @@ from __future__ import annotations
 __all__ = ["in_request_words"]
 
 WORDS = (
-    ("mesh.set_supports('boundary') or --supports boundary fixes the whole edge", 'supports "boundary" fixes the whole edge'),
+    ("mesh.set_supports('boundary') or --supports boundary fixes the whole boundary", 'supports "boundary" fixes the whole boundary'),
     ("mesh.set_supports([...])", "a list of vertices as supports"),
     (" (mesh.set_creases)", ""),
     (" (mesh.set_target(K), or --target K)", ", as targets"),

@@ -271,7 +271,7 @@ def test_unwelded_mixed_and_single_precision_far_from_the_origin(sketch, tmp_pat
     for words in (["welded"], ["quads"], ["2 faces were turned"], [name, "seven digits", "far from the origin"]):
         assert said(model, *words), words
     (problem,) = mesh_of(model).check()
-    assert problem.startswith("no target is set; say which Gaussian curvature is wanted (mesh.set_target(K), or --target K); ")
+    assert problem.startswith("no target curvature is set; set one (mesh.set_target(K), or --target K); ")
 
 
 def test_normals_that_point_down_are_said(sketch, tmp_path):

@@ -181,7 +181,7 @@ def test_degenerate_faces_are_named_before_anything_is_queued(server):
     value = request()
     value["faces"] += [[0, 1, 1]]
     status, _, answer = post(server, value)
-    assert status == 422 and "faces 72 of the input have fewer than three" in json.loads(answer)["message"]
+    assert status == 422 and "faces 72 of the input are degenerate" in json.loads(answer)["message"]
 
 
 def test_a_status_can_wait_for_the_end_of_the_job(server):
@@ -395,9 +395,9 @@ def test_what_a_mesh_lacks_is_said_without_calls_of_python(server):
     tetrahedron = {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
     two = [[7 * k + 3 for k in range(7)]]
     for value, part in (
-        (request(supports=[]), 'fix vertices (supports "boundary" fixes the whole edge)'),
-        ({**tetrahedron, "supports": [], "targets": 1.0}, "so name them: a list of vertices as supports"),
-        (request(targets=None), "say which Gaussian curvature is wanted, as targets"),
+        (request(supports=[]), 'fix vertices (supports "boundary" fixes the whole boundary)'),
+        ({**tetrahedron, "supports": [], "targets": 1.0}, "so name the vertices: a list of vertices as supports"),
+        (request(targets=None), "no target curvature is set; set one, as targets"),
         (request(creases=two, targets={"0": 0.1}), "set one for their region in targets"),
     ):
         status = finished(server, json.loads(post(server, value)[2])["id"])

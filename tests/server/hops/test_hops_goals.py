@@ -81,7 +81,7 @@ def test_a_gate_under_a_curve_and_edges_in_plan():
         ({"Goals": ["clearance = 2"], "Over": [curve(GATE[:3])]}, "is an open curve; clearance is for closed ones"),
         ({"Goals": ["rise = 4000"]}, "the rise 4000 is far larger than the mesh"),
         ({"Goals": ["rise = 2", "height = 3"]}, "the rise 2 and the height 3 of the crown contradict each other"),
-        ({"Unknown": [4]}, "the goal of unknown K names region 4, but the mesh has 1"),
+        ({"Unknown": [4]}, "the goal Unknown names region 4, but the mesh has 1"),
         ({"Unknown": [-2]}, "input 'Unknown' must be between -1 and"),
     ],
 )

@@ -261,7 +261,7 @@ def test_a_rough_surface_with_goals_tells_why_or_how_much_k_there_can_be():
     roles[5 * 11 + 5] = FIXED
     result = solve(replace(problem, roles=roles), goals=[EdgeInPlan()])
     assert result.converged and not result.verdict.fair
-    assert "lies level between those at" in result.message and "lead a crease through it" in result.message
+    assert "lies on the straight line or plane through the supports" in result.message and "draw a crease through it" in result.message
 
 
 def test_edges_in_plan_of_a_large_mesh():
