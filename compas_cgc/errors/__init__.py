@@ -1,4 +1,4 @@
-"""Errors of the package: each is a sentence for the person who can put it right."""
+"""Errors of the package; every message is a sentence that says how to solve the problem."""
 
 from .arguments import is_own_sentence as is_own_sentence
 from .arguments import names_what_was_meant as names_what_was_meant

@@ -1,4 +1,4 @@
-"""Wrong arguments: looked for once a call has failed, and named in a sentence."""
+"""Readable errors for wrong arguments, derived after a call has failed."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ __all__ = ["is_own_sentence", "names_what_was_meant"]
 F = TypeVar("F", bound=Callable[..., Any])
 PACKAGE = str(Path(__file__).parents[1]) + os.sep
 RAISE = dis.opmap["RAISE_VARARGS"]
-MAY_BE_UNKNOWN = ("nan", "unset", "none is", "not set")  # words of arrays that have numbers for some only
-SHOWN = 60  # signs of a value that a sentence quotes
+NAN_WORDS = ("nan", "unset", "none is", "not set")  # words in descriptions of arrays that may hold NaN
+MAX_QUOTED = 60  # characters of a value that a message quotes
 
 
 def names_what_was_meant(hint: Callable[[str], str] = lambda name: "") -> Callable[[F], F]:
-    """Return a decorator of functions and classes, which say what was meant where a call fails for its arguments.
+    """Return a decorator of functions and classes that names the wrong argument when a call fails.
 
-    Arguments are looked at once a call has failed with an error of Python or of a library: one that succeeds costs nothing, and what the
-    package says by itself stands.
+    Arguments are checked only after a call has failed with an error of Python or of a library, so successful calls cost nothing. Errors
+    raised by the package itself are passed on.
 
     Parameters
     ----------
     hint
-        Returns for a name what to write instead, or nothing.
+        Returns a hint for an unknown name, or an empty string.
 
     Returns
     -------
@@ -70,8 +70,8 @@ def names_what_was_meant(hint: Callable[[str], str] = lambda name: "") -> Callab
     return decorated
 
 
-def _explained(function: Callable[..., Any], name: str, told: str, hint: Callable[[str], str]) -> Callable[..., Any]:
-    """Return a function whose errors of Python or of libraries say which argument is wrong, where one is."""
+def _explained(function: Callable[..., Any], name: str, docstring: str, hint: Callable[[str], str]) -> Callable[..., Any]:
+    """Return a function that replaces errors of Python and libraries by one that names the wrong argument."""
     signature = inspect.signature(function)
     own = [each for each in signature.parameters.values() if each.name not in ("cls", "self")]
     implied = len(signature.parameters) - len(own)
@@ -81,14 +81,14 @@ def _explained(function: Callable[..., Any], name: str, told: str, hint: Callabl
         try:
             return function(*args, **named)
         except Exception as error:
-            # Who is called from outside knows its arguments by the names that the caller wrote.
+            # An ArgumentError from an inner function names the inner arguments: derive it again for this call.
             if is_own_sentence(error) and not isinstance(error, ArgumentError):
                 raise
             misfit = _misfit(name, own, len(args) - implied, named, hint)
             if misfit:
                 raise ArgumentError(misfit) from None
             given = {key: value for key, value in signature.bind(*args, **named).arguments.items() if key not in ("cls", "self")}
-            wrong = _wrong_argument(function, given, told)
+            wrong = _wrong_argument(function, given, docstring)
             if wrong is None:
                 raise
             raise ArgumentError(f"{name}(): {wrong}") from error
@@ -97,30 +97,30 @@ def _explained(function: Callable[..., Any], name: str, told: str, hint: Callabl
 
 
 def _misfit(name: str, own: Sequence[inspect.Parameter], count: int, named: Iterable[str], hint: Callable[[str], str]) -> str:
-    """Return what is wrong with so many arguments without a name, and those with one; nothing where they fit."""
+    """Return the error in the number of positional arguments or the names of the others, empty if there is none."""
     known = [each.name for each in own]
     plain = [each.name for each in own if each.kind is each.POSITIONAL_OR_KEYWORD]
     unknown = next((each for each in named if each not in known), None)
     if unknown is not None:
-        return f"{name}() takes no {unknown!r}{meant(unknown, known, hint)}"
+        return f"{name}() has no argument {unknown!r}{meant(unknown, known, hint)}"
     if count > len(plain):
-        more = f"; write {known[len(plain)]}=... and the like" if len(known) > len(plain) else ""
-        return f"{name}() takes only {', '.join(map(repr, plain))} without a name{more}"
+        more = f"; pass the others by name, such as {known[len(plain)]}=..." if len(known) > len(plain) else ""
+        return f"{name}() accepts only {', '.join(map(repr, plain))} as positional arguments{more}"
     twice = next((each for each in plain[:count] if each in named), None)
     if twice is not None:
-        return f"{name}() is given {twice!r} twice, in its place and by its name; leave one out"
+        return f"{name}() received {twice!r} twice, by position and by name; leave one out"
     needed = [each.name for each in own if each.default is each.empty]
-    lacking = next((each for each in needed if each not in named and each not in plain[:count]), None)
-    return "" if lacking is None else f"{name}() lacks {lacking!r}; write {name}({', '.join(needed)})"
+    missing = next((each for each in needed if each not in named and each not in plain[:count]), None)
+    return "" if missing is None else f"{name}() requires the argument {missing!r}; write {name}({', '.join(needed)})"
 
 
 def is_own_sentence(error: BaseException) -> bool:
-    """Tell whether an error was raised by the package itself, whose errors are sentences, and not by Python or by a library.
+    """Check whether an error was raised by the package itself, not by Python or a library.
 
     Parameters
     ----------
     error
-        That was caught.
+        The caught error.
 
     Returns
     -------
@@ -140,25 +140,25 @@ def is_own_sentence(error: BaseException) -> bool:
     return code.co_filename.startswith(PACKAGE) and code.co_code[trace.tb_lasti] == RAISE
 
 
-def _wrong_argument(function: Callable[..., Any], given: Mapping[str, object], told: str) -> Optional[str]:
-    """Return what is wrong with the arguments of a call that failed.
+def _wrong_argument(function: Callable[..., Any], given: Mapping[str, object], docstring: str) -> Optional[str]:
+    """Return the error in the arguments of a failed call.
 
     Parameters
     ----------
     function
-        What was called; its type hints say what it takes.
+        The called function, with type hints.
     given
         Its arguments, by name.
-    told
-        Its docstring, or that of its class, which says of what shape arrays are.
+    docstring
+        Docstring of the function or its class, which states the shapes of arrays.
 
     Returns
     -------
     str or None
-        The end of a sentence, None where nothing is seen to be wrong.
+        The end of a message, None if no error is found.
     """
     hints = hints_of(function)
-    described = {name: _described(name, told) for name in given}
+    described = {name: _described(name, docstring) for name in given}
     for name, value in given.items():
         if name in hints and not fits(value, hints[name]):
             return f"{name} must be {kind_of(hints[name], described[name])}, not {_shown(value)}"
@@ -172,7 +172,7 @@ def _wrong_argument(function: Callable[..., Any], given: Mapping[str, object], t
 
 
 def _wrong_numbers(value: object, description: str) -> Optional[str]:
-    """Return what is wrong with an array, None where nothing is seen to be."""
+    """Return the error in the shape or values of an array, None if there is none."""
     import numpy as np
 
     array = np.asarray(value)
@@ -184,13 +184,13 @@ def _wrong_numbers(value: object, description: str) -> Optional[str]:
         return f"must have the shape {shape[0].strip('`')}, not {array.shape}"
     if not array.size:
         return "must not be empty"
-    if array.dtype.kind == "f" and not np.isfinite(array).all() and not any(word in description.lower() for word in MAY_BE_UNKNOWN):
-        return "must be finite numbers"
+    if array.dtype.kind == "f" and not np.isfinite(array).all() and not any(word in description.lower() for word in NAN_WORDS):
+        return "must hold finite numbers only"
     return None
 
 
 def _other_count(name: str, value: object, description: str, known: dict[str, tuple[int, str]]) -> Optional[str]:
-    """Return what is wrong where an array is for more or fewer vertices or faces than those before; these are `known` by their letters."""
+    """Return the error if the length of an array differs from earlier ones; `known` maps size letters to lengths."""
     import numpy as np
 
     shape = SHAPE.search(description)
@@ -201,12 +201,12 @@ def _other_count(name: str, value: object, description: str, known: dict[str, tu
     return None
 
 
-def _described(name: str, told: str) -> str:
-    """Return what a docstring says of a parameter."""
-    found = re.search(rf"^ *{re.escape(name)}(?: *:.*)?\n((?: {{8}}.*\n?)+)", told, re.MULTILINE)
+def _described(name: str, docstring: str) -> str:
+    """Return the description of a parameter in a docstring."""
+    found = re.search(rf"^ *{re.escape(name)}(?: *:.*)?\n((?: {{8}}.*\n?)+)", docstring, re.MULTILINE)
     return " ".join(found[1].split()) if found else ""
 
 
 def _shown(value: object) -> str:
     text = repr(value) if not hasattr(value, "shape") else f"an array of {getattr(value, 'dtype', 'numbers')}"
-    return text if len(text) <= SHOWN else f"{text[:SHOWN]}…"
+    return text if len(text) <= MAX_QUOTED else f"{text[:MAX_QUOTED]}…"

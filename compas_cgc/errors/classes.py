@@ -1,4 +1,4 @@
-"""The errors of the package, by what went wrong."""
+"""Error classes of the package."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ __all__ = ["ArgumentError", "CGCError", "FileError", "MeshError", "ProblemError"
 
 
 class CGCError(ValueError):
-    """Base of all errors that a user of the package can cause and put right."""
+    """Base class of errors that a user can cause and correct."""
 
 
 class MeshError(CGCError):
-    """The vertices and faces do not form a mesh that curvature can be measured on."""
+    """The vertices and faces do not form a mesh on which curvature can be measured."""
 
 
 class FileError(CGCError):
@@ -20,16 +20,16 @@ class FileError(CGCError):
 
 
 class ArgumentError(CGCError, TypeError):
-    """An argument is of another kind than what a function takes."""
+    """An argument has the wrong type, shape or name."""
 
 
 class ProblemError(CGCError):
-    """A solve is refused.
+    """A problem cannot be solved as stated.
 
     Attributes
     ----------
     problems
-        The sentences of :meth:`compas_cgc.datastructures.CGCMesh.check` that refuse it.
+        Messages of :meth:`compas_cgc.datastructures.CGCMesh.check` about the errors that prevent the solve.
     """
 
     def __init__(self, problems: Sequence[str]):

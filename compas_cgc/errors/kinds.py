@@ -1,4 +1,4 @@
-"""Kinds of values: whether one is what a type hint names, and what that is called in a sentence."""
+"""Checks of values against type hints, and names of types in messages."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ PLAIN: dict[Any, tuple[type, str]] = {
     int: (numbers.Integral, "a whole number"),
     float: (numbers.Real, "a number"),
     complex: (numbers.Number, "a number"),
-    str: (str, "a text"),
+    str: (str, "a string"),
     bytes: (bytes, "bytes"),
     type(None): (type(None), "None"),
 }
-SHAPE = re.compile(r"``\(([\w\s,]+)\)``")  # as docstrings have it, with letters for any size
+SHAPE = re.compile(r"``\(([\w\s,]+)\)``")  # shape in a docstring, with letters for arbitrary sizes
 
 
 class _Unseen:
-    """Base of what stands for classes that are imported for type checkers only, by their names."""
+    """Base of placeholders for classes that are imported for type checkers only."""
 
 
 class _Names(dict[str, Any]):
-    """The names that hints are made of."""
+    """Namespace in which type hints are evaluated."""
 
     def __missing__(self, name: str) -> Any:
         return getattr(builtins, name, None) or type(name, (_Unseen,), {})
 
 
 def hints_of(function: Callable[..., Any]) -> dict[str, Any]:
-    """Return the type hints of a function; for what is imported for type checkers only, classes that stand for it."""
+    """Return the type hints of a function, with placeholders for classes that are imported for type checkers only."""
     with suppress(NameError, TypeError):
         return typing.get_type_hints(function)
     names = _Names(function.__globals__)
@@ -52,7 +52,7 @@ def hints_of(function: Callable[..., Any]) -> dict[str, Any]:
 
 
 def fits(value: object, hint: Any) -> bool:
-    """Tell whether a value is of the kind that a hint names; what is not understood fits."""
+    """Check whether a value matches a type hint; hints that are not understood match any value."""
     origin, inner = get_origin(hint), get_args(hint)
     if hint is None or hint is Any:
         return hint is Any or value is None
@@ -77,14 +77,14 @@ def fits(value: object, hint: Any) -> bool:
 
 
 def _each_fits(values: Iterable[object], inner: tuple[Any, ...]) -> bool:
-    """Tell the same of the first of some values; an iterator is not used up for it."""
+    """Check the first values of a container; iterators are not consumed."""
     if len(inner) != 1 or not hasattr(values, "__len__"):
         return True
     return all(fits(value, inner[0]) for value, _ in zip(values, range(5)))
 
 
 def _is_row(values: Iterable[object], inner: tuple[Any, ...]) -> bool:
-    """Tell whether some values are as many as a tuple has, each of its kind."""
+    """Check whether values match the length and types of a tuple."""
     return not isinstance(values, Sized) or len(values) == len(inner) and all(fits(value, each) for value, each in zip(values, inner))
 
 
@@ -96,7 +96,7 @@ def _has_kind(value: object, kind: type) -> bool:
 
 
 def _members(hint: Any) -> list[Any]:
-    """Return what a union is of, without the many kinds that ``ArrayLike`` stands for."""
+    """Return the members of a union, without those that ``ArrayLike`` expands to."""
     inner = list(get_args(hint))
     if not any("_SupportsArray" in repr(each) for each in inner):
         return inner
@@ -120,7 +120,7 @@ def _is_numeric(value: object) -> bool:
 
 
 def kind_of(hint: Any, description: str) -> str:
-    """Return what a hint is called in a sentence."""
+    """Return the name of a type hint for a message."""
     if get_origin(hint) is Union:
         own = _members(hint)
         words = [kind_of(each, description) for each in own]
@@ -136,7 +136,7 @@ def kind_of(hint: Any, description: str) -> str:
         return f"one of {', '.join(map(repr, inner))}"
     kind: Any = origin or hint
     if not isinstance(kind, type):
-        return "something else"
+        return "another type"
     if issubclass(kind, Callable):  # type: ignore[arg-type]
         return "a function"
     if issubclass(kind, Mapping):
@@ -156,7 +156,7 @@ def _with_article(name: str) -> str:
 
 def _numbers(description: str) -> str:
     shape = SHAPE.search(description)
-    return f"numbers of the shape {shape[0].strip('`')}" if shape else "numbers"
+    return f"numbers of shape {shape[0].strip('`')}" if shape else "numbers"
 
 
 def _plural(kind: str) -> str:

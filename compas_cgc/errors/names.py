@@ -1,4 +1,4 @@
-"""Names that are near to one that there is not."""
+"""Suggestions for unknown names."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ __all__ = ["did_you_mean", "find_attribute", "meant", "nearest_name"]
 
 
 def find_attribute(value: object, name: str, hint: Callable[[str], str]) -> Any:
-    """Refuse an attribute that a value does not have with a sentence that names what was meant; for its ``__getattr__``.
+    """Raise an error with a suggestion for an attribute that does not exist; for use in ``__getattr__``.
 
     Parameters
     ----------
     value
-        What was asked.
+        The object.
     name
-        For what.
+        Name of the attribute.
     hint
-        Returns what to write instead, or nothing.
+        Returns a hint for an unknown name, or an empty string.
 
     Returns
     -------
     object
-        The attribute, where Python asks for one by itself.
+        The attribute, for special names that Python itself requests.
 
     Raises
     ------
@@ -37,32 +37,32 @@ def find_attribute(value: object, name: str, hint: Callable[[str], str]) -> Any:
     >>> find_attribute(1.5, "reel", lambda name: "")
     Traceback (most recent call last):
     ...
-    AttributeError: a float has no 'reel'; did you mean 'real'?
+    AttributeError: a float has no attribute 'reel'; did you mean 'real'?
     """
     if name.startswith("_") or hasattr(type(value), name):
-        # What Python asks for by itself, and what goes wrong within a property.
+        # Special names that Python itself requests, and errors raised within a property.
         return object.__getattribute__(value, name)
     names = [each for each in dir(type(value)) if not each.startswith("_")]
-    raise AttributeError(f"a {type(value).__name__} has no {name!r}{meant(name, names, hint)}")
+    raise AttributeError(f"a {type(value).__name__} has no attribute {name!r}{meant(name, names, hint)}")
 
 
 def meant(name: str, names: Iterable[str], hint: Callable[[str], str]) -> str:
-    """Return the end of a sentence that says what was likely meant."""
+    """Return the hint for an unknown name, or else the most similar name, as the end of a message."""
     instead = hint(name)
     return f"; {instead}" if instead else did_you_mean(name, names)
 
 
 def did_you_mean(name: str, names: Iterable[str], alike: float = 0.6) -> str:
-    """Return ``; did you mean 'name'?`` for the end of a sentence, nothing where no name is near.
+    """Return ``; did you mean 'name'?`` as the end of a message, empty if no name is similar.
 
     Parameters
     ----------
     name
-        As it was written.
+        The unknown name.
     names
-        Those that there are.
+        The existing names.
     alike
-        How much alike two names must be, from 0 to 1.
+        Smallest similarity of the two names, from 0 to 1.
 
     Returns
     -------
@@ -78,21 +78,21 @@ def did_you_mean(name: str, names: Iterable[str], alike: float = 0.6) -> str:
 
 
 def nearest_name(name: str, names: Iterable[str], alike: float = 0.6) -> Optional[str]:
-    """Return the name that is most alike to another one.
+    """Return the name that is most similar to an unknown name.
 
     Parameters
     ----------
     name
-        As it was written; the beginning of one name alone is enough.
+        The unknown name; a unique beginning of a name is enough.
     names
-        Those that there are.
+        The existing names.
     alike
-        How much alike two names must be, from 0 to 1.
+        Smallest similarity of the two names, from 0 to 1.
 
     Returns
     -------
     str or None
-        None where none is as much alike.
+        None if no name is similar enough.
 
     Examples
     --------

@@ -150,7 +150,7 @@ def _bound(name: str, function: Callable, args: list, options: dict) -> Callable
         raise RequestError(f"{name} cannot be called so: {error}") from None
     id = given.arguments.get("id")
     if "id" in given.arguments and not isinstance(id, str):
-        raise RequestError(f"the id of a job must be a text, as submit returns it, not {json.dumps(id)[:40]}")
+        raise RequestError(f"the id of a job must be a string, as submit returns it, not {json.dumps(id)[:40]}")
     return functools.partial(function, *given.args, **given.kwargs)
 
 

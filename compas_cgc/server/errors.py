@@ -1,4 +1,4 @@
-"""Errors with the HTTP status that tells of them."""
+"""Errors of requests, each with its HTTP status."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ __all__ = [
 ]
 
 
-LONGEST_PAUSE = 60  # seconds that a client is told to wait
+LONGEST_PAUSE = 60  # upper limit of the Retry-After header [s]
 
 
 class RequestError(Exception):
-    """A request that cannot be served; the text is a sentence for the client.
+    """A request that cannot be served. The message is one sentence for the client.
 
     Attributes
     ----------
     status
         HTTP status code.
     headers
-        Further headers of the answer.
+        Further headers of the response.
     """
 
     status = 400
@@ -39,41 +39,41 @@ class RequestError(Exception):
 
 
 class BadRequest(RequestError):
-    """The request is not what it should be."""
+    """The request is malformed (400)."""
 
 
 class NotFound(RequestError):
-    """There is no such thing."""
+    """The requested resource does not exist (404)."""
 
     status = 404
 
 
 class Conflict(RequestError):
-    """Not now."""
+    """The request conflicts with the present state (409)."""
 
     status = 409
 
 
 class Gone(RequestError):
-    """It was here once."""
+    """The requested resource no longer exists (410)."""
 
     status = 410
 
 
 class TooLarge(RequestError):
-    """More than the server takes."""
+    """The request exceeds a limit of the server (413)."""
 
     status = 413
 
 
 class UnsupportedEncoding(RequestError):
-    """The body is compressed."""
+    """The body is compressed, which is not supported (415)."""
 
     status = 415
 
 
 class Unprocessable(RequestError):
-    """The request is well formed, its content is not."""
+    """The request is well formed, but its content is invalid (422)."""
 
     status = 422
 
@@ -86,7 +86,7 @@ class Busy(RequestError):
     message
         A sentence for the client.
     seconds
-        After which it may look different, as far as can be told.
+        Estimated time until a retry can succeed [s].
     """
 
     status = 429
@@ -97,29 +97,29 @@ class Busy(RequestError):
 
 
 class WorkerFailed(RequestError):
-    """A worker ended, or has a fault."""
+    """A worker process ended unexpectedly or raised an unexpected error (500)."""
 
     status = 500
 
 
 class ServerStopping(RequestError):
-    """The server ends."""
+    """The server is shutting down (503)."""
 
     status = 503
     headers = {"Retry-After": "5"}
 
 
 class GatewayTimeout(RequestError):
-    """The client would give up soon."""
+    """The request exceeded its time limit (504)."""
 
     status = 504
 
 
 def error_body(message: str, **more: object) -> dict:
-    """Return the JSON object that every client can show: ``message`` for people and newer Hops, ``errors`` for Hops."""
+    """Return the JSON object of an error: ``message`` for people and recent Hops, ``errors`` for older Hops."""
     return {"message": message, "values": [], "errors": [message], "warnings": [], **more}
 
 
 def no_function(message: str) -> dict:
-    """Return what an error has besides where Hops asks for the description of a function: it reads these before the error."""
+    """Return the additional fields of an error in the description of a function; Hops reads them before the error."""
     return {"Description": message, "InputNames": [], "OutputNames": [], "Inputs": [], "Outputs": []}

@@ -83,7 +83,7 @@ def test_errors_are_sentences_without_traces(proxy):
         (lambda: proxy.status(), "status cannot be called so: missing a required argument: 'id'"),
         (lambda: proxy.result("nobody-here", colour="red"), "unexpected keyword argument 'colour'"),
         *(
-            (lambda call=call, id=id: call(id), "the id of a job must be a text")
+            (lambda call=call, id=id: call(id), "the id of a job must be a string")
             for call in _calls_of(proxy)
             for id in (5, None, ["a"], {"a": 1})
         ),

@@ -296,22 +296,25 @@ def test_a_mistake_gets_its_sentence(mistake, tmp_path, monkeypatch):
 ARGUMENTS = {
     "columns of an outline": (
         lambda: CGCMesh.from_outline(SQUARE, 1.0, columns=[[3, 3]]),
-        "no 'columns'; columns are points: .*points=",
+        "no argument 'columns'; columns are points: .*points=",
     ),
     "supports of an outline": (lambda: CGCMesh.from_outline(SQUARE, 1.0, supports="boundary"), r"mesh.set_supports\(\"boundary\"\)"),
     "an outline without a length": (
         lambda: CGCMesh.from_outline(SQUARE),
-        r"lacks 'edge_length'; write from_outline\(outline, ",
+        r"requires the argument 'edge_length'; write from_outline\(outline, ",
     ),
-    "moulds without panels": (lambda: moulds(posed()), r"moulds\(\) lacks 'panels'; write moulds\(mesh, panels\)"),
+    "moulds without panels": (lambda: moulds(posed()), r"moulds\(\) requires the argument 'panels'; write moulds\(mesh, panels\)"),
     "moulds of a size": (lambda: moulds(posed(), size=2.0), r"said of the panels: moulds\(surface, panels\(surface, size=...\)\)"),
-    "a study without a folder": (lambda: run_study(posed(), None), "lacks 'folder'"),
-    "a method without its name": (lambda: solve(posed(), "newton"), "takes only 'problem' without a name; write method=... and the like"),
-    "a setting by part of its name": (lambda: solve(posed(), tol=1e-3), r"no 'tol'; .*settings=\{'tolerance': ...\}"),
-    "a setting with a word before": (lambda: solve(posed(), max_steps=9), r"no 'max_steps'; .*settings=\{'steps': ...\}"),
-    "a symbol of the paper": (lambda: FlowSettings(mu=3), r"FlowSettings\(\) takes no 'mu'; did you mean 'mu0'"),
-    "a problem of one thing": (lambda: CGCProblem("a.3dm"), "lacks 'faces'; write CGCProblem\\(vertices, faces"),
-    "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "is given 'size' twice"),
+    "a study without a folder": (lambda: run_study(posed(), None), "requires the argument 'folder'"),
+    "a method without its name": (
+        lambda: solve(posed(), "newton"),
+        "accepts only 'problem' as positional arguments; pass the others by name, such as method=...",
+    ),
+    "a setting by part of its name": (lambda: solve(posed(), tol=1e-3), r"no argument 'tol'; .*settings=\{'tolerance': ...\}"),
+    "a setting with a word before": (lambda: solve(posed(), max_steps=9), r"no argument 'max_steps'; .*settings=\{'steps': ...\}"),
+    "a symbol of the paper": (lambda: FlowSettings(mu=3), r"FlowSettings\(\) has no argument 'mu'; did you mean 'mu0'"),
+    "a problem of one thing": (lambda: CGCProblem("a.3dm"), "requires the argument 'faces'; write CGCProblem\\(vertices, faces"),
+    "a size twice": (lambda: panels(posed(), 2.0, size=2.0), "received 'size' twice"),
 }
 
 

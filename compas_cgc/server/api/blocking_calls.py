@@ -28,25 +28,25 @@ def jobs() -> Jobs:
 
 
 def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
-    """Run a function in a worker as long as the client waits for it, and return what it returns.
+    """Run a function in a worker and return its result; the function is stopped when the client disconnects.
 
     Parameters
     ----------
     function, args
-        What to run; a :class:`RequestError` that it raises is raised here.
+        The function and its arguments. A :class:`RequestError` that it raises is passed on.
     hint
-        What to do when it takes too long.
+        Remedy that the error names when the time limit is exceeded.
 
     Raises
     ------
     RequestError
-        Of the function, or because of the worker.
+        If the function raises one, the worker fails or the time limit is exceeded.
     """
     return _waited(partial(jobs().calls.call, function, *args), function, hint)
 
 
 def run_in_io_pool(function: Callable, *args: object) -> Any:
-    """Run a function that reads or writes a file apart from the solves, as :func:`run_in_worker` does."""
+    """Run a function that reads or writes a file, as :func:`run_in_worker` does, but without queueing behind solves."""
     return _waited(partial(jobs().calls.convert, function, *args), function, "use a coarser mesh")
 
 
@@ -55,22 +55,22 @@ def _waited(run: Callable, function: Callable, hint: str) -> Any:
     try:
         return run(disconnected=request.environ.get("waitress.client_disconnected", lambda: False))
     except CancelledError:
-        raise ServerStopping("the server is stopping; ask again when it is back") from None
+        raise ServerStopping("the server is shutting down; try again after it has restarted") from None
     except TimeoutError as error:
         if str(error) == "queued":
-            raise GatewayTimeout(f"all workers were busy for {seconds:g} seconds; try again later, or serve with more --workers") from None
-        raise GatewayTimeout(f"the work was stopped after {seconds:g} seconds; {hint}") from None
+            raise GatewayTimeout(f"all workers were busy for {seconds:g} s; try again later, or use more --workers") from None
+        raise GatewayTimeout(f"the calculation was stopped after {seconds:g} s; {hint}") from None
     except (WorkerDied, TaskStopped) as error:
         raise WorkerFailed(str(error)) from None
     except TaskError as error:
         if error.status is not None:
             raise _refused(error) from None
         current_app.logger.error("%s failed: %s", function.__name__, error.trace)
-        raise WorkerFailed(f"the solver failed unexpectedly ({error.kind}); the log of the server says more") from None
+        raise WorkerFailed(f"the solver failed unexpectedly ({error.kind}); see the log of the server") from None
 
 
 def _refused(error: TaskError) -> RequestError:
-    # Not in the frame that raises it: an error that a frame knows which it knows would keep the request for a long while.
+    # A separate frame avoids a reference cycle between error and frame, which would keep the request in memory.
     failure = RequestError(str(error))
     failure.status = error.status or failure.status
     return failure

@@ -1,6 +1,6 @@
-"""Builds: jobs that make something of a solved surface, or look for the limits of its supports, instead of solving.
+"""Builds: jobs that derive something from a solved surface, such as moulds, or search for its limits.
 
-A build's content is an archive of plain files: what was made as JSON, and in every format that it is written in.
+The result of a build is an archive of files: the data as JSON, and one file for every other format.
 """
 
 from __future__ import annotations
@@ -46,20 +46,20 @@ BUILD_FORMATS = {
 }
 _MARK = b"CGC build\n"
 _STAGES = 3  # read, make, write
-_LIMITS_TEXT = "Let the targets grow, all in the same ratio, until no fair surface meets them any more, and say where that is."
+_LIMITS_TEXT = "Scale all targets by a common factor and report the largest factor for which a fair surface exists."
 _LIMITS_OPTIONS = {
     "tolerance": {
         "type": "number",
         "exclusiveMinimum": 0,
         "exclusiveMaximum": 1,
         "default": 0.02,
-        "description": "how closely to tell, as a part",
+        "description": "relative accuracy of the reported limit",
     }
 }
 
 
 def tasks() -> list[dict]:
-    """Return every task but the solve, with its text, its options and the formats of its result."""
+    """Return every task except the solve, with its description, options and result formats."""
     built = [
         {
             "name": own.name,
@@ -74,16 +74,16 @@ def tasks() -> list[dict]:
 
 
 def check_build(task: str, settings: object, limits: Limits) -> dict[str, Any]:
-    """Return the settings of a task as they were given, when they are such.
+    """Return the settings of a task after checking them.
 
     Raises
     ------
     Unprocessable
-        With a sentence that names the setting.
+        If a setting is unknown or invalid.
     """
     given = {} if settings is None else settings
     if not isinstance(given, dict):
-        raise Unprocessable("'settings' must be an object of settings by name")
+        raise Unprocessable("'settings' must be an object that maps names of settings to values")
     _read(task, given)
     return given
 
@@ -94,7 +94,7 @@ def _read(task: str, given: Mapping[str, Any]) -> dict[str, Any]:
             return read_settings(task, given)
         unknown = sorted(set(given) - set(_LIMITS_OPTIONS))
         if unknown:
-            raise Unprocessable(f"there is no option {unknown[0]!r:.60}; there are {', '.join(_LIMITS_OPTIONS)}")
+            raise Unprocessable(f"unknown option {unknown[0]!r:.60}; the options are {', '.join(_LIMITS_OPTIONS)}")
         tolerance = given.get("tolerance", 0.02)
         if isinstance(tolerance, bool) or not isinstance(tolerance, (int, float)) or not 0.0 < tolerance < 1.0:
             raise Unprocessable(f"'tolerance' must be between 0 and 1, not {tolerance!r:.60}")
@@ -104,12 +104,12 @@ def _read(task: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[str]) -> tuple[str, bytes]:
-    """Make what a task asks for, and return one sentence on it and the archive; run in a worker.
+    """Run a task in a worker, and return one sentence that summarises the result, and the archive.
 
     Raises
     ------
     ValueError
-        If there is no such thing, in a sentence.
+        If the task cannot be carried out on this surface.
     """
     settings = _read(task, given)
     report({"task": task, "stage": "build", "step": 1, "steps": _STAGES})
@@ -117,22 +117,22 @@ def built(task: str, problem: CGCProblem, given: Mapping[str, Any], notes: list[
         from ...solvers.limits import largest_target
 
         limit = largest_target(problem, **settings)
-        told = plain({**limit.to_dict(), "text": limit.message, "notes": notes, "task": task, "formats": ["arrays"]})
-        return limit.message, _archive({"arrays": _encoded(told)})
+        data = plain({**limit.to_dict(), "text": limit.message, "notes": notes, "task": task, "formats": ["arrays"]})
+        return limit.message, _archive({"arrays": _encoded(data)})
     made = build(task, problem, settings)
     report({"task": task, "stage": "write", "step": 2, "steps": _STAGES})
     files = _files(task, problem, made, settings)
     formats = ["arrays", *(name for name in files if not name.endswith(".refused"))]
-    told = {**build_data(task, problem, made), "notes": notes, "task": task, "formats": formats}
-    return str(made).splitlines()[0], _archive({"arrays": _encoded(told), **files})
+    data = {**build_data(task, problem, made), "notes": notes, "task": task, "formats": formats}
+    return str(made).splitlines()[0], _archive({"arrays": _encoded(data), **files})
 
 
-def _encoded(told: dict) -> bytes:
-    return json.dumps(told, ensure_ascii=False, allow_nan=False).encode("utf-8")
+def _encoded(data: dict) -> bytes:
+    return json.dumps(data, ensure_ascii=False, allow_nan=False).encode("utf-8")
 
 
 def _files(task: str, problem: CGCProblem, made: Any, settings: Mapping[str, Any]) -> dict[str, bytes]:
-    """Return what was made in every format of the task, or the sentence that says why there is none."""
+    """Return the file in every format of the task; a format that cannot be written is replaced by a note."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in BUILD_SUFFIXES[task]:
@@ -140,7 +140,7 @@ def _files(task: str, problem: CGCProblem, made: Any, settings: Mapping[str, Any
             try:
                 written = write_build(path, task, problem, made, settings)
                 if len(written) > 1:
-                    raise CGCError(f"{len(written)} files are no one answer; those of all sheets are in the format zip")
+                    raise CGCError(f"the format gives {len(written)} files, one per sheet; request the format zip")
                 found[suffix[1:]] = written[0].read_bytes()
             except CGCError as error:
                 found[f"{suffix[1:]}.refused"] = str(error).encode("utf-8")
@@ -151,23 +151,23 @@ def _archive(files: Mapping[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, content in files.items():
-            # Of the same time always: the same input has the same result.
+            # A constant time stamp: the same input gives the same bytes.
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, 1)
     return _MARK + packed.getvalue()
 
 
 def is_build(content: bytes) -> bool:
-    """Tell whether the content of a job is that of a build."""
+    """Check whether the result of a job is that of a build."""
     return content.startswith(_MARK)
 
 
 def build_file(content: bytes, kind: str) -> bytes:
-    """Return one of the files of a build.
+    """Return one file of a build.
 
     Raises
     ------
     Unprocessable
-        If there is none of that kind.
+        If the build has no file of this format.
     """
     with zipfile.ZipFile(io.BytesIO(content[len(_MARK) :])) as archive:
         names = archive.namelist()
@@ -177,4 +177,4 @@ def build_file(content: bytes, kind: str) -> bytes:
         if f"{kind}.refused" in names:
             raise Unprocessable(archive.read(f"{kind}.refused").decode("utf-8"))
     formats = [name for name in names if not name.endswith(".refused")]
-    raise Unprocessable(f"this job has no result of the format {kind}; it has {', '.join(formats)}")
+    raise Unprocessable(f"this job has no result in the format {kind}; its formats are {', '.join(formats)}")

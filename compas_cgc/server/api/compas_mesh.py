@@ -1,4 +1,4 @@
-"""COMPAS JSON: nothing but a Mesh or CGCMesh is decoded."""
+"""Decoding of COMPAS JSON, restricted to Mesh and CGCMesh."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MESH_TYPE, CGC_MESH = "compas.datastructures/Mesh", "compas_cgc.datastructures/C
 
 
 def read_compas_mesh(value: dict) -> CGCMesh:
-    """Return the mesh of COMPAS JSON that was checked.
+    """Return the mesh in checked COMPAS JSON.
 
     Raises
     ------
@@ -42,21 +42,21 @@ def check_compas_mesh(value: object, limits: Limits) -> None:
     Raises
     ------
     Unprocessable, TooLarge
-        With a sentence that names the field.
+        If a field is missing, invalid or too large.
     """
     if not isinstance(value, dict) or value.get("dtype") not in (MESH_TYPE, CGC_MESH) or not isinstance(value.get("data"), dict):
         raise Unprocessable("'mesh' must be a COMPAS Mesh as JSON (compas.json_dumps), with 'dtype' and 'data'")
     data = value["data"]
     if _mentions_dtype(data):
-        raise Unprocessable("'mesh' must hold plain numbers and texts only, no further COMPAS objects")
+        raise Unprocessable("'mesh' must hold numbers and strings only, no other COMPAS objects")
     if not isinstance(data.get("vertex"), dict) or not isinstance(data.get("face"), dict):
-        raise Unprocessable("'mesh' must hold 'vertex' and 'face'")
+        raise Unprocessable("'mesh' must have the fields 'vertex' and 'face'")
     order = {str(key): i for i, key in enumerate(data["vertex"])}
     try:
         vertices = [[entry["x"], entry["y"], entry["z"]] for entry in data["vertex"].values()]
         corners = [[order[str(v)] for v in face] for face in data["face"].values()]
     except (KeyError, TypeError):
-        raise Unprocessable("'mesh' must hold x, y and z of every vertex, and faces of existing vertices") from None
+        raise Unprocessable("'mesh' must hold x, y and z of every vertex, and its faces must refer to existing vertices") from None
     polygons(corners, len(vertex_array(vertices, limits)), limits)
 
 

@@ -1,4 +1,4 @@
-"""A result in the formats that clients ask for."""
+"""Encoding of a result in the format that a client requests."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .serialization import unpack_result
 
 __all__ = ["FORMATS", "SHOWN", "encoded", "merged_into", "moved"]
 
-SHOWN = ("arrays", "packed", "compas", "hops")  # others are files to keep
+SHOWN = ("arrays", "packed", "compas", "hops")  # returned as JSON; the other formats are files to download
 OF_A_SOLVE = {**dict.fromkeys(SHOWN, "application/json"), **KINDS}
 FORMATS = {**OF_A_SOLVE, **BUILD_FORMATS}
 
@@ -37,17 +37,17 @@ def encoded(name: str, content: bytes) -> bytes:
     name
         One of :data:`FORMATS`.
     content
-        See :func:`compas_cgc.server.api.serialization.pack_result`, or of a build.
+        A result from :func:`compas_cgc.server.api.serialization.pack_result`, or the archive of a build.
 
     Raises
     ------
     Unprocessable
-        If the job has no result of that format.
+        If the job has no result in this format.
     """
     if is_build(content):
         return build_file(content, name)
     if name not in OF_A_SOLVE:
-        raise Unprocessable(f"a solve has no result of the format {name}; it has {', '.join(OF_A_SOLVE)}")
+        raise Unprocessable(f"a solve has no result in the format {name}; its formats are {', '.join(OF_A_SOLVE)}")
     result, report = unpack_result(content)
     if name in ("arrays", "packed"):
         return _arrays(result, report, name == "packed")
@@ -61,23 +61,23 @@ def encoded(name: str, content: bytes) -> bytes:
 
 
 def moved(content: bytes) -> bytes:
-    """Return what somebody who sent the mesh does not have yet: all but faces, roles and creases, packed, as JSON in one line.
+    """Return a result without faces, roles and creases, which the client already has, as packed JSON on one line.
 
-    Where faces were turned they go along.
+    The faces are included where edges were flipped.
     """
     result, report = unpack_result(content)
     return _arrays(result, report, in_bytes=True, mesh=result.turned > 0)
 
 
 def merged_into(source: bytes, content: bytes) -> bytes:
-    """Return the bytes of a .3dm file with a packed result put into it."""
+    """Return the bytes of a .3dm file with a packed result merged into it."""
     return file_bytes("3dm", unpack_result(content)[0], source)
 
 
 def _arrays(result: SolveResult, report: dict, in_bytes: bool, mesh: bool = True) -> bytes:
-    """Return everything as JSON, arrays of numbers as lists with null for what is no number, or as packed arrays.
+    """Return a result as JSON, with arrays as lists (null for NaN) or packed.
 
-    Straight from the arrays: with the COMPAS mesh in between it would take thrice the time.
+    Built directly from the arrays, which takes a third of the time of a COMPAS mesh.
     """
     rows: Callable = packed if in_bytes else np.ndarray.tolist
     column: Callable = packed if in_bytes else _column
@@ -101,7 +101,7 @@ def _arrays(result: SolveResult, report: dict, in_bytes: bool, mesh: bool = True
 
 
 def _column(values: np.ndarray) -> list:
-    """Return numbers as a list with None for those that are none."""
+    """Return numbers as a list, with None for NaN."""
     return [x if math.isfinite(x) else None for x in values.tolist()]
 
 

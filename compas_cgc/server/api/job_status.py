@@ -1,4 +1,4 @@
-"""What a client is told about a job."""
+"""Status of a job, as sent to clients."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["status"]
 
 
 def status(job: Job, position: Optional[int] = None) -> dict:
-    """Return the state of a job as plain data, with its position in the queue where it waits."""
+    """Return the status of a job as plain data, with its position in the queue while it is queued."""
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     return {
         "id": job.id,

@@ -1,4 +1,4 @@
-"""The last surface of the same drawing, from which a request may be solved on for other targets; the server keeps nothing in between."""
+"""Last surface of the same drawing: an initial guess for other targets, sent by the client because the server is stateless."""
 
 from __future__ import annotations
 
@@ -23,44 +23,44 @@ __all__ = ["LastSurface", "check_last", "gone_on", "read_last"]
 
 
 class LastSurface(NamedTuple):
-    """What was found before, and for which targets."""
+    """Surface of an earlier solve, and its targets."""
 
     vertices: FloatArray  # (n, 3) [L]
     targets: Targets  # [1/L^2]
 
 
 def check_last(value: object, count: Optional[int], limits: Limits) -> None:
-    """Check the last surface that a request brings along for a mesh of `count` vertices (None: not known yet).
+    """Check the last surface in a request for a mesh of `count` vertices (None: not known yet).
 
     Raises
     ------
     Unprocessable
-        With a sentence that says what to send.
+        If the last surface is malformed or does not match the mesh.
     """
     if value is None:
         return
     if count is None:
-        raise Unprocessable("'last' goes with 'vertices' and 'faces'; send the mesh as these, or leave 'last' out")
+        raise Unprocessable("'last' requires 'vertices' and 'faces'; send the mesh as these, or leave 'last' out")
     if not isinstance(value, Mapping) or set(value) != {"vertices", "targets"}:
-        raise Unprocessable("'last' must be an object of the 'vertices' that were found and the 'targets' they were found for")
+        raise Unprocessable("'last' must be an object with the 'vertices' of the last surface and its 'targets'")
     try:
         vertices = vertex_array(value["vertices"], limits)
         if len(vertices) != count:
-            raise Unprocessable(f"there are {len(vertices)} vertices for a mesh of {count}; send a surface of the same mesh")
+            raise Unprocessable(f"the surface has {len(vertices)} vertices, but the mesh has {count}; send a surface of the same mesh")
         if value["targets"] is None:
-            raise Unprocessable("'targets' is null; send the targets that the surface was found for")
+            raise Unprocessable("'targets' is null; send the targets of the last surface")
         check_targets(value["targets"], count)
     except Unprocessable as error:
         raise Unprocessable(f"last: {error}") from None
 
 
 def read_last(value: Optional[Mapping], limits: Limits) -> Optional[LastSurface]:
-    """Return the last surface of a checked request, None where it brings none."""
+    """Return the last surface of a checked request, None if the request has none."""
     return None if value is None else LastSurface(vertex_array(value["vertices"], limits), read_targets(value["targets"]))
 
 
 def gone_on(problem: CGCProblem, last: Optional[LastSurface]) -> CGCProblem:
-    """Return a problem on the last surface of its drawing; the problem itself where there is none, or it has the same targets."""
+    """Return a problem with the last surface as its initial guess; the unchanged problem if there is none or the targets are equal."""
     if last is None:
         return problem
     before = replace(problem, targets=np.full(len(problem.vertices), np.nan)).with_targets(last.targets)

@@ -1,4 +1,4 @@
-"""Mesh files: of uploads, and for downloads. Only files of the server's own making are opened."""
+"""Mesh files of uploads and downloads. The server opens only temporary files that it has written."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ KINDS = {"3dm": "model/vnd.3dm", "obj": "model/obj"}
 
 
 def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optional[float] = None) -> ReadProblem:
-    """Return the problem in the bytes of a file, of a .3dm with a result that result where it is wanted.
+    """Return the problem in the bytes of a file; with `result`, the result stored in a .3dm file.
 
-    Curves and surfaces of a .3dm are meshed with edges of the length that is given [L].
+    Curves and surfaces in a .3dm file are meshed with the given edge length [L].
 
     Raises
     ------
     Unprocessable
-        If it is no such file.
+        If the file cannot be read.
     """
     from ...io import read_problem
 
@@ -41,12 +41,12 @@ def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optio
 
 
 def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -> bytes:
-    """Return a result as the bytes of a .3dm or .obj file, a .3dm merged into the bytes of another.
+    """Return a result as the bytes of a .3dm or .obj file; a .3dm can be merged into the bytes of another.
 
     Raises
     ------
     Unprocessable
-        If the source is no such file.
+        If the source file cannot be read.
     """
     from ...io import write
 
@@ -62,7 +62,7 @@ def file_bytes(kind: str, result: SolveResult, source: Optional[bytes] = None) -
 
 
 def warm_up_io() -> None:
-    """Load what files take, so that the first does not wait for it."""
+    """Import the modules for files, so that the first request is not delayed."""
     from ... import io  # noqa: F401
     from ...datastructures import CGCMesh  # noqa: F401
     from ...io import rhino  # noqa: F401

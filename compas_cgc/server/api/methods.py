@@ -1,4 +1,4 @@
-"""Methods and their options as JSON, made from the registry whenever they are asked for."""
+"""Methods and their options as JSON, derived from the registry on every request."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ...solvers.settings import Settings
 
 __all__ = ["methods", "option_schema", "settings_schema"]
 
-AUTO = "Picks one of the others by the problem and the settings, says which and why, and tries the next when one stalls."
+AUTO = "Chooses one of the other methods from the problem and the settings, reports the choice, and tries the next when one stalls."
 TYPES = {int: "integer", float: "number", bool: "boolean", str: "string"}
 BOUNDS = {"minimum": "low", "maximum": "high", "exclusiveMinimum": "above", "exclusiveMaximum": "below"}
 
 
 def methods() -> list[dict]:
-    """Return every method with its text and its options, ``auto`` first."""
+    """Return every method with its description and options, ``auto`` first."""
     own = [_described(method.name, method.text, method.settings) for method in METHODS.values()]
     return [_described("auto", AUTO, AutoSettings), *own]
 
@@ -28,7 +28,7 @@ def _described(name: str, text: str, settings: type[Settings]) -> dict:
 
 
 def option_schema(option: Option) -> dict:
-    """Return the JSON schema of an option; null stands for its default."""
+    """Return the JSON schema of an option; null selects the default."""
     schema: dict = {"type": [TYPES[option.kind], "null"], "description": option.text}
     if option.choices:
         schema["enum"] = [*option.choices, None]
@@ -39,6 +39,6 @@ def option_schema(option: Option) -> dict:
 
 
 def settings_schema() -> dict:
-    """Return the JSON schema of settings: every option of every method, by each of its names."""
+    """Return the JSON schema of the settings: every option of every method, under each of its names."""
     found = {name: option_schema(own) for alias, own in options().items() for name in dict.fromkeys((own.name, alias))}
     return {"type": ["object", "null"], "additionalProperties": False, "properties": found}

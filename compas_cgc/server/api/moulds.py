@@ -1,4 +1,4 @@
-"""Moulds of the result of a job: what a client may ask, and the answer, made in a worker."""
+"""Moulds of the result of a job: options and computation in a worker."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .serialization import unpack_result
 __all__ = ["MOULD_FORMATS", "MOULD_OPTIONS", "moulds_of", "read_mould_options"]
 
 MOULD_FORMATS = {"json": "application/json", "3dm": KINDS["3dm"]}
-# In a query there are texts only.
+# Query parameters are strings.
 MOULD_OPTIONS: dict[str, dict] = {
     own.name: {**({"enum": ["true", "false"]} if own.schema.get("type") == "boolean" else own.schema), "description": own.text}
     for own in TASKS["mould"].options
@@ -27,12 +27,12 @@ MOULD_OPTIONS: dict[str, dict] = {
 
 
 def read_mould_options(query: Mapping[str, str]) -> dict[str, Any]:
-    """Return the options in a query, as numbers, texts and truths.
+    """Return the options in a query as numbers, strings and booleans.
 
     Raises
     ------
     Unprocessable
-        With a sentence that names the option.
+        If an option is unknown or invalid.
     """
     try:
         return read_settings("mould", {name: text for name, text in query.items() if name != "format"})
@@ -46,7 +46,7 @@ def moulds_of(content: bytes, options: dict[str, Any], kind: str) -> bytes:
     Raises
     ------
     Unprocessable
-        With the sentence of whoever refuses.
+        If the moulds cannot be computed with these options.
     """
     problem = unpack_result(content)[0].problem
     try:

@@ -1,4 +1,4 @@
-"""The job API in the OpenAPI format."""
+"""OpenAPI description of the job API."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ OPERATIONS = {
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
 }
-# What is described is one event, as readers of descriptions take it.
+# OpenAPI has no event streams: the schema describes one event.
 _EVENT = {
     "type": "object",
     "required": ["event", "data"],
     "properties": {
         "event": {"enum": ["progress", "done", "failed", "surface", "verdict", "result"]},
-        "data": {"type": "string", "description": "JSON: the status of the job, or its surface, what is said of that, or its result"},
+        "data": {"type": "string", "description": "JSON: the status of the job, its surface, the verdict or the result"},
     },
 }
 EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": _EVENT}}}
@@ -59,7 +59,7 @@ _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"
 
 
 def description() -> dict:
-    """Return the description of the job API."""
+    """Return the OpenAPI description of the job API."""
     found = _description()
     for (method, path), name in OPERATIONS.items():
         found["paths"][path][method]["operationId"] = name
@@ -78,24 +78,24 @@ def _description() -> dict:
         "openapi": "3.1.0",
         "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
         "paths": {
-            "/health": {"get": _operation("Tell whether the server lives", {"200": _json({"$ref": "#/components/schemas/Health"})})},
+            "/health": {"get": _operation("Check whether the server is running", {"200": _json({"$ref": "#/components/schemas/Health"})})},
             "/version": {
-                "get": _operation("Name the program and its version", {"200": _json({"$ref": "#/components/schemas/Version"})}),
+                "get": _operation("Return name and version of the program", {"200": _json({"$ref": "#/components/schemas/Version"})}),
             },
             "/api/v1/methods": {
                 "get": _operation("List the methods and their settings", {"200": _json({"$ref": "#/components/schemas/Methods"})}, "401"),
             },
             "/api/v1/tasks": {
-                "get": _operation("List what is built from solved surfaces, with the settings", tasks, "401"),
+                "get": _operation("List the tasks on solved surfaces and their settings", tasks, "401"),
             },
             "/api/v1/jobs": {
                 "get": {
-                    **_operation("List the jobs, the newest first", {"200": _json({"$ref": "#/components/schemas/JobList"})}, "401", "422"),
+                    **_operation("List the jobs, newest first", {"200": _json({"$ref": "#/components/schemas/JobList"})}, "401", "422"),
                     "parameters": [{"name": name, "in": "query", "schema": schema} for name, schema in PAGE.items()],
                 },
                 "post": {
                     **_operation(
-                        "Submit a solve, or another task on what was solved",
+                        "Submit a solve, or another task on a solved surface",
                         {"202": _json({"$ref": "#/components/schemas/Submitted"}), "200": EVENTS},
                         *("400", "401", "404", "409", "410", "413", "415", "422", "429"),
                     ),
@@ -105,13 +105,13 @@ def _description() -> dict:
                             "name": "follow",
                             "in": "query",
                             "schema": {"enum": ["true"]},
-                            "description": "answer with events, and in the end with one called result; 202 where no stream is free",
+                            "description": "respond with events, the last one called 'result'; 202 if no stream is free",
                         },
                         {
                             "name": "options",
                             "in": "query",
                             "schema": {"type": "string"},
-                            "description": "for files: the other fields as JSON",
+                            "description": "for files: the other fields of a request as JSON",
                         },
                     ],
                     "requestBody": {
@@ -126,17 +126,17 @@ def _description() -> dict:
             "/api/v1/jobs/{id}": {
                 "parameters": [_ID],
                 "get": {
-                    **_operation("Tell how a job is doing", {"200": _json({"$ref": job})}, "401", "404"),
+                    **_operation("Return the status of a job", {"200": _json({"$ref": job})}, "401", "404"),
                     "parameters": [
                         {
                             "name": "wait",
                             "in": "query",
                             "schema": {"type": "number", "minimum": 0, "maximum": 25},
-                            "description": "seconds to wait for the end of the job",
+                            "description": "time to wait for the end of the job [s]",
                         }
                     ],
                 },
-                "delete": _operation("Stop a job and forget it", {"204": {"description": "forgotten"}}, "401", "404"),
+                "delete": _operation("Stop a job and delete it", {"204": {"description": "deleted"}}, "401", "404"),
             },
             "/api/v1/jobs/{id}/cancel": {
                 "parameters": [_ID],
@@ -146,7 +146,7 @@ def _description() -> dict:
                 "parameters": [_ID, {"name": "format", "in": "query", "schema": {"enum": list(FORMATS)}}],
                 "get": _operation("Return the result", result, "401", "404", "409", "410", "422"),
                 "post": {
-                    **_operation("Return the result merged into a .3dm file", merged, *refusals),
+                    **_operation("Return the uploaded .3dm file with the result merged into it", merged, *refusals),
                     "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}},
                 },
             },
@@ -156,7 +156,7 @@ def _description() -> dict:
                     {"name": "format", "in": "query", "schema": {"enum": list(MOULD_FORMATS)}},
                     *({"name": name, "in": "query", "schema": schema} for name, schema in MOULD_OPTIONS.items()),
                 ],
-                "get": _operation("Return the moulds that panels of the result are made on", moulds, *refusals),
+                "get": _operation("Return the panels of the result and their moulds", moulds, *refusals),
             },
             "/api/v1/jobs/{id}/surface": {
                 "parameters": [_ID],
@@ -164,7 +164,7 @@ def _description() -> dict:
                     "Return the moving vertices as little-endian float32",
                     {
                         "200": {"description": "vertices", "content": _content(["application/octet-stream"])},
-                        "204": {"description": "nothing moves: not yet, not any more, or the job was not submitted as live"},
+                        "204": {"description": "no vertices: the job has not started, has finished or was not submitted as live"},
                     },
                     "401",
                     "404",
@@ -173,7 +173,7 @@ def _description() -> dict:
             "/api/v1/jobs/{id}/events": {
                 "parameters": [_ID],
                 "get": _operation(
-                    "Send states as they change",
+                    "Stream the status of a job whenever it changes",
                     {"200": EVENTS},
                     "401",
                     "404",
@@ -183,16 +183,18 @@ def _description() -> dict:
             "/api/v1/models": {
                 "parameters": [
                     {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(KINDS)}},
-                    {"name": "name", "in": "query", "schema": {"type": "string"}, "description": "what to call the mesh"},
+                    {"name": "name", "in": "query", "schema": {"type": "string"}, "description": "name of the mesh"},
                     {
                         "name": "edge_length",
                         "in": "query",
                         "schema": {"type": "number", "exclusiveMinimum": 0},
-                        "description": "of a mesh that is made of curves or surfaces",
+                        "description": "edge length of the mesh of curves or surfaces [L]",
                     },
                 ],
                 "post": {
-                    **_operation("Tell what is in a file", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"),
+                    **_operation(
+                        "Return the contents of a file", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"
+                    ),
                     "requestBody": {
                         "required": True,
                         "content": {"application/octet-stream": {"schema": BYTES}},
@@ -210,7 +212,7 @@ def _description() -> dict:
             },
             "/api/v1/examples/{name}": {
                 "parameters": [{"name": "name", "in": "path", "required": True, "schema": {"type": "string"}}],
-                "get": _operation("Tell what is in an example", {"200": _json({"$ref": model})}, "401", "404", "429"),
+                "get": _operation("Return the contents of an example", {"200": _json({"$ref": model})}, "401", "404", "429"),
             },
         },
         "components": {
@@ -235,12 +237,12 @@ def _description() -> dict:
 
 
 def _operation(summary: str, responses: dict, *problems: str) -> dict:
-    problem = _json({"$ref": "#/components/schemas/Problem"}, "a sentence that says what is wrong")
+    problem = _json({"$ref": "#/components/schemas/Problem"}, "one sentence that describes the error and the remedy")
     return {"summary": summary, "responses": {**responses, **dict.fromkeys(problems, problem)}}
 
 
 def _content(kinds: Iterable[str], schema: Optional[dict] = None) -> dict:
-    """Return the contents of an answer: JSON of a schema, and files."""
+    """Return the content of a response: JSON of a schema, and files."""
     return {kind: {"schema": schema if kind == "application/json" and schema else BYTES} for kind in dict.fromkeys(kinds)}
 
 

@@ -1,4 +1,4 @@
-"""Options of a request: what is asked of its mesh, checked before the job is queued and applied to the problem in the worker."""
+"""Options of a request: checked before the job is queued, applied to the problem in the worker."""
 
 from __future__ import annotations
 
@@ -41,15 +41,15 @@ USER_ROLES = tuple(role for i, role in enumerate(ROLES) if i != DUMMY)
 
 
 def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limits) -> None:
-    """Check what is asked of a mesh of `count` vertices (None: not known yet).
+    """Check the options for a mesh of `count` vertices (None: not known yet).
 
     Raises
     ------
     Unprocessable
-        With a sentence that names the field.
+        If an option is invalid.
     """
     if not isinstance(options.get("name", ""), str):
-        raise Unprocessable("'name' must be a text")
+        raise Unprocessable("'name' must be a string")
     if options.get("unit", "") not in tuple(UNITS):
         raise Unprocessable(f"'unit' must be one of {', '.join(filter(None, UNITS))}")
     for name in ("flip", "live"):
@@ -66,12 +66,12 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
 
 
 def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem:
-    """Return a problem with all that checked options ask of it.
+    """Return a problem with checked options applied to it.
 
     Raises
     ------
     ValueError
-        If a crease does not follow edges, or there is no such vertex or region.
+        If a crease does not follow edges, or a vertex or region does not exist.
     """
     if options.get("name"):
         problem = replace(problem, drawing=problem.drawing._replace(name=options["name"]))
@@ -93,18 +93,18 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
 
 
 def settings_of(options: Mapping[str, Any], limits: Limits) -> Optional[Settings]:
-    """Return the settings that options make, None where nothing is said.
+    """Return the settings in options, None if there are none.
 
     Raises
     ------
     Unprocessable
-        If there is no such method or setting, or a value is out of its range.
+        If a method or setting is unknown, or a value is out of range.
     """
     method, value = options.get("method", "auto"), options.get("settings")
     if method not in method_names():
         raise Unprocessable(f"'method' must be one of {', '.join(method_names())}")
     if value is not None and not isinstance(value, Mapping):
-        raise Unprocessable("'settings' must be an object of settings by name")
+        raise Unprocessable("'settings' must be an object that maps names of settings to values")
     given = {name: _plain(entry, f"the setting {name:.40}") for name, entry in (value or {}).items()}
     try:
         settings = settings_for(method, given) if given else None
@@ -112,16 +112,16 @@ def settings_of(options: Mapping[str, Any], limits: Limits) -> Optional[Settings
         raise Unprocessable(f"settings: {error}") from None
     steps = getattr(settings, "steps", None)
     if steps is not None and steps > limits.steps:
-        raise Unprocessable(f"the setting steps is {steps}, the server takes at most {limits.steps} steps")
+        raise Unprocessable(f"the setting steps is {steps}, but the server allows at most {limits.steps} steps")
     return settings
 
 
 def _plain(value: object, what: str) -> object:
-    """Return a number, a text or a truth value; JSON writes some whole numbers as 3.0."""
+    """Return a number, string or boolean; integral floats such as 3.0 become integers."""
     if value is None or isinstance(value, (bool, str)):
         return value
     if not isinstance(value, (int, float)):
-        raise Unprocessable(f"{what} must be a number, a text, true or false")
+        raise Unprocessable(f"{what} must be a number, a string, true or false")
     number(value, what)
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
@@ -141,12 +141,12 @@ def _check_roles(roles: object, count: Optional[int], options: Mapping[str, Any]
     if options.get("supports") is not None:
         raise Unprocessable("give 'roles' or 'supports', not both")
     if not isinstance(roles, list) or (count is not None and len(roles) != count):
-        raise Unprocessable(f"'roles' must be a list of one role per vertex ({count})")
+        raise Unprocessable(f"'roles' must be a list of one role per vertex ({count} vertices)")
     wrong = next((i for i, role in enumerate(roles) if role not in USER_ROLES), None)
     if wrong is not None:
         raise Unprocessable(f"the role of vertex {wrong} must be {', '.join(USER_ROLES[:-1])} or {USER_ROLES[-1]}")
     if "crease" in roles and not options.get("creases"):
-        raise Unprocessable("'roles' has crease vertices; say which edges fold as 'creases', paths of vertices")
+        raise Unprocessable("'roles' has crease vertices; also give the folding edges as 'creases', paths of vertices")
 
 
 def _check_creases(creases: object, count: Optional[int]) -> None:
@@ -163,16 +163,14 @@ def _check_vertices(value: object, count: Optional[int], what: str) -> None:
         raise Unprocessable(f"{what} must be a list of vertices")
     place = next((v for v in value if isinstance(v, list)), None)
     if place is not None:
-        raise Unprocessable(
-            f"{what} must be vertices by their positions in 'vertices', counted from 0, not coordinates such as {place!s:.60}"
-        )
+        raise Unprocessable(f"{what} must be indices of 'vertices', counted from 0, not coordinates such as {place!s:.60}")
     vertices = [whole(v, f"every vertex of {what}") for v in value]
     wrong = [v for v in vertices if v < 0 or (count is not None and v >= count)]
     if wrong:
         one = len(wrong) == 1
-        there = "" if count is None else f"; there are {count}, counted from 0"
+        there = "" if count is None else f"; there are {count} vertices, counted from 0"
         named = f"{'vertex' if one else 'vertices'} {listed(wrong)}, which {'does' if one else 'do'} not exist"
-        raise Unprocessable(f"{what} names {named}{there}")
+        raise Unprocessable(f"{what} refers to {named}{there}")
 
 
 def check_targets(value: object, count: Optional[int]) -> None:
@@ -181,11 +179,11 @@ def check_targets(value: object, count: Optional[int]) -> None:
     Raises
     ------
     Unprocessable
-        With a sentence that names the vertex or the region.
+        If the target of a vertex or region is invalid.
     """
     if isinstance(value, list):
         if count is not None and len(value) != count:
-            raise Unprocessable(f"'targets' has {len(value)} numbers for {count} vertices; give one each, or one number for all")
+            raise Unprocessable(f"'targets' has {len(value)} numbers for {count} vertices; give one number per vertex, or one for all")
         if are_numbers(value):
             return
         for i, K in enumerate(value):
@@ -193,7 +191,7 @@ def check_targets(value: object, count: Optional[int]) -> None:
                 number(K, f"the target of vertex {i}")
     elif isinstance(value, dict):
         if not all(key.isdecimal() and len(key) < 7 for key in value):
-            raise Unprocessable('\'targets\' by region must be named by the numbers of the regions, such as {"0": 0.01, "1": 0.04}')
+            raise Unprocessable('\'targets\' by region must have region numbers as keys, such as {"0": 0.01, "1": 0.04}')
         for key, K in value.items():
             number(K, f"the target of region {key}")
     elif value is not None:
@@ -209,36 +207,36 @@ def _check_constraints(value: object, method: str, count: Optional[int], name: s
         constraints = as_constraints(value)
         check_indices(constraints, 2**31 if count is None else count)
     except OverflowError:
-        raise Unprocessable("a constraint names a vertex that does not exist") from None
+        raise Unprocessable("a constraint refers to a vertex that does not exist") from None
     except ValueError as error:
         raise Unprocessable(str(error)) from None
-    # One goal of the whole surface is for Newton's method too; whether it is one is seen with the mesh.
+    # Newton's method supports one goal of the whole surface; the number of goals is checked with the mesh.
     if method == "newton" and all(map(is_of_whole, constraints)):
         return
     if method != "auto" and not METHODS[method].holds_constraints:
         able = " or ".join(own.name for own in METHODS.values() if own.holds_constraints)
-        raise Unprocessable(f"only the method {able} holds constraints; use it, or auto")
+        raise Unprocessable(f"only the method {able} supports constraints; use it, or auto")
 
 
 def _check_unknown(value: object) -> None:
     if value is None or value == "all":
         return
     if not isinstance(value, list):
-        raise Unprocessable("'unknown' must be a list of regions whose K is to be found, or \"all\"")
+        raise Unprocessable("'unknown' must be a list of the regions whose K is unknown, or \"all\"")
     for region in value:
         if whole(region, "every region of 'unknown'") < 0:
-            raise Unprocessable(f"'unknown' names region {region}, which does not exist")
+            raise Unprocessable(f"'unknown' refers to region {region}, which does not exist")
 
 
 def _fixed(roles: list[str], problem: CGCProblem) -> list[int]:
     """Return the vertices whose role is fixed, by the user's names."""
     if len(roles) != len(problem.vertices):
-        raise ValueError(f"'roles' must be a list of one role per vertex ({len(problem.vertices)})")
+        raise ValueError(f"'roles' must be a list of one role per vertex ({len(problem.vertices)} vertices)")
     return problem.names.vertices[np.array(roles) == "fixed"].tolist()
 
 
 def read_targets(value: Any) -> Targets:
-    """Return targets as the problem takes them: one, one per vertex (n,), or by the number of the region [1/L^2]."""
+    """Return the targets in the form of a problem: one number, one per vertex (n,), or a dictionary by region [1/L^2]."""
     if isinstance(value, list):
         return np.array([np.nan if K is None else K for K in value], dtype=np.float64)
     return {int(region): K for region, K in value.items()} if isinstance(value, dict) else value

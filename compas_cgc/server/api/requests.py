@@ -1,4 +1,4 @@
-"""Requests for a solve: checked before they are queued, stored as bytes, and turned into a problem once, in the worker."""
+"""Solve requests: checked before they are queued, stored as bytes, and converted to a problem once, in the worker."""
 
 from __future__ import annotations
 
@@ -45,23 +45,23 @@ MESH = ("vertices", "faces", "roles", "mesh", "last")
 
 
 class SolveRequest(NamedTuple):
-    """What a client asks for."""
+    """Decoded request for a solve."""
 
     problem: CGCProblem
     method: str = "auto"
     settings: Optional[Settings] = None
-    live: bool = False  # report the moving surface
-    last: Optional[LastSurface] = None  # of the same drawing, to go on from
-    notes: Sequence[str] = ()  # what was done to the input
+    live: bool = False  # whether to report the surface of every step
+    last: Optional[LastSurface] = None  # initial guess from an earlier solve of the same drawing
+    notes: Sequence[str] = ()  # changes made to the input
 
 
 def solve_request(problem: CGCProblem, options: Mapping[str, Any], limits: Limits, notes: Sequence[str] = ()) -> SolveRequest:
-    """Return the request that options make of a problem.
+    """Return the solve request of a problem and its options.
 
     Raises
     ------
     Unprocessable, ValueError
-        With a sentence on the option.
+        If an option is invalid for this problem.
     """
     settings = settings_of(options, limits)
     return SolveRequest(apply_options(problem, options), options.get("method", "auto"), settings, options.get("live", False), notes=notes)
@@ -77,18 +77,18 @@ def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes
     limits
         Those of the server.
     body
-        The bytes that it was parsed from.
+        The bytes from which it was parsed.
 
     Raises
     ------
     Unprocessable, TooLarge
-        With a sentence that names the field.
+        If a field is missing, invalid or too large.
     """
     if not isinstance(value, dict):
         raise Unprocessable("the request must be a JSON object with 'vertices' and 'faces', or 'mesh'")
     unknown = sorted(set(value) - set(OPTIONS) - set(MESH))
     if unknown:
-        raise Unprocessable(f"there is no field {unknown[0]!r:.60}; there are {', '.join(MESH + OPTIONS)}")
+        raise Unprocessable(f"unknown field {unknown[0]!r:.60}; the fields are {', '.join(MESH + OPTIONS)}")
     if value.get("mesh") is not None:
         check_options(value, None, limits)
         check_last(value.get("last"), None, limits)
@@ -103,7 +103,7 @@ def accept(value: object, limits: Limits, body: Optional[bytes] = None) -> bytes
     check_last(value.get("last"), len(vertices), limits)
     if body is not None and isinstance(value["vertices"], dict) and isinstance(value["faces"], dict):
         return body
-    # Packed, the worker reads it in a tenth of the time.
+    # The worker reads packed arrays ten times as fast.
     triangles = packed(flat.reshape(-1, 3)) if (sizes == 3).all() else value["faces"]
     return json.dumps({**value, "vertices": packed(vertices), "faces": triangles}).encode()
 
@@ -115,7 +115,7 @@ def _read_json_request(options: dict, body: bytes, limits: Limits) -> SolveReque
 
 
 def _problem_of(value: dict, limits: Limits) -> CGCProblem:
-    """Return the problem of vertices and polygons; in the worker, as large polygons take their time."""
+    """Return the problem of vertices and polygons. Runs in the worker, as triangulating large polygons is slow."""
     vertices = vertex_array(value["vertices"], limits)
     faces, _ = triangles_of(vertices, polygons(value["faces"], len(vertices), limits))
     return CGCProblem(vertices, faces, drawing=Drawing("Mesh"))
@@ -132,12 +132,12 @@ def _read_result(options: dict, body: bytes, limits: Limits) -> SolveRequest:
     return solve_request(unpack_result(body)[0].problem, options, limits)
 
 
-# By the kind of the body: (options, body, limits) to a request. What they need is importable in the workers.
+# Functions by format of the body that convert (options, body, limits) to a request; importable in the workers.
 Reader = Callable[[dict, bytes, Limits], SolveRequest]
 READERS: dict[str, Reader] = {
     "json": _read_json_request,
     **{kind: partial(_read_file, kind) for kind in KINDS},
     "result": _read_result,
 }
-# The same for what has been solved.
+# The same for solved surfaces.
 SOLVED_READERS: dict[str, Reader] = {**READERS, **{kind: partial(_read_file, kind, result=True) for kind in KINDS}}

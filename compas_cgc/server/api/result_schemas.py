@@ -1,4 +1,4 @@
-"""Results as JSON Schema: fields of the classes that they are made of."""
+"""JSON Schema of results, derived from the fields of their classes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ PACKED = {
 
 
 def _schema_of(cls: type) -> dict:
-    """Return the schema of a dataclass by the types of its fields."""
+    """Return the schema of a dataclass."""
     hints = get_type_hints(cls)
     properties = {own.name: _schema_of_hint(hints[own.name]) for own in fields(cls)}
     return {"type": "object", "required": list(properties), "properties": properties}
@@ -52,7 +52,7 @@ def _schema_of_hint(hint: Any) -> dict:
         return _schema_of(hint)  # type: ignore[arg-type]
     inner = get_args(hint)
     if get_origin(hint) is Union:
-        # Optional alone: None is null.
+        # Only Optional is supported: None becomes null.
         return {"type": [_schema_of_hint(inner[0])["type"], "null"]}
     if get_origin(hint) is dict:
         return {"type": "object", "additionalProperties": _schema_of_hint(inner[1])}
@@ -60,7 +60,7 @@ def _schema_of_hint(hint: Any) -> dict:
 
 
 def _rows(items: dict, text: str) -> dict:
-    """Return the schema of an array: of lists of three, or packed, as the format that was asked for has it."""
+    """Return the schema of an array: a list of triples, or packed in the format 'packed'."""
     three = {"type": "array", "items": items, "minItems": 3, "maxItems": 3}
     return {"oneOf": [{"type": "array", "items": three}, {"$ref": "#/components/schemas/Packed"}], "description": text}
 
@@ -70,7 +70,7 @@ def _column(text: str) -> dict:
 
 
 def _object(required: str, optional: str = "", /, **properties: dict) -> dict:
-    """Return the schema of an object of properties, those that are required first."""
+    """Return the schema of an object with required and optional properties."""
     names = [*required.split(), *optional.split()]
     return {"type": "object", "required": required.split(), "properties": {name: properties[name] for name in names}}
 
@@ -80,10 +80,10 @@ _VERDICT["properties"] = {"word": {"enum": ["fair", "rough"]}, **_VERDICT["prope
 _REPORT = _object(
     "notes",
     "verdict measure other_measures regions quality max_error moved_max moved_mean",
-    notes={**TEXTS, "description": "on the input"},
+    notes={**TEXTS, "description": "changes made to the input"},
     verdict={"$ref": "#/components/schemas/Verdict"},
     measure=PLAIN[str],
-    other_measures={"type": "object", "additionalProperties": NUMBER, "description": "largest error by other measures [1/L^2]"},
+    other_measures={"type": "object", "additionalProperties": NUMBER, "description": "largest error of K by other measures [1/L^2]"},
     regions={"type": "array", "items": {"$ref": "#/components/schemas/Region"}},
     quality={"$ref": "#/components/schemas/Quality"},
     max_error=PLAIN[float],
@@ -99,7 +99,7 @@ _RESULT = _object(
     "status message ending iterations seconds max_error method measure vertices faces turned roles targets curvature creases history "
     "report",
     status={"enum": list(STATUSES)},
-    message={**PLAIN[str], "description": "the verdict and the surface, then how the method ended; where K was not reached, why"},
+    message={**PLAIN[str], "description": "verdict, surface and ending; if K was not reached, the reason"},
     ending={**PLAIN[str], "description": "how the method ended"},
     iterations=PLAIN[int],
     seconds=PLAIN[float],
@@ -108,10 +108,10 @@ _RESULT = _object(
     measure=PLAIN[str],
     vertices=_rows(PLAIN[float], "the surface (n, 3) [L]"),
     faces=_rows(PLAIN[int], "(m, 3)"),
-    turned={**PLAIN[int], "description": "how many faces are not those that were sent: edges too stretched for K < 0 were turned"},
+    turned={**PLAIN[int], "description": "number of faces changed by flipping overstretched edges for K < 0"},
     roles={"type": "array", "items": {"enum": list(ROLES)}},
     targets=_column("(n,) [1/L^2]"),
-    curvature=_column("(n,), null or NaN where none is asked [1/L^2]"),
+    curvature=_column("(n,), null or NaN where K is not prescribed [1/L^2]"),
     creases={"type": "array", "items": {"type": "array", "items": PLAIN[int]}, "description": "paths of vertices"},
     history={"$ref": "#/components/schemas/History"},
     report={"$ref": "#/components/schemas/Report"},

@@ -1,4 +1,4 @@
-"""Rhino meshes and polylines in JSON, as Hops and McNeel's compute clients read them."""
+"""Rhino meshes and polylines as JSON for Hops and the Rhino.Compute clients."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ __all__ = ["mesh_text", "polyline_text"]
 
 
 def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray] = None, limit: float = 1.0) -> str:
-    """Return a mesh as text.
+    """Return a mesh as JSON text.
 
     Parameters
     ----------
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     values
-        ``(n,)`` numbers to colour the vertices by, from -limit (blue) to limit (red), grey for NaN.
+        ``(n,)`` numbers that colour the vertices, from -limit (blue) to limit (red), grey for NaN.
     limit
-        Largest value.
+        Largest value of the colour scale.
     """
     mesh = mesh_from_arrays(vertices, faces)
     if values is not None:
@@ -33,7 +33,7 @@ def mesh_text(vertices: FloatArray, faces: IntArray, values: Optional[FloatArray
 
 
 def polyline_text(points: FloatArray) -> str:
-    """Return a polyline (k, 3) [L] as text."""
+    """Return a polyline (k, 3) [L] as JSON text."""
     import rhino3dm
 
     return json.dumps(rhino3dm.PolylineCurve([rhino3dm.Point3d(*point) for point in points.tolist()]).Encode())

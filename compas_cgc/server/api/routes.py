@@ -1,4 +1,4 @@
-"""The job API, health, version and their description."""
+"""Routes of the job API, health, version and the OpenAPI description."""
 
 from __future__ import annotations
 
@@ -57,13 +57,13 @@ __all__ = ["api"]
 
 api = Blueprint("api", __name__)
 LONGEST_WAIT = 25.0  # seconds
-SMALL = 2**19  # bytes of a result, some 4,000 vertices
-SMALL_PACKED = 2**21  # likewise where arrays are packed, some 14,000 vertices
+SMALL = 2**19  # size of a result encoded in this process instead of a worker [bytes]; about 4,000 vertices
+SMALL_PACKED = 2**21  # the same for packed arrays; about 14,000 vertices
 
 
 @api.get("/health")
 def health() -> Response:
-    """Tell at once whether the server and its workers live."""
+    """Return the state of the server and its workers, without waiting."""
     executor: Any = jobs().executor
     workers: dict = executor.health() if hasattr(executor, "health") else {}
     return respond({"status": "starting" if workers.get("starting") == workers.get("workers", -1) else "ok", **workers})
@@ -71,13 +71,13 @@ def health() -> Response:
 
 @api.get("/version")
 def version() -> Response:
-    """Name the program and its version."""
+    """Return the name and version of the program."""
     return respond({"name": "compas_cgc", "version": __version__, "api": 1, "instance": current_app.config["INSTANCE"]})
 
 
 @api.get("/openapi.json")
 def openapi() -> Response:
-    """Describe the job API."""
+    """Return the OpenAPI description of the job API."""
     return respond(description())
 
 
@@ -89,7 +89,7 @@ def list_methods() -> Response:
 
 @api.get("/api/v1/tasks")
 def list_tasks() -> Response:
-    """List what is built from solved surfaces, with the options."""
+    """List the tasks on solved surfaces and their options."""
     return respond({"tasks": tasks()})
 
 
@@ -100,7 +100,7 @@ def submit() -> Response:
     limits = current_app.config["LIMITS"]
     kind, follow = request.args.get("kind", "json"), request.args.get("follow")
     if follow not in (None, "true"):
-        raise Unprocessable("'follow' can only be true, for a stream of events in the place of an answer")
+        raise Unprocessable("'follow' can only be true; the response is then a stream of events")
     if kind == "json":
         check_length(request.content_length, limits)
     body = request.get_data(cache=False)
@@ -113,7 +113,7 @@ def submit() -> Response:
         raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
     g.spent = {"check": time.perf_counter() - started}
     job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
-    # Where all slots are taken the client is answered at once and asks again.
+    # If all slots are taken, respond at once; the client polls.
     if follow and _wait_slots().acquire(blocking=False):
         return _stream(job.id, with_surface="task" not in given.options)
     address = url_for("api.show", id=job.id)
@@ -123,19 +123,19 @@ def submit() -> Response:
 
 @api.get("/api/v1/jobs")
 def show_all() -> Response:
-    """List the jobs, the newest first, page by page."""
+    """List the jobs page by page, newest first."""
     limit, offset, state = _page(request.args)
     found, total = jobs().page(limit, offset, state)
     positions = jobs().positions()
-    told = [status(job, positions.get(job.id)) for job in found]
-    return respond({"jobs": told, "total": total, "limit": limit, "offset": offset})
+    listed = [status(job, positions.get(job.id)) for job in found]
+    return respond({"jobs": listed, "total": total, "limit": limit, "offset": offset})
 
 
 def _page(given: Mapping[str, str]) -> tuple[int, int, Optional[str]]:
-    """Return limit, offset and state of a list that is asked for."""
+    """Return limit, offset and state of the requested page."""
     unknown = sorted(set(given) - set(PAGE))
     if unknown:
-        raise Unprocessable(f"there is no parameter {unknown[0]!r:.60}; there are {', '.join(PAGE)}")
+        raise Unprocessable(f"unknown parameter {unknown[0]!r:.60}; the parameters are {', '.join(PAGE)}")
     state = given.get("state")
     if state is not None and state not in STATES:
         raise Unprocessable(f"'state' must be one of {', '.join(STATES)}")
@@ -147,7 +147,7 @@ def _bounded(given: Mapping[str, str], name: str) -> int:
     text = given.get(name, str(schema["default"]))
     low, high = schema["minimum"], schema["maximum"]
     if not (text.isascii() and text.isdecimal() and len(text) < 12 and low <= int(text) <= high):
-        raise Unprocessable(f"'{name}' must be a whole number from {low} to {high}")
+        raise Unprocessable(f"'{name}' must be an integer from {low} to {high}")
     return int(text)
 
 
@@ -157,9 +157,9 @@ def _status(job: Job) -> dict:
 
 @api.get("/api/v1/jobs/<id>")
 def show(id: str) -> Response:
-    """Tell how a job is doing, with ``wait`` as soon as it is over or after so many seconds."""
+    """Return the status of a job; with ``wait``, when it is finished or after that time [s]."""
     seconds = min(request.args.get("wait", 0.0, type=float), LONGEST_WAIT)
-    # Where all slots are taken the client is answered at once and asks again.
+    # If all slots are taken, respond at once; the client polls.
     if seconds > 0 and _wait_slots().acquire(blocking=False):
         try:
             return respond(_status(jobs().wait(id, seconds)))
@@ -176,7 +176,7 @@ def result(id: str) -> Response:
         raise Unprocessable(f"'format' must be one of {', '.join(FORMATS)}")
     content = jobs().result(id)
     started = time.perf_counter()
-    # What is small is quicker here than there and back.
+    # Small results are encoded here, as the transfer to a worker would take longer.
     small = is_build(content) or (name not in KINDS and len(content) < (SMALL_PACKED if name == "packed" else SMALL))
     answer = Response(encoded(name, content) if small else run_in_io_pool(encoded, name, content), mimetype=FORMATS[name])
     if name not in SHOWN:
@@ -187,12 +187,12 @@ def result(id: str) -> Response:
 
 @api.get("/api/v1/jobs/<id>/moulds")
 def moulds(id: str) -> Response:
-    """Divide the result of a job into panels, and return the moulds that they are made on."""
+    """Return the panels of the result of a job and their moulds."""
     kind = request.args.get("format", "json")
     if kind not in MOULD_FORMATS:
         raise Unprocessable(f"'format' must be one of {', '.join(MOULD_FORMATS)}")
     options = read_mould_options(request.args)
-    content = run_in_worker(moulds_of, jobs().result(id), options, kind, hint="ask for fewer panels, or use a coarser mesh")
+    content = run_in_worker(moulds_of, jobs().result(id), options, kind, hint="request fewer panels, or use a coarser mesh")
     answer = Response(content, mimetype=MOULD_FORMATS[kind])
     if kind == "3dm":
         answer.headers["Content-Disposition"] = 'attachment; filename="moulds.3dm"'
@@ -201,9 +201,9 @@ def moulds(id: str) -> Response:
 
 @api.post("/api/v1/jobs/<id>/result")
 def merged_result(id: str) -> Response:
-    """Return the .3dm file that is sent with the result of a job put into it."""
+    """Return the uploaded .3dm file with the result of a job merged into it."""
     if request.args.get("format", "3dm") != "3dm":
-        raise Unprocessable("'format' must be 3dm, as only a .3dm holds more than the mesh")
+        raise Unprocessable("'format' must be 3dm, the only format with content besides the mesh")
     source = request.get_data(cache=False)
     if not source:
         raise BadRequest("the request is empty; send the bytes of the .3dm file")
@@ -213,10 +213,10 @@ def merged_result(id: str) -> Response:
 
 @api.get("/api/v1/jobs/<id>/surface")
 def surface(id: str) -> Response:
-    """Return the present vertices of a running live job as little-endian float32."""
+    """Return the current vertices of a running live job as little-endian float32."""
     content = jobs().surface(id)
     if content is None:
-        # Not yet, not any more, or not asked for: nothing that the client could avoid.
+        # Not started, finished or not live: not an error of the client.
         return Response(status=204)
     return Response(content, mimetype="application/octet-stream")
 
@@ -229,22 +229,22 @@ def cancel(id: str) -> Response:
 
 @api.delete("/api/v1/jobs/<id>")
 def delete(id: str) -> Response:
-    """Stop a job and forget it."""
+    """Stop a job and delete it."""
     jobs().delete(id)
     return Response(status=204)
 
 
 @api.get("/api/v1/jobs/<id>/events")
 def events(id: str) -> Response:
-    """Send the states of a job as they change."""
+    """Stream the status of a job whenever it changes."""
     jobs().get(id)
     if not _wait_slots().acquire(blocking=False):
-        raise Busy("too many event streams are open; ask for the status of the job instead")
+        raise Busy("too many event streams are open; request the status of the job instead")
     return _stream(id)
 
 
 def _stream(id: str, with_surface: bool = False) -> Response:
-    """Return the states of a job as they change and, where it is wanted, its surface in the end; who calls has taken a slot."""
+    """Stream the status of a job and, if requested, its final surface. The caller has reserved a slot."""
     engine = jobs()
 
     def stream() -> Iterator[bytes]:
@@ -254,8 +254,8 @@ def _stream(id: str, with_surface: bool = False) -> Response:
                 yield b": still here\n\n"
                 continue
             kind = {"succeeded": "done", "failed": "failed", "cancelled": "failed"}.get(job.state, "progress")
-            told = status(job, engine.positions().get(id))
-            yield _event(kind, told)
+            state = status(job, engine.positions().get(id))
+            yield _event(kind, state)
             arrived = engine.arrived(id) if with_surface else None
             if arrived is not None and arrived is not shown:
                 shown = arrived
@@ -264,22 +264,22 @@ def _stream(id: str, with_surface: bool = False) -> Response:
             if said is not None and said is not judged:
                 judged = said
                 yield _event("verdict", said)
-            if with_surface and told["has_result"]:
-                # Where it is gone by now, the client asks for it and is told so.
+            if with_surface and state["has_result"]:
+                # If the result was deleted meanwhile, the client's request for it is answered with an error.
                 with suppress(RequestError):
                     yield b"event: result\ndata: " + moved(engine.result(id)) + b"\n\n"
 
     answer = Response(stream(), mimetype="text/event-stream")
-    # Called in the end, even when the stream was never begun.
+    # Called at the end, even if the stream was never started.
     answer.call_on_close(_wait_slots().release)
     return answer
 
 
 def _event(kind: str, data: dict) -> bytes:
-    """Return an event as the stream has it."""
+    """Return an event in the format of the stream."""
     return f"event: {kind}\ndata: {json.dumps(data, ensure_ascii=False)}\n\n".encode()
 
 
 def _wait_slots() -> BoundedSemaphore:
-    """Return the slots of requests that hold a thread while they wait for a job."""
+    """Return the semaphore that limits the requests holding a thread while they wait for a job."""
     return current_app.extensions["wait_slots"]

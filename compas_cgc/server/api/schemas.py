@@ -1,4 +1,4 @@
-"""What goes over the wire, as JSON Schema."""
+"""JSON Schema of requests and responses."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = [
     "request_schema",
 ]
 
-# Generators of clients go by the format, which is OpenAPI 3.0's.
+# Client generators read the OpenAPI 3.0 keyword `format`.
 BYTES = {"type": "string", "contentEncoding": "binary", "format": "binary"}
 STATES = ("queued", "running", "succeeded", "failed", "cancelled")
 PAGE = {
@@ -43,9 +43,9 @@ JOB = {
         "id": {"type": "string"},
         "name": {"type": "string"},
         "state": {"enum": list(STATES)},
-        "position": {"type": ["integer", "null"], "minimum": 1, "description": "in the queue, null where it does not wait"},
+        "position": {"type": ["integer", "null"], "minimum": 1, "description": "position in the queue, null if the job is not queued"},
         "progress": {"type": "number", "minimum": 0, "maximum": 1},
-        "task": {"type": "string", "description": "solve, or what is made of a solved surface"},
+        "task": {"type": "string", "description": "solve, or the name of a task on a solved surface"},
         "stage": {"type": "string"},
         "iteration": {"type": "integer"},
         "iterations": {"type": ["integer", "null"]},
@@ -54,7 +54,7 @@ JOB = {
         "energy": {"type": ["number", "null"]},
         "elapsed": {"type": ["number", "null"], "description": "seconds"},
         "created": {"type": "number", "description": "seconds since 1970"},
-        "message": {"type": ["string", "null"], "description": "one sentence, when the job is over"},
+        "message": {"type": ["string", "null"], "description": "one sentence, when the job is finished"},
         "has_result": {"type": "boolean"},
     },
 }
@@ -63,7 +63,7 @@ JOB_LIST = {
     "required": ["jobs", "total", "limit", "offset"],
     "properties": {
         "jobs": {"type": "array", "items": {"$ref": "#/components/schemas/Job"}},
-        "total": {"type": "integer", "description": "number of all those that were asked for"},
+        "total": {"type": "integer", "description": "number of jobs on all pages"},
         "limit": {"type": "integer"},
         "offset": {"type": "integer"},
     },
@@ -84,30 +84,30 @@ MODEL = {
     "required": ["vertices", "faces", "roles", "supports", "creases", "regions", "targets", "notes", "problems"],
     "properties": {
         "name": {"type": "string"},
-        "unit": {"type": "string", "description": "of length, empty where it is not known"},
+        "unit": {"type": "string", "description": "unit of length, empty if unknown"},
         "vertices": {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}},
         "faces": {"type": "array", "items": {**INDICES, "minItems": 3, "maxItems": 3}},
         "roles": {"type": "array", "items": {"enum": list(USER_ROLES)}},
         "supports": {
             "type": "object",
-            "description": "those of the file, and what could be held instead",
+            "description": "supports in the file, and alternatives",
             "properties": {"file": INDICES, "boundary": INDICES, "corners": INDICES},
         },
-        "support_choice": {"enum": ["file", "boundary"], "description": "which of them the roles and problems are of"},
+        "support_choice": {"enum": ["file", "boundary"], "description": "choice of supports on which roles and problems are based"},
         "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
-        "constraints": {"type": "array", "items": {"type": "object"}, "description": "as a request takes them"},
+        "constraints": {"type": "array", "items": {"type": "object"}, "description": "in the format of a request"},
         "regions": {**INDICES, "description": "region of every face"},
         "targets": {
             "type": "array",
             "items": {"type": ["number", "null"]},
-            "description": "by region, null where it is not one number; suggested where the file has none [1/L^2]",
+            "description": "by region, null if not constant; a suggestion if the file has no targets [1/L^2]",
         },
         "vertex_targets": {
             "type": ["array", "null"],
             "items": {"type": ["number", "null"]},
-            "description": "per vertex, where a region has more than one [1/L^2]",
+            "description": "per vertex, if the target of a region is not constant [1/L^2]",
         },
-        "settings": {"type": "object", "description": "the paper's, of an example"},
+        "settings": {"type": "object", "description": "settings of the paper, for an example"},
         "notes": {"type": "array", "items": {"type": "string"}},
         "problems": {
             "type": "array",
@@ -128,7 +128,7 @@ TASKS = {
                     "name": {"enum": list(TASK_NAMES[1:])},
                     "text": {"type": "string"},
                     "options": {"type": "array", "items": {"type": "object", "required": ["name"]}, "description": "name and JSON schema"},
-                    "formats": {"type": "array", "items": {"type": "string"}, "description": "of the result"},
+                    "formats": {"type": "array", "items": {"type": "string"}, "description": "formats of the result"},
                 },
             },
         },
@@ -145,7 +145,7 @@ METHODS = {
                 "required": ["name", "text", "options"],
                 "properties": {
                     "name": {"type": "string"},
-                    "text": {"type": "string", "description": "what it does, and what for"},
+                    "text": {"type": "string", "description": "purpose of the method"},
                     "options": {"type": "array", "items": {"type": "object", "required": ["name"]}, "description": "name and JSON schema"},
                 },
             },
@@ -178,12 +178,12 @@ LAST = {
     "required": ["vertices", "targets"],
     "additionalProperties": False,
     "properties": {"vertices": VERTICES, "targets": TARGETS},
-    "description": "the surface that was found for other targets, with nothing else changed: the solve goes on from it",
+    "description": "surface of the same problem solved for other targets, used as initial guess",
 }
 
 
 def request_schema() -> dict:
-    """Return the schema of a request, with the methods and constraints that there are."""
+    """Return the schema of a request, with all methods and constraints."""
     return {
         "type": "object",
         "additionalProperties": False,
@@ -199,17 +199,17 @@ def request_schema() -> dict:
             "targets": TARGETS,
             "last": LAST,
             "constraints": CONSTRAINT_LIST,
-            "goals": {**CONSTRAINT_LIST, "description": "the same; a place of its own for heights, volumes and the like"},
+            "goals": {**CONSTRAINT_LIST, "description": "an alias of `constraints`"},
             "unknown": {
                 "oneOf": [{"enum": ["all"]}, INDICES],
-                "description": "regions whose K is found with the surface; the targets of the answer hold it",
+                "description": "regions whose K is unknown; it is solved for and returned in the targets of the result",
             },
             "task": {"enum": [SOLVE]},
             "method": {"enum": list(method_names()), "description": "see /api/v1/methods"},
             "settings": settings_schema(),
-            "unit": {"enum": list(UNITS), "description": "of lengths; files of the result are in it"},
+            "unit": {"enum": list(UNITS), "description": "unit of length, also of the files of the result"},
             "flip": {"type": "boolean"},
-            "live": {"type": "boolean", "description": "report the moving surface, and the result without errors by other measures"},
+            "live": {"type": "boolean", "description": "report the surface of every step; omits errors by other measures"},
         },
     }
 
@@ -225,21 +225,21 @@ def drawing_schema() -> dict:
         "properties": {
             "name": {"type": "string"},
             "unit": {"enum": list(UNITS)},
-            "edge_length": {"type": "number", "exclusiveMinimum": 0, "description": "of the mesh [L]"},
+            "edge_length": {"type": "number", "exclusiveMinimum": 0, "description": "edge length of the mesh [L]"},
             "outline": {**line, "minItems": 3},
             "holes": lines,
             "creases": {**lines, "description": "lines along which the surface may fold"},
             "points": {**line, "description": "columns"},
-            "held": {**lines, "description": "lines whose vertices are held"},
+            "held": {**lines, "description": "lines whose vertices are supports"},
         },
     }
 
 
 def build_schema() -> dict:
-    """Return the schema of a request for another task than a solve: of the surface that it is made of, or of the job that solved it."""
+    """Return the schema of a request for a task on a solved surface, given as a mesh or as the job that solved it."""
     properties = {name: schema for name, schema in request_schema()["properties"].items() if name not in ("method", "live", "last")}
-    task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all but limits take what is solved"}
-    job = {"type": "string", "description": "the job whose result is taken, instead of a mesh"}
+    task = {"enum": list(TASK_NAMES[1:]), "description": "see /api/v1/tasks; all except limits require a solved surface"}
+    job = {"type": "string", "description": "id of the job whose result is used instead of a mesh"}
     settings = {"anyOf": [_settings_of(own) for own in tasks()]}
     return {
         "type": "object",

@@ -1,4 +1,4 @@
-"""Serialization of problems and results: bytes without code in them, so that they can be stored and read again."""
+"""Serialization of problems and results as bytes that contain no code, so that stored files are safe to read."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from ..errors import Unprocessable
 
 __all__ = ["NO_SURFACE", "pack_problem", "pack_result", "unpack_problem", "unpack_result"]
 
-NO_SURFACE = "this job did not solve for a surface; name the job of the solve"
+NO_SURFACE = "this job has no solved surface; give the id of a solve"
 WORDS = ("status", "message", "ending", "iterations", "seconds", "max_error", "method", "measure")
 
 
@@ -35,12 +35,12 @@ def pack_problem(problem: CGCProblem) -> bytes:
 
 
 def unpack_problem(content: bytes) -> CGCProblem:
-    """Return the problem of :func:`pack_problem`."""
+    """Return a problem from the bytes of :func:`pack_problem`."""
     return _problem_of(*_unpack(content))
 
 
 def pack_result(result: SolveResult, report: dict) -> bytes:
-    """Return a result and a report of plain data as bytes."""
+    """Return a result and its report (plain data) as bytes."""
     words = {word: getattr(result, word) for word in WORDS}
     words.update(_words_of(result.problem), settings=_settings_data(result.settings), report=report, turned=result.turned)
     history = {f"history_{name}": values for name, values in result.history._asdict().items()}
@@ -49,27 +49,27 @@ def pack_result(result: SolveResult, report: dict) -> bytes:
 
 
 def unpack_result(content: bytes) -> tuple[SolveResult, dict]:
-    """Return the result and the report of :func:`pack_result`.
+    """Return the result and the report from the bytes of :func:`pack_result`.
 
     Raises
     ------
     Unprocessable
-        If it is the content of another task.
+        If the bytes belong to another task.
     """
     if not content.startswith(b"PK"):
         raise Unprocessable(NO_SURFACE)
     arrays, words = _unpack(content)
     history = History(*(arrays[f"history_{name}"] for name in History._fields))
     settings = _settings_of(words.get("settings"))
-    # Those of older versions had one measure, and one sentence.
-    told = {"ending": words["message"], **{word: words[word] for word in WORDS if word in words and word != "message"}}
+    # Results of older versions have no `measure` and no `ending`.
+    fields = {"ending": words["message"], **{word: words[word] for word in WORDS if word in words and word != "message"}}
     more = {"settings": settings, "start": arrays.get("start"), "turned": words.get("turned", 0)}
-    result = SolveResult(_problem_of(arrays, words), **told, history=history, **more)
+    result = SolveResult(_problem_of(arrays, words), **fields, history=history, **more)
     result.__dict__["message"] = words["message"]
     return result, words["report"]
 
 
-# What older versions stored can still be read: the names of arrays and words are theirs.
+# The names of arrays and words are part of the format: results stored by older versions remain readable.
 
 
 def _arrays_of(problem: CGCProblem) -> dict[str, np.ndarray]:
@@ -110,7 +110,7 @@ def _settings_data(settings: object) -> Optional[list]:
 
 
 def _settings_of(data: Optional[list]) -> Optional[Settings]:
-    # A method may be gone since.
+    # The method may have been removed since.
     return settings_for(*data) if data and data[0] in method_names() else None
 
 

@@ -1,4 +1,4 @@
-"""Submissions: the bodies of requests for jobs, checked and made ready to be queued."""
+"""Submissions: checked bodies of job requests, ready to be queued."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ FILE_OPTIONS = ("task", *OPTIONS)
 class Submission(NamedTuple):
     """A job to be queued."""
 
-    kind: str  # what the body is, one of the readers
+    kind: str  # format of the body, one of the readers
     body: bytes
     options: dict[str, Any]
     id: Optional[str]
-    job: Optional[str] = None  # whose result is the body
+    job: Optional[str] = None  # id of the job whose result becomes the body
 
 
 def with_result(given: Submission, result_of: Callable[[str], bytes]) -> Submission:
-    """Return a submission with the result of the job that it names as its body.
+    """Return a submission whose body is the result of the job that it refers to.
 
     Raises
     ------
     RequestError
-        If that job has no surface.
+        If the job has no surface.
     """
     if given.job is None:
         return given
@@ -56,12 +56,12 @@ def with_result(given: Submission, result_of: Callable[[str], bytes]) -> Submiss
 
 
 def json_submission(body: bytes, limits: Limits) -> Submission:
-    """Return the submission of a JSON body: a mesh, or the name of a job whose result is taken.
+    """Return the submission of a JSON body with a mesh or the id of a solved job.
 
     Raises
     ------
     RequestError
-        With a sentence that names the field.
+        If a field is missing or invalid.
     """
     value: Any = read_json(body, limits)
     task = _task_of(value) if isinstance(value, dict) else SOLVE
@@ -69,10 +69,10 @@ def json_submission(body: bytes, limits: Limits) -> Submission:
         content = accept(_without(value, "task"), limits, body)
         return Submission("json", content, {"name": value.get("name", "")[:LONGEST_NAME]}, _id_of(value))
     own = _without(value, "task", "settings", "job")
-    told = {"task": task, "settings": check_build(task, value.get("settings"), limits), "name": value.get("name", "")}
+    common = {"task": task, "settings": check_build(task, value.get("settings"), limits), "name": value.get("name", "")}
     _refuse_options_of_a_solve(own, task)
     if value.get("job") is None:
-        return Submission("json", accept(own, limits), told, _id_of(value))
+        return Submission("json", accept(own, limits), common, _id_of(value))
     if not isinstance(value["job"], str):
         raise Unprocessable("'job' must be the id of a job")
     wrong = sorted(set(own) & set(MESH))
@@ -80,24 +80,24 @@ def json_submission(body: bytes, limits: Limits) -> Submission:
         raise Unprocessable(f"give 'job' or {wrong[0]!r}, not both")
     unknown = sorted(set(own) - set(OPTIONS))
     if unknown:
-        raise Unprocessable(f"there is no field {unknown[0]!r:.60}; there are task, job, {', '.join(OPTIONS)}")
+        raise Unprocessable(f"unknown field {unknown[0]!r:.60}; the fields are task, job, {', '.join(OPTIONS)}")
     check_options(own, None, limits)
-    return Submission("result", b"", {**_without(own, "id"), **told}, _id_of(value), value["job"])
+    return Submission("result", b"", {**_without(own, "id"), **common}, _id_of(value), value["job"])
 
 
 def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submission:
-    """Return the submission of the bytes of a file, and of options as JSON.
+    """Return the submission of a file and its options (JSON).
 
     Raises
     ------
     RequestError
-        With a sentence that names the option.
+        If an option is invalid.
     """
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
     options: Any = read_json(text.encode("utf-8", "surrogatepass"), limits)
     if not isinstance(options, dict) or set(options) - set(FILE_OPTIONS):
-        raise Unprocessable(f"'options' must be a JSON object of {', '.join(FILE_OPTIONS)}")
+        raise Unprocessable(f"'options' must be a JSON object with fields from {', '.join(FILE_OPTIONS)}")
     task = _task_of(options)
     if task == SOLVE:
         own = _without(options, "task")
@@ -106,8 +106,8 @@ def file_submission(kind: str, body: bytes, text: str, limits: Limits) -> Submis
     own = _without(options, "task", "settings")
     _refuse_options_of_a_solve(own, task)
     check_options(own, None, limits)
-    told = {"task": task, "settings": check_build(task, options.get("settings"), limits)}
-    return Submission(kind, body, {**_without(own, "id"), **told}, _id_of(own))
+    common = {"task": task, "settings": check_build(task, options.get("settings"), limits)}
+    return Submission(kind, body, {**_without(own, "id"), **common}, _id_of(own))
 
 
 def _task_of(value: Mapping[str, Any]) -> str:
@@ -115,14 +115,14 @@ def _task_of(value: Mapping[str, Any]) -> str:
     if task not in TASK_NAMES:
         raise Unprocessable(f"'task' must be one of {', '.join(TASK_NAMES)}")
     if task == SOLVE and value.get("job") is not None:
-        raise Unprocessable("'job' takes the surface of a job for another task, such as unroll; a solve needs a mesh")
+        raise Unprocessable("'job' is for tasks on a solved surface, such as unroll; a solve needs a mesh")
     return task
 
 
 def _refuse_options_of_a_solve(value: Mapping[str, Any], task: str) -> None:
     wrong = next((name for name in OF_A_SOLVE if name in value), None)
     if wrong is not None:
-        raise Unprocessable(f"{wrong!r} is for a solve, the task is {task}; leave it out")
+        raise Unprocessable(f"{wrong!r} is an option of a solve, but the task is {task}; leave it out")
 
 
 def _without(value: Any, *names: str) -> Any:
@@ -132,5 +132,5 @@ def _without(value: Any, *names: str) -> Any:
 def _id_of(value: Mapping[str, Any]) -> Optional[str]:
     id = value.get("id")
     if id is not None and not isinstance(id, str):
-        raise Unprocessable("'id' must be a text")
+        raise Unprocessable("'id' must be a string")
     return id

@@ -1,4 +1,4 @@
-"""Tasks of the workers: solve a request, and tell how far it is."""
+"""Tasks of the workers: solve a request and report progress."""
 
 from __future__ import annotations
 
@@ -33,27 +33,27 @@ from .wording import in_request_words
 
 __all__ = ["Progress", "run_request", "solve_job"]
 
-INTERVAL = 0.1  # seconds between two reports
+INTERVAL = 0.1  # time between two progress reports [s]
 FIGURES = ("step", "steps", "energy", "error_norm", "max_error", "seconds")
 
 
 class Progress:
-    """A callback for solves that reports at most ten times a second and stops when that is wanted.
+    """Callback of a solve that reports progress at most ten times a second and stops on request.
 
     Parameters
     ----------
     live
-        Report the moving vertices too.
+        Whether to report the vertices too.
     """
 
     def __init__(self, live: bool = False):
         self.live = live
-        # What is over within the first interval is told once, in the end.
+        # A solve shorter than the first interval reports once, at the end.
         self.last = time.monotonic()
         self.news: dict = {"step": 0}
 
     def __call__(self, state: SolveState) -> bool:
-        """Report a state; tell whether to stop."""
+        """Report a state; return whether to stop."""
         now = time.monotonic()
         if now - self.last >= INTERVAL:
             self.last = now
@@ -62,19 +62,19 @@ class Progress:
         return stop_wanted()
 
     def arrived(self, vertices: np.ndarray) -> None:
-        """Report a surface that meets its targets: who watches sees it while it is judged."""
+        """Report the solved surface before its verdict is computed."""
         if self.live:
             report({**self.news, "arrived": vertices.astype("<f8").tobytes()})
 
     def judged(self, result: SolveResult) -> None:
-        """Report what is said of a surface: who watches reads it while it is measured and packed."""
+        """Report the verdict before the surface is measured and packed."""
         if self.live and result.verdict is not None:
             verdict = {"fair": result.verdict.fair, "reasons": list(result.verdict.reasons)}
             report({**_figures(result), "judged": {"status": result.status, "message": result.message, "ending": result.ending, **verdict}})
 
 
 def run_request(request: SolveRequest) -> SolveResult:
-    """Solve a request and report on the way; on from the last surface with the methods that go on from one."""
+    """Solve a request and report progress; methods that support it start from the last surface."""
     method = request.method if request.settings is None else method_of(request.settings)
     problem = gone_on(request.problem, request.last if method in ("auto", "projection") else None)
     progress = Progress(request.live)
@@ -90,15 +90,15 @@ def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Ma
     Parameters
     ----------
     kind
-        What the body is, one of the readers.
+        Format of the body, one of the readers.
     options
-        What a file cannot say.
+        Options that a file cannot hold.
     body
-        The request, accepted.
+        The checked request.
     limits
-        Those of the server.
+        Limits of the server.
     readers
-        Make a request of options, body and limits, by kind.
+        Functions by format that decode options, body and limits to a request.
     """
     if options.get("task", SOLVE) != SOLVE:
         return _build_job(kind, options, body, limits)
@@ -114,7 +114,7 @@ def solve_job(kind: str, options: dict, body: bytes, limits: Limits, readers: Ma
 
 
 def _build_job(kind: str, options: dict, body: bytes, limits: Limits) -> JobOutput:
-    """Make something of a solved surface, or look for its limits."""
+    """Run a task on a solved surface, or search for its limits."""
     task, rest = options["task"], {name: value for name, value in options.items() if name not in ("task", "settings")}
     report({"task": task, "stage": "read", "step": 0})
     readers: Mapping[str, Reader] = SOLVED_READERS if task in TASKS else READERS
@@ -127,7 +127,7 @@ def _build_job(kind: str, options: dict, body: bytes, limits: Limits) -> JobOutp
 
 
 def _figures(result: SolveResult) -> dict:
-    """Return what a report would tell of the last step."""
+    """Return the figures of the last step, as in a progress report."""
     history = result.history
     last = {"energy": history.energy, "error_norm": history.error_norm}
     figures = {name: float(values[-1]) for name, values in last.items() if len(values)}
@@ -136,18 +136,18 @@ def _figures(result: SolveResult) -> dict:
 
 
 def _finite(figures: dict) -> dict:
-    """Return figures with None for those that are no number of JSON."""
+    """Return figures with None for NaN and infinity, which JSON lacks."""
     return {name: value if math.isfinite(value) else None for name, value in figures.items()}
 
 
 def _report(request: SolveRequest, result: SolveResult) -> dict:
-    """Return the notes on a request and the analysis of its result; who cancels does not want to wait for one."""
+    """Return the notes on a request and the analysis of its result; a cancelled job is not analysed."""
     notes = list(request.notes)
     if result.status == "cancelled":
         return {"notes": notes}
     if not result.converged:
         notes += [in_request_words(said) for said in check(request.problem)]
-    # Whoever watches a surface move waits for it.
+    # Live clients wait for the result: skip the other measures.
     report = analyse(result, request.problem, others=not request.live)
     if result.converged and not report.verdict.fair:
         notes.insert(0, f"the surface is {report.verdict}")

@@ -1,4 +1,4 @@
-"""Units of length by their short names, as the page and clients write them."""
+"""Units of length by their abbreviations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the process of the server loads before its first answer."""
+"""Imports of the server process before its first response."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ __all__ = ["load_for_answers"]
 
 
 def load_for_answers() -> None:
-    """Load what the answers that are made here take, so that nobody waits while the first of them loads it."""
+    """Import the modules for responses of this process, so that the first response is not delayed."""
     vertices, faces = CGCMesh.from_meshgrid(dx=1, nx=1).arrays()
     gaussian_curvature(vertices, faces)
     try:
         mesh_text(vertices, faces)
     except ImportError:
-        # Without rhino3dm there are no answers with its meshes.
+        # Without rhino3dm, no response contains Rhino meshes.
         return

@@ -1,4 +1,4 @@
-"""Sentences of the checks in the words of a request: who asks over HTTP has no functions of Python to call."""
+"""Messages of the checks with fields of a request instead of Python functions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WORDS = (
 
 
 def in_request_words(sentence: object) -> str:
-    """Return a sentence with the fields of a request instead of calls of Python."""
+    """Return a message with fields of a request instead of calls of Python functions."""
     text = str(sentence)
     for call, field in WORDS:
         text = text.replace(call, field)

@@ -1,3 +1,3 @@
-"""The job engine: a store, worker processes and what runs in them."""
+"""The job engine: queue, store and worker processes."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Calls: functions that a request waits for, counted apart from the jobs."""
+"""Blocking calls: functions that a request waits for. They have their own limit, separate from the jobs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Calls"]
 
 
 class Calls:
-    """Calls on the executors of a server.
+    """Blocking calls on the executors of a server.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Calls:
     io_pool
         Reads and writes files.
     limits
-        How many may wait, and how long.
+        Limits on the number of waiting calls and on their duration.
     """
 
     def __init__(self, executor: AnyExecutor, io_pool: AnyExecutor, limits: Limits):
@@ -43,22 +43,22 @@ class Calls:
         Parameters
         ----------
         function, args
-            What to run.
+            The function and its arguments.
         disconnected
-            Tells whether the client has given up, which stops the function.
+            Returns whether the client has disconnected. The function is then stopped.
 
         Raises
         ------
         Busy
             If too many calls wait.
         TimeoutError
-            If it took longer than the limit for requests that wait.
+            If the call exceeded its time limit.
         """
-        # Somebody waits for it, as nobody does for a job.
+        # A client waits for this call, unlike for a job.
         return self._waited(self.executor, self._calls, "other solves", function, args, disconnected)
 
     def convert(self, function: Callable, *args: object, disconnected: Callable[[], bool] = lambda: False) -> object:
-        """Run a function that reads or writes a file and wait for it, as :meth:`call` does; no solve is waited for."""
+        """Run a function that reads or writes a file and wait for it, as :meth:`call` does, but without queueing behind solves."""
         return self._waited(self.io_pool, self._conversions, "other files", function, args, disconnected)
 
     def _waited(
@@ -71,18 +71,18 @@ class Calls:
         disconnected: Callable[[], bool],
     ) -> object:
         if not slots.acquire(blocking=False):
-            raise Busy(f"the server is busy with {others}; try again in a moment")
+            raise Busy(f"the server is busy with {others}; try again in a few seconds")
         try:
             with self._lock:
                 if self._closed:
-                    raise ServerStopping("the server is stopping; ask again when it is back")
+                    raise ServerStopping("the server is shutting down; try again after it has restarted")
                 started = [start(executor, function, args, time_limit=self.limits.seconds, urgent=True)]
-            # This frame does not know the task, whose error will know the frame: a circle would keep the arguments for a long while.
+            # Drop the reference to the task: its error refers to this frame, and the cycle would keep the arguments in memory.
             return wait_for(started.pop(), self.limits.blocking, disconnected)
         finally:
             slots.release()
 
     def close(self) -> None:
-        """Take no more calls."""
+        """Reject further calls."""
         with self._lock:
             self._closed = True

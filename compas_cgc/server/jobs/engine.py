@@ -37,21 +37,21 @@ from .store import Store
 
 __all__ = ["Jobs"]
 
-ATTEMPTS = 2  # times that a job may be running while the server ends, until it is blamed for it
+ATTEMPTS = 2  # number of server crashes during a job after which the job is not started again
 log = logging.getLogger(__name__)
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
 
-# Solves a request of a kind (kind, options, body, limits) in a worker, which has to be able to import it.
+# Solves a request (kind, options, body, limits) in a worker; must be importable there.
 SolveJob = Callable[[str, dict, bytes, Limits], JobOutput]
 
 
 class RunningJob:
-    """A job that waits or runs."""
+    """A job that is queued or running."""
 
     def __init__(self, client: str):
         self.client = client
         self.task: Optional[Future] = None
-        self.since: Optional[float] = None  # when it began
+        self.since: Optional[float] = None  # start time
         self.progress: dict = {}
         self.surface: Optional[bytes] = None
         self.arrived: Optional[bytes] = None
@@ -65,16 +65,16 @@ class Jobs:
     Parameters
     ----------
     executor
-        Runs the solves. With a :class:`~compas_cgc.execution.pool.WorkerPool` jobs report their
-        progress and can be stopped; any other executor runs them to their end.
+        Runs the solves. With a :class:`~compas_cgc.execution.pool.WorkerPool`, jobs report their
+        progress and can be stopped; with any other executor they cannot.
     store
-        Keeps the jobs. Those in it that are not finished are taken up again.
+        Stores the jobs. Unfinished jobs in it are resumed.
     solve
-        Solves a request; runs on the executor.
+        Function that solves a request; runs on the executor.
     limits
-        What is refused.
+        Limits on the size and number of requests.
     io_pool
-        Reads and writes files, apart from the solves. Default: the executor.
+        Executor that reads and writes files. Default: `executor`.
     """
 
     def __init__(
@@ -86,16 +86,16 @@ class Jobs:
         self.store = store
         self._solve = solve
         self._running: dict[str, RunningJob] = {}
-        # Jobs that are over, which the store could not be told of.
+        # Finished jobs whose outcome could not be stored.
         self._lost: dict[str, Job] = {}
-        # Jobs that were deleted, which the store could not be told of yet.
+        # Deleted jobs that could not be removed from the store yet.
         self._forgotten: set[str] = set()
-        self._took: deque[float] = deque(maxlen=50)  # seconds of the last jobs
+        self._took: deque[float] = deque(maxlen=50)  # durations of the last jobs [s]
         self._change = threading.Condition(threading.RLock())
         self._closed = False
         for job in store.unfinished():
             if job.attempts >= ATTEMPTS:
-                text = f"the server ended {job.attempts} times while this job ran, it may need too much memory; use a coarser mesh"
+                text = f"the server crashed {job.attempts} times during this job, probably for lack of memory; use a coarser mesh"
                 store.finish(job.id, "failed", text, job.progress)
             else:
                 if job.state == "running":
@@ -114,40 +114,40 @@ class Jobs:
         Parameters
         ----------
         kind
-            What the body is, such as ``"json"`` or ``"3dm"``.
+            Format of the body, such as ``"json"`` or ``"3dm"``.
         body
-            The request, checked.
+            The checked request.
         options
-            What a file cannot say: supports, targets, method, settings.
+            Options that a file cannot hold: supports, targets, method, settings.
         id
-            The client's name for the job: a second submit under it returns the first job.
+            Id chosen by the client. Submitting the same request again with this id returns the first job.
         client
-            Who asks.
+            Address of the client.
 
         Returns
         -------
         Job, bool
-            And whether it is new.
+            The job, and whether it is new.
 
         Raises
         ------
         Busy
             If too many jobs wait.
         Conflict
-            If the id was used for another request.
+            If the id belongs to a different request.
         """
         options = options or {}
-        told = hashlib.sha256(json.dumps([kind, options], sort_keys=True).encode())
-        told.update(body)
-        digest = told.hexdigest()
+        checksum = hashlib.sha256(json.dumps([kind, options], sort_keys=True).encode())
+        checksum.update(body)
+        digest = checksum.hexdigest()
         if id is not None and not _ID.fullmatch(id):
-            raise Unprocessable("the id of a job must be 8 to 64 letters, digits, - or _")
+            raise Unprocessable("the id of a job must consist of 8 to 64 letters, digits, '-' or '_'")
         with self._change:
             self._forget()
             known = self._found(id) if id is not None else None
             if known is not None:
                 if known.digest != digest:
-                    raise Conflict(f"the id {id} was used for another request; take a new one")
+                    raise Conflict(f"the id {id} belongs to a different request; choose another id")
                 return known, False
             self.admit(client)
             id = id or secrets.token_urlsafe(16)
@@ -159,11 +159,11 @@ class Jobs:
         return job, True
 
     def get(self, id: str) -> Job:
-        """Return a job with its present progress."""
+        """Return a job with its current progress."""
         with self._change:
             job = self._found(id)
             if job is None:
-                raise NotFound(f"there is no job {id:.80}; it was deleted, or was never here")
+                raise NotFound(f"there is no job {id:.80}; it was deleted or never existed")
             running = self._running.get(id)
             return job if running is None else job._replace(progress={**job.progress, **running.progress})
 
@@ -172,14 +172,14 @@ class Jobs:
         return self.page()[0]
 
     def page(self, limit: int = 100, offset: int = 0, state: Optional[str] = None) -> tuple[Sequence[Job], int]:
-        """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
+        """Return one page of the jobs, newest first, and their total number; optionally only those in one state."""
         with self._change:
             running = {id: dict(entry.progress) for id, entry in self._running.items()}
             shown, total = self._page(limit, offset, state)
             return [job._replace(progress={**job.progress, **running.get(job.id, {})}) for job in shown], total
 
     def positions(self) -> dict[str, int]:
-        """Return the place in the queue of every job that waits, from 1."""
+        """Return the position in the queue of every queued job, counted from 1."""
         with self._change:
             waiting = [id for id, running in self._running.items() if not running.progress]
             return {id: place for place, id in enumerate(waiting, 1)}
@@ -188,35 +188,35 @@ class Jobs:
         """Return the packed result of a job."""
         job = self.get(id)
         if not job.over:
-            raise Conflict(f"the job is {job.state}; ask again when it has succeeded")
+            raise Conflict(f"the job is {job.state}; request the result after it has succeeded")
         content = self.store.result(id)
         if content is not None:
             return content
         if job.state == "succeeded":
-            raise Gone("the result of this job is gone, newer ones took its place; submit the job again")
-        raise Conflict(f"the job has no result, it was {job.state}: {job.message}" if job.state == "cancelled" else f"{job.message}")
+            raise Gone("the result of this job was deleted to make room for newer ones; submit the job again")
+        raise Conflict(f"the job has no result because it was {job.state}: {job.message}" if job.state == "cancelled" else f"{job.message}")
 
     def surface(self, id: str) -> Optional[bytes]:
-        """Return the present vertices of a running job that was submitted as live: float32, x y z after x y z."""
+        """Return the current vertices of a running live job as float32 bytes in the order x, y, z; None before the first report."""
         self.get(id)
         with self._change:
             running = self._running.get(id)
             return running.surface if running is not None else None
 
     def arrived(self, id: str) -> Optional[bytes]:
-        """Return the vertices of a surface as it was asked for, which a live job is about to judge: float64, x y z after x y z."""
+        """Return the solved vertices of a live job before its verdict, as float64 bytes in the order x, y, z."""
         with self._change:
             running = self._running.get(id)
             return running.arrived if running is not None else None
 
     def judged(self, id: str) -> Optional[dict]:
-        """Return what is said of the surface of a live job, before it is measured and kept."""
+        """Return the verdict of a live job before its surface is measured and stored."""
         with self._change:
             running = self._running.get(id)
             return running.judged if running is not None else None
 
     def cancel(self, id: str) -> Job:
-        """Ask a job to stop; does nothing to one that is over."""
+        """Request that a job stop; no effect on a finished job."""
         self.get(id)
         with self._change:
             task = self._running[id].task if id in self._running else None
@@ -225,10 +225,10 @@ class Jobs:
         return self.get(id)
 
     def delete(self, id: str) -> None:
-        """Stop a job and forget it."""
+        """Stop a job and delete it."""
         self.get(id)
         with self._change:
-            # Who deletes to make room on a full disk is not told that there is none.
+            # Deleting must work on a full disk: the store is updated when there is room.
             self._forgotten.add(id)
             self._forget()
             running = self._running.pop(id, None)
@@ -241,16 +241,16 @@ class Jobs:
             stop(task, CANCELLED)
 
     def wait(self, id: str, seconds: float) -> Job:
-        """Return a job as soon as it is over, or as it is after some seconds."""
+        """Wait until a job is finished, at most for the given time [s], and return it."""
         self.get(id)
         with self._change:
             self._change.wait_for(lambda: self._closed or id not in self._running, seconds)
             if self._closed:
-                raise ServerStopping("the server is stopping; ask again when it is back")
+                raise ServerStopping("the server is shutting down; try again after it has restarted")
         return self.get(id)
 
     def follow(self, id: str, heartbeat: float = 15.0) -> Iterator[Optional[Job]]:
-        """Yield a job after every change until it is over, and None when nothing happened for a while."""
+        """Yield a job after every change until it is finished, and None after every `heartbeat` seconds without a change."""
         with self._change:
             seen = self._running[id].changes if id in self._running else -1
         job: Optional[Job] = self.get(id)
@@ -270,34 +270,34 @@ class Jobs:
                 job = self.get(id) if happened else None
 
     def admit(self, client: str) -> None:
-        """Refuse a job when too many wait.
+        """Check that the queue has room for another job.
 
         Raises
         ------
         Busy
-            With what to do.
+            If the queue is full, or the client has too many unfinished jobs.
         """
         self._check_open()
         clients = [running.client for running in self._running.values()]
         if len(clients) >= self.limits.queue:
-            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit again when some are finished", self._pause())
+            raise Busy(f"the queue is full ({self.limits.queue} jobs); submit the job again when some have finished", self._pause())
         if clients.count(client) >= self.limits.per_client:
-            told = f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them"
-            # The first of its own has to come up.
-            raise Busy(told, self._pause(clients.index(client)))
+            message = f"this client has {self.limits.per_client} unfinished jobs, which is the limit; wait for some or cancel them"
+            # Retry when the first job of this client is due.
+            raise Busy(message, self._pause(clients.index(client)))
 
     def _pause(self, ahead: int = 0) -> float:
-        """Return the seconds until a job is over that has some ahead of it, as long as those before took."""
+        """Return the estimated time until a job with `ahead` jobs before it is finished [s], from the durations of earlier jobs."""
         took = sorted(self._took)
         median = took[len(took) // 2] if took else 1.0
         return median * (1.0 + ahead / max(1, getattr(self.executor, "workers", 1)))
 
     def _check_open(self) -> None:
         if self._closed:
-            raise ServerStopping("the server is stopping; submit again when it is back")
+            raise ServerStopping("the server is shutting down; submit the job again after it has restarted")
 
     def close(self) -> None:
-        """Stop everything; jobs that are not finished wait for the next start of the server."""
+        """Stop all jobs; unfinished jobs are resumed at the next start of the server."""
         with self._change:
             if self._closed:
                 return
@@ -321,19 +321,19 @@ class Jobs:
 
     def _page(self, limit: int, offset: int, state: Optional[str]) -> tuple[Sequence[Job], int]:
         if not (self._lost or self._forgotten):
-            # Of thousands of jobs only those are read that are shown.
+            # Read only the requested page from the store.
             return self.store.page(limit, offset, state)
         stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
         found = [job for job in stored if state in (None, job.state)]
         return found[offset : offset + limit], len(found)
 
     def _forget(self) -> None:
-        """Take the deleted jobs out of the store, as far as the disk lets it."""
+        """Remove the deleted jobs from the store; those that fail are retried later."""
         for id in tuple(self._forgotten):
             try:
                 self.store.delete(id)
             except sqlite3.Error as error:
-                log.error("job %s cannot be taken out of the store yet: %s", id, error)
+                log.error("job %s cannot be removed from the store yet: %s", id, error)
                 return
             self._forgotten.discard(id)
 
@@ -348,16 +348,16 @@ class Jobs:
         running.task.add_done_callback(lambda task: self._done(job, running, task))
 
     def _late(self, id: str, output: JobOutput) -> None:
-        """Keep the surface of a job that was told to be stopped before its last step was over."""
+        """Store the surface of a job that was marked as stopped before its last step ended."""
         try:
             if output.content is not None:
                 self.store.add_result(id, output.content)
         except sqlite3.Error as error:
-            log.error("the surface of the stopped job %s cannot be kept: %s", id, error)
+            log.error("the surface of the stopped job %s cannot be stored: %s", id, error)
 
     def _progress(self, id: str, running: RunningJob, news: dict) -> None:
         with self._change:
-            # It may have been deleted, and another may have its id by now.
+            # The job may have been deleted, and its id may belong to a new job.
             if self._running.get(id) is not running:
                 return
             if not running.progress:
@@ -377,7 +377,7 @@ class Jobs:
             del self._running[job.id]
             if running.since is not None:
                 self._took.append(time.monotonic() - running.since)
-            # The task knows its listeners: a circle that would keep request and result for a long while.
+            # Break the reference cycle between the task and its listeners, which would keep request and result in memory.
             running.task = None
             try:
                 state, message, content, figures = outcome_of(task)
@@ -385,8 +385,8 @@ class Jobs:
                 self.store.finish(job.id, state, message, running.progress, content)
                 self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
             except sqlite3.Error as error:
-                log.error("the outcome of job %s cannot be kept: %s", job.id, error)
-                text = "the server could not keep the result, its disk may be full; make room there and submit the job again"
+                log.error("the outcome of job %s cannot be stored: %s", job.id, error)
+                text = "the server could not store the result, probably because its disk is full; free disk space and submit the job again"
                 self._lost[job.id] = job._replace(state="failed", finished=time.time(), message=text, progress=running.progress)
             finally:
                 self._forget()

@@ -1,4 +1,4 @@
-"""Outcome: how the task of a job ended, in the words of the job."""
+"""Outcome of the task of a job."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .output import JobOutput
 
 __all__ = ["CANCELLED", "Outcome", "outcome_of"]
 
-CANCELLED = "it was cancelled"
+CANCELLED = "cancelled by the client"
 log = logging.getLogger(__name__)
 
 
@@ -24,24 +24,24 @@ class Outcome(NamedTuple):
     state: str  # succeeded, failed or cancelled
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result
-    figures: Optional[dict] = None  # of the last step
+    figures: Optional[dict] = None  # residuals of the last step
 
 
 def outcome_of(task: Future) -> Outcome:
-    """Return how a task that is over ended."""
+    """Return the outcome of a finished task."""
     reason = getattr(task, "stop_reason", None)
     try:
         output: JobOutput = task.result()
     except CancelledError:
-        return Outcome("cancelled", "cancelled before it began")
+        return Outcome("cancelled", "cancelled before it started")
     except TaskStopped as error:
         return Outcome("cancelled" if str(error) == CANCELLED else "failed", f"stopped: {error}")
     except TaskError as error:
         log.error("a job failed: %s", error.trace)
-        return Outcome("failed", f"the solver failed unexpectedly ({error.kind}); the log of the server says more")
+        return Outcome("failed", f"the solver failed unexpectedly ({error.kind}); see the log of the server")
     except Exception as error:
         return Outcome("failed", str(error))
-    # It may be asked to stop when it has just ended by itself.
+    # The stop request may arrive after the task has ended.
     if not output.stopped or reason is None:
         return Outcome("succeeded" if output.content is not None else "failed", output.message, output.content, output.figures)
     if reason == CANCELLED:

@@ -1,4 +1,4 @@
-"""What the solve of a job returns."""
+"""Return value of the function that solves a job."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ __all__ = ["JobOutput"]
 
 
 class JobOutput(NamedTuple):
-    """What the function that solves a job returns."""
+    """Return value of the function that solves a job."""
 
     message: str  # one sentence
     content: Optional[bytes] = None  # the packed result, None if there is none
-    stopped: bool = False  # it ended early because it was asked to
-    figures: Optional[dict] = None  # of its last step, as a report tells them; the last report may be of an earlier one
+    stopped: bool = False  # whether it ended early on request
+    figures: Optional[dict] = None  # residuals of its last step

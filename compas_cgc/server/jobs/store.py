@@ -1,4 +1,4 @@
-"""Jobs in an SQLite file, so that they survive the server."""
+"""Storage of jobs in an SQLite file, so that they survive a restart of the server."""
 
 from __future__ import annotations
 
@@ -26,24 +26,24 @@ CREATE TABLE IF NOT EXISTS results (id TEXT PRIMARY KEY, content BLOB NOT NULL);
 
 
 class Job(NamedTuple):
-    """What is known of a job."""
+    """State of a job."""
 
     id: str
     state: str  # queued, running, succeeded, failed, cancelled
     created: float  # seconds since 1970
     started: Optional[float]
     finished: Optional[float]
-    attempts: int  # times that a solve was started
-    client: str  # address that it came from
-    digest: str  # of the request
+    attempts: int  # number of times the solve was started
+    client: str  # address of the client
+    digest: str  # SHA-256 of the request
     name: str
     progress: dict  # step, steps, energy, error_norm, max_error, seconds
-    message: Optional[str]  # one sentence once it is finished
-    size: Optional[int]  # bytes of the result, None when there is none (any more)
+    message: Optional[str]  # one sentence, once the job is finished
+    size: Optional[int]  # size of the result [bytes], None if there is no result or it was deleted
 
     @property
     def over(self) -> bool:
-        """Whether it is over, whatever the outcome."""
+        """Whether the job is finished, whatever the outcome."""
         return self.state in ("succeeded", "failed", "cancelled")
 
 
@@ -53,7 +53,7 @@ class Store:
     Parameters
     ----------
     path
-        File, or ``":memory:"``.
+        Path of the file, or ``":memory:"``.
     """
 
     def __init__(self, path: Union[str, Path]):
@@ -66,12 +66,12 @@ class Store:
             self._base.execute("PRAGMA cache_size=-500")  # KiB: meshes are read once
             self._base.executescript(_TABLES)
             if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
-                raise OSError("it holds the jobs of something else")
+                raise OSError("its tables belong to another program or version")
         except (sqlite3.Error, OSError) as error:
-            raise FileError(f"the jobs cannot be kept in {path} ({error}); move the file away, or give another with --store") from None
+            raise FileError(f"jobs cannot be stored in {path} ({error}); move the file away, or choose another with --store") from None
 
     def add(self, job: Job, kind: str, options: dict, body: bytes) -> None:
-        """Keep a new job with its request."""
+        """Store a new job with its request."""
         with self._lock, self._base:
             self._base.execute("BEGIN")
             marks = ",".join("?" * len(Job._fields))
@@ -79,51 +79,51 @@ class Store:
             self._base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), body))
 
     def get(self, id: str) -> Optional[Job]:
-        """Return a job, None if there is none of this id."""
+        """Return the job with this id, None if it does not exist."""
         rows = self._rows("SELECT * FROM jobs WHERE id = ?", id)
         return rows[0] if rows else None
 
     def all(self) -> list[Job]:
-        """Return all jobs that are remembered, the newest first."""
+        """Return all stored jobs, newest first."""
         return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC")
 
     def page(self, limit: int, offset: int = 0, state: Optional[str] = None) -> tuple[list[Job], int]:
-        """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
+        """Return one page of the jobs, newest first, and their total number; optionally only those in one state."""
         where, values = ("", ()) if state is None else ("WHERE state = ?", (state,))
         with self._lock:
             total = self._base.execute(f"SELECT count(*) FROM jobs {where}", values).fetchone()[0]
         return self._rows(f"SELECT * FROM jobs {where} ORDER BY created DESC, rowid DESC LIMIT ? OFFSET ?", *values, limit, offset), total
 
     def unfinished(self) -> list[Job]:
-        """Return the jobs that wait or ran when the server ended, the oldest first."""
+        """Return the queued jobs and those interrupted by the end of the server, oldest first."""
         return self._rows("SELECT * FROM jobs WHERE state IN ('queued', 'running') ORDER BY created, rowid")
 
     def request(self, id: str) -> tuple[str, dict, bytes]:
-        """Return kind, options and body of a request."""
+        """Return format, options and body of a request."""
         with self._lock:
             kind, options, body = self._base.execute("SELECT kind, options, body FROM requests WHERE id = ?", (id,)).fetchone()
         return kind, json.loads(options), body
 
     def result(self, id: str) -> Optional[bytes]:
-        """Return a result, None if there is none (any more)."""
+        """Return a result, None if it does not exist or was deleted."""
         with self._lock:
             row = self._base.execute("SELECT content FROM results WHERE id = ?", (id,)).fetchone()
         return row[0] if row else None
 
     def set_started(self, id: str) -> None:
-        """Note that a solve began."""
+        """Mark a job as running and count the attempt."""
         self._change("UPDATE jobs SET state = 'running', started = ?, attempts = attempts + 1 WHERE id = ?", time.time(), id)
 
     def set_queued(self, id: str) -> None:
-        """Note that a solve that the server itself interrupted has to begin again."""
+        """Mark a job as queued after an orderly interruption, which does not count as an attempt."""
         self._change("UPDATE jobs SET state = 'queued', started = NULL, attempts = max(0, attempts - 1) WHERE id = ?", id)
 
     def set_waiting(self, id: str) -> None:
-        """Note that a solve that the end of the server interrupted waits for another attempt."""
+        """Mark a job as queued after a crash of the server, which counts as an attempt."""
         self._change("UPDATE jobs SET state = 'queued', started = NULL WHERE id = ?", id)
 
     def finish(self, id: str, state: str, message: str, progress: dict, result: Optional[bytes] = None) -> None:
-        """Keep the outcome of a job; a job that was deleted meanwhile stays deleted."""
+        """Store the outcome of a job, unless the job was deleted meanwhile."""
         size = None if result is None else len(result)
         with self._lock, self._base:
             self._base.execute("BEGIN")
@@ -136,7 +136,7 @@ class Store:
             self._base.execute("DELETE FROM requests WHERE id = ?", (id,))
 
     def add_result(self, id: str, result: bytes) -> None:
-        """Keep the result of a job that is over and has none; one that was deleted meanwhile, or whose id another has, stays as it is."""
+        """Store the late result of a cancelled or failed job, unless the job was deleted meanwhile or already has a result."""
         with self._lock, self._base:
             self._base.execute("BEGIN")
             query = "UPDATE jobs SET size = ? WHERE id = ? AND size IS NULL AND state IN ('cancelled', 'failed')"
@@ -144,11 +144,11 @@ class Store:
                 self._base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, result))
 
     def delete(self, id: str) -> None:
-        """Forget a job."""
+        """Delete a job with its request and result."""
         try:
             self._delete(id)
         except sqlite3.OperationalError:
-            # On a full disk the log of what is already in the file makes room.
+            # On a full disk, truncating the write-ahead log frees space.
             with self._lock:
                 self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._delete(id)
@@ -160,16 +160,16 @@ class Store:
                 self._base.execute(f"DELETE FROM {table} WHERE id = ?", (id,))
 
     def tidy(self, results: int, result_bytes: int, remembered: int, keep: str = "") -> None:
-        """Drop the oldest results beyond a number or size, and the oldest finished jobs beyond a number."""
+        """Delete the oldest results beyond a number or total size, and the oldest finished jobs beyond a number."""
         with self._lock, self._base:
             self._base.execute("BEGIN")
-            # The clock may have been set back since the others were finished.
+            # `keep` comes first, as the clock may have been set back since the other jobs finished.
             newest = "SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY id = ? DESC, finished DESC, rowid DESC"
             rows = self._base.execute(newest, (keep,)).fetchall()
             total = 0
             for place, (id, size) in enumerate(rows):
                 total += size
-                # The newest result is kept whatever its size, or nobody could fetch it.
+                # Keep the newest result whatever its size, so that the client can fetch it.
                 if place and (place >= results or total > result_bytes):
                     self._base.execute("UPDATE jobs SET size = NULL WHERE id = ?", (id,))
                     self._base.execute("DELETE FROM results WHERE id = ?", (id,))
@@ -194,13 +194,13 @@ class Store:
 
 
 def _owned(path: Path) -> sqlite3.Connection:
-    """Make the file this process's own: two servers would run each other's jobs. A killed process lets go of it."""
+    """Lock the file for this process, so that no two servers run the same jobs. The lock ends with the process."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    path.touch(mode=0o600)  # meshes are nobody else's business
+    path.touch(mode=0o600)  # meshes are confidential
     owner = sqlite3.connect(f"{path}-owner", timeout=0, check_same_thread=False, isolation_level=None)
     try:
         owner.execute("BEGIN EXCLUSIVE")
     except sqlite3.OperationalError:
         owner.close()
-        raise OSError("another server uses it") from None
+        raise OSError("another server is using it") from None
     return owner

@@ -110,7 +110,7 @@ def test_a_refusal_of_the_server_is_a_red_balloon(running):
     assert "more than this boundary can carry" in placed.said("Error")[0]
     huge = FlowSettings(steps=10**9)
     assert until_done(placed, cgc_mesh=dome(), settings=huge, run=True, server=running.url)[-1]["status"] == "refused"
-    assert "the server takes at most" in placed.said("Error")[0]
+    assert "the server allows at most" in placed.said("Error")[0]
 
 
 def busy():

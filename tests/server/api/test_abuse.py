@@ -60,7 +60,7 @@ def test_an_id_can_be_used_again_after_a_delete(server):
 def test_faces_and_constraints_of_odd_shapes_are_refused(server):
     for faces in ([[0, 1, 2], [0, 1, [2]]], [[[0], [1], [2]]], [[0, 1, 2], [0, 1, None]]):
         status, message = refusal(server, faces=faces)
-        assert status == 422 and "whole numbers only" in message
+        assert status == 422 and "integers only" in message
     status, message = refusal(server, constraints=[{"kind": "height", "vertices": [10**30], "height": 1}])
     assert status == 422 and "does not exist" in message
     status, message = refusal(server, faces=[[0, 1, 2, 2], [3, 3, 4, 3]])
@@ -117,7 +117,7 @@ def test_a_script_that_breaks_off_leaves_no_job_behind(server):
 
 def test_a_store_belongs_to_one_server(tmp_path):
     first = Store(tmp_path / "jobs.sqlite")
-    with pytest.raises(FileError, match="another server uses it"):
+    with pytest.raises(FileError, match="another server is using it"):
         Store(tmp_path / "jobs.sqlite")
     first.close()
     Store(tmp_path / "jobs.sqlite").close()
@@ -158,7 +158,7 @@ def test_a_job_whose_result_cannot_be_kept_is_reported(monkeypatch):
         "json", accept({"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": "boundary", "targets": 0.5}, Limits())
     )
     done = engine.wait(job.id, PATIENCE)
-    assert done.state == "failed" and "its disk may be full" in done.message
+    assert done.state == "failed" and "its disk is full" in done.message
     engine.close()
 
 

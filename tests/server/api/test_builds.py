@@ -83,7 +83,7 @@ def test_a_build_is_what_python_gives_as_arrays_and_as_files(client, task, shape
     assert set(told["formats"]) <= {"arrays", *HEADS}
     for name in told["formats"][1:]:
         assert client.result(told["id"], name).startswith(HEADS[name])
-    with pytest.raises(Refused, match="it has arrays"):
+    with pytest.raises(Refused, match="its formats are arrays"):
         client.result(told["id"], "obj")
 
 
@@ -117,7 +117,7 @@ def test_sheets_have_margins_allowances_and_files_of_their_own(client):
     assert sum(line["layer"] == "ALLOWANCE" for line in told["lines"]) == len(made.pieces)
     with zipfile.ZipFile(io.BytesIO(client.result(told["id"], "zip"))) as archive:
         assert len(archive.namelist()) == made.sheets + 2
-    with pytest.raises(Refused, match="those of all sheets are in the format zip"):
+    with pytest.raises(Refused, match="one per sheet; request the format zip"):
         client.result(told["id"], "dxf")
 
 
@@ -172,10 +172,10 @@ def test_the_list_of_tasks_is_the_table(client):
         ({"task": "net", "settings": {"through": [[1, 2]]}}, "'through' must be X,Y,Z"),
         ({"task": "net", "settings": {"regions": [0.5]}}, "every region of 'regions' must be a whole number"),
         ({"task": "mould", "settings": {"rough": 1}}, "'rough' must be true or false"),
-        ({"task": "membrane", "method": "flow"}, "'method' is for a solve, the task is membrane"),
+        ({"task": "membrane", "method": "flow"}, "'method' is an option of a solve, but the task is membrane"),
         ({"task": "limits", "settings": {"tolerance": 2}}, "'tolerance' must be between 0 and 1"),
         ({"task": "net", "job": 7}, "'job' must be the id of a job"),
-        ({"job": "some-job-id"}, "'job' takes the surface of a job for another task"),
+        ({"job": "some-job-id"}, "'job' is for tasks on a solved surface"),
     ],
 )
 def test_wrong_orders_are_refused_before_they_are_queued(server, body, sentence):
@@ -216,16 +216,16 @@ def test_a_rough_surface_is_refused_for_every_task(client):
 def test_jobs_without_such_a_result_say_so(client, server):
     vertices, faces, options = asked(SADDLE)
     net = client.build("net", vertices, faces, settings={"spacing": 1.0}, **options)["id"]
-    with pytest.raises(Refused, match="did not solve for a surface") as error:
+    with pytest.raises(Refused, match="has no solved surface") as error:
         client.build("net", job=net)
     assert error.value.status == 422
     for method, path in (("GET", f"/api/v1/jobs/{net}/moulds?count=1"), ("POST", f"/api/v1/jobs/{net}/result?format=3dm")):
         status, _, content = server.ask(method, path, b"x" if method == "POST" else None, RhinoComputeKey=KEY)
-        assert status == 422 and "did not solve for a surface" in json.loads(content)["message"]
+        assert status == 422 and "has no solved surface" in json.loads(content)["message"]
     with pytest.raises(Refused, match="there is no job"):
         client.build("net", job="nobody-has-this")
     solve = client.solve(*grid(3), supports="boundary", targets=0.1)["id"]
-    with pytest.raises(Refused, match="a solve has no result of the format dxf"):
+    with pytest.raises(Refused, match="a solve has no result in the format dxf"):
         client.result(solve, "dxf")
 
 

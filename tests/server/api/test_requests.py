@@ -141,8 +141,8 @@ def test_goals_and_unknown_k_of_a_request():
     held = {**request, "supports": "boundary", "goals": goals[:1], "unknown": "all", "method": "newton"}
     assert unpack_result(solve_job("json", {}, accept(held, LIMITS), LIMITS).content)[0].method == "newton"
     for more, part in (
-        ({"unknown": [-1]}, "'unknown' names region -1"),
-        ({"unknown": "roof"}, "'unknown' must be a list of regions"),
+        ({"unknown": [-1]}, "'unknown' refers to region -1"),
+        ({"unknown": "roof"}, "'unknown' must be a list of the regions"),
         ({"goals": {"kind": "rise", "rise": 2}}, "'goals' must be a list of objects"),
         ({"goals": [{"kind": "rise", "rise": "4 m"}]}, "rise of a constraint of kind rise must be a finite number"),
         ({"goals": [{"kind": "above", "vertices": [99], "height": 2}]}, "names vertex 99"),
@@ -212,8 +212,11 @@ def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
 @pytest.mark.parametrize(
     "wrong, part",
     [
-        ({"faces": [[1, 2, 9], [2, 10, 9], [9, 10, 49]]}, "a face names vertex 49; there are 49, counted from 0; take 1 from all of them"),
-        ({"faces": [[0, 1, 8], [1, 9, 49]]}, "a face names vertex 49; there are 49, counted from 0$"),
+        (
+            {"faces": [[1, 2, 9], [2, 10, 9], [9, 10, 49]]},
+            "a face refers to vertex 49, but there are 49 vertices, counted from 0; these faces count from 1, so subtract 1",
+        ),
+        ({"faces": [[0, 1, 8], [1, 9, 49]]}, "a face refers to vertex 49, but there are 49 vertices, counted from 0$"),
         ({"supports": [[0.0, 0.0, 0.0]]}, "counted from 0, not coordinates such as .0.0, 0.0, 0.0.$"),
         ({"supports": [999]}, "'supports' names vertex 999, which does not exist; there are 49, counted from 0"),
     ],
@@ -265,11 +268,11 @@ def test_the_last_surface_leaves_other_ways_to_solve_as_they_are():
 @pytest.mark.parametrize(
     ("last", "part"),
     [
-        (7, "must be an object of the 'vertices'"),
-        ({"vertices": [[0, 0, 0]]}, "must be an object of the 'vertices'"),
-        ({"vertices": [[0, 0, 0]] * 3, "targets": 0.01}, "there are 3 vertices for a mesh of 49"),
+        (7, "must be an object with the 'vertices'"),
+        ({"vertices": [[0, 0, 0]]}, "must be an object with the 'vertices'"),
+        ({"vertices": [[0, 0, 0]] * 3, "targets": 0.01}, "the surface has 3 vertices, but the mesh has 49"),
         ({"vertices": [[0, 0]] * 49, "targets": 0.01}, "three numbers each"),
-        ({"vertices": {"base64": "AAAA", "type": "f8", "shape": [49, 3]}, "targets": 0.01}, "not those of its shape"),
+        ({"vertices": {"base64": "AAAA", "type": "f8", "shape": [49, 3]}, "targets": 0.01}, "do not match its shape"),
         ({"vertices": [[0, 0, 0]] * 49, "targets": [0.01]}, "1 numbers for 49 vertices"),
         ({"vertices": [[0, 0, 0]] * 49, "targets": None}, "is null"),
     ],
@@ -283,9 +286,9 @@ def test_a_last_surface_that_is_none_is_refused_by_a_sentence(last, part):
 def test_a_last_surface_goes_with_a_solve_of_arrays_alone():
     last = {"vertices": grid(6, 6.0)[0].tolist(), "targets": 0.01}
     mesh = json.loads(compas.json_dumps(roof()))
-    with pytest.raises(Unprocessable, match="goes with 'vertices' and 'faces'"):
+    with pytest.raises(Unprocessable, match="requires 'vertices' and 'faces'"):
         accept({"mesh": mesh, "last": last}, LIMITS)
-    with pytest.raises(Unprocessable, match="'last' is for a solve, the task is unroll"):
+    with pytest.raises(Unprocessable, match="'last' is an option of a solve, but the task is unroll"):
         json_submission(json.dumps({"task": "unroll", **asked(last=last)}).encode(), LIMITS)
 
 

@@ -146,9 +146,9 @@ def test_packed_arrays_are_lists_in_fewer_bytes(server):
 @pytest.mark.parametrize(
     "more, part",
     [
-        ({"base64": "!", "type": "f8", "shape": [1, 3]}, "no valid base64"),
+        ({"base64": "!", "type": "f8", "shape": [1, 3]}, "not valid base64"),
         ({"base64": "", "type": "f4", "shape": [0, 3]}, "as a packed array must be"),
-        ({"base64": "AAAA", "type": "f8", "shape": [1, 3]}, "not those of its shape"),
+        ({"base64": "AAAA", "type": "f8", "shape": [1, 3]}, "do not match its shape"),
         ({"base64": "", "type": "f8", "shape": [-1, 3]}, "as a packed array must be"),
         ({"base64": "", "type": "f8", "shape": [0, 3]}, "at least three"),
         ({"base64": base64.b64encode(np.full(9, np.nan).tobytes()).decode(), "type": "f8", "shape": [3, 3]}, "no finite number"),
@@ -331,7 +331,7 @@ BAD = {
     "a deep nest": (200_000 * b"[", 400, "JSON"),
     "many digits": (b'{"targets": ' + 5000 * b"1" + b"}", 400, "digits"),
     "a list": (b"[]", 422, "object"),
-    "an unknown field": (b'{"vertexes": []}', 422, "no field 'vertexes'"),
+    "an unknown field": (b'{"vertexes": []}', 422, "unknown field 'vertexes'"),
     "no faces": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]]}', 422, "'faces'"),
     "texts": (b'{"vertices": [["0","1","2"]], "faces": [[0,0,0]]}', 422, "three numbers"),
     "ragged": (b'{"vertices": [[0,1],[0,1,2]], "faces": [[0,0,0]]}', 422, "three numbers"),
@@ -356,7 +356,7 @@ def test_bad_requests_are_refused_with_a_sentence(server, name):
     [
         ({"method": "magic"}, "'method' must be one of"),
         ({"targets": [1.0]}, "1 numbers for 49"),
-        ({"targets": {"x": 1.0}}, "numbers of the regions"),
+        ({"targets": {"x": 1.0}}, "region numbers as keys"),
         ({"targets": True}, "must be a number"),
         ({"supports": [99]}, "names vertex 99"),
         ({"supports": "everything"}, '"boundary", "outline" or "corners"'),
@@ -365,12 +365,12 @@ def test_bad_requests_are_refused_with_a_sentence(server, name):
         ({"settings": {"tau": 0.5, "nearness": 1.0}}, "do not belong to one method; name it"),
         ({"settings": {"steps": 10**9}}, "at most 100000 steps"),
         ({"settings": {"delay": -1}}, "e must be a whole number from 0 up"),
-        ({"settings": []}, "must be an object of settings"),
+        ({"settings": []}, "must be an object that maps names of settings"),
         ({"method": "flow", "settings": {"steps": 0}}, "steps must be"),
         ({"method": "flow", "settings": {"steps": 10**9}}, "at most 100000 steps"),
         ({"flip": 1}, "true or false"),
         ({"id": "short"}, "8 to 64"),
-        ({"id": 5}, "'id' must be a text"),
+        ({"id": 5}, "'id' must be a string"),
         ({"supports": None, "roles": ["fixed"]}, "one role per vertex"),
         ({"mesh": {"dtype": "os/system", "data": {}}}, "COMPAS Mesh"),
     ],
@@ -426,7 +426,7 @@ def test_jobs_are_listed_page_by_page_and_know_their_place_in_the_queue(tmp_path
         assert [(job["id"], job["position"]) for job in found["jobs"]] == [(ids[5], 2)] and found["total"] == 2
         assert listed("state=failed")[1]["jobs"] == []
         for query, part in (
-            ("colour=red", "there is no parameter 'colour'; there are limit, offset, state"),
+            ("colour=red", "unknown parameter 'colour'; the parameters are limit, offset, state"),
             ("limit=0", "'limit' must be a whole number from 1 to 1000"),
             ("limit=many", "'limit' must be"),
             ("offset=-1", "'offset' must be a whole number from 0"),

@@ -205,7 +205,7 @@ def test_a_job_runs_and_keeps_its_result(jobs):
     assert result.converged and result.max_error < 1e-6
     assert result.mesh.number_of_vertices() == 49 and findings["quality"]["faces"] == 72
     assert jobs.submit(*body(), id="roof-0001") == (done, False)
-    with pytest.raises(Conflict, match="another request"):
+    with pytest.raises(Conflict, match="a different request"):
         jobs.submit(*body(7), id="roof-0001")
 
 
@@ -362,8 +362,8 @@ def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():
     slow = WorkerPool(1, grace=2 * PATIENCE)
     task = begun(slow, sleep_for_ever)
     busy = slow.processes()
-    task.stop("it was cancelled")
-    with pytest.raises(TaskStopped, match="it was cancelled"):
+    task.stop("cancelled by the client")
+    with pytest.raises(TaskStopped, match="cancelled by the client"):
         task.result(PATIENCE)
     assert slow.processes() == busy and slow.health()["busy"] == 1
     slow.shutdown(cancel_futures=True)
@@ -372,7 +372,7 @@ def test_nobody_waits_for_the_worker_of_a_task_that_was_cancelled():
 def test_a_worker_that_does_not_heed_a_cancel_is_replaced_after_its_grace(pool):
     before = pool.health()["replaced"]
     task = begun(pool, sleep_for_ever)
-    task.stop("it was cancelled")
+    task.stop("cancelled by the client")
     wait_for(lambda: pool.health()["replaced"] == before + 1 and pool.health()["busy"] == 0)
 
 
