@@ -1,4 +1,4 @@
-"""Make what is computed of these documents: ``python docs/make.py``, or with the names of some parts, such as samples."""
+"""Create computed pictures and tables of the manual: ``python docs/make.py``, or with names of parts, such as ``samples``."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ PICTURES = {
 
 
 def put_table(page: Path, rows: list[str]) -> None:
-    """Write rows in the place of those that a page has between two marks."""
+    """Replace the table between the two marks of a page."""
     before, _, rest = page.read_text(encoding="utf-8").partition("<!-- table -->\n")
     write_text(page, before + "<!-- table -->\n" + "\n".join(rows) + "\n<!-- end -->" + rest.partition("<!-- end -->")[2])
 
 
 def reproduction() -> None:
-    """Write the page of all tables with some of the pictures."""
+    """Write the page of the paper's examples."""
     with tempfile.TemporaryDirectory() as folder:
         main(["reproduce", "--out", folder])
         page = (Path(folder) / "tables.md").read_text(encoding="utf-8") + "\n## Pictures\n"
@@ -70,7 +70,7 @@ def moulds() -> None:
 
 
 def convention() -> None:
-    """Draw which layer of a Rhino file means what."""
+    """Draw the meaning of the layers of a Rhino file."""
     mesh = CGCMesh.from_3dm(DOCS.parent / "examples" / "nine_regions.3dm")
     problem = mesh.to_problem()
     figure = Figure(figsize=(8, 4.6), dpi=160)
@@ -81,11 +81,11 @@ def convention() -> None:
         dot = dict(boxstyle="round", facecolor="#f4d35e", edgecolor="none")
         ax.text(x, y, "K=0.04" if region == 4 else "K=0.01", ha="center", va="center", fontsize=8, bbox=dot)
     lines = {
-        "CGC::Mesh": "one mesh, or several to be joined",
-        "CGC::Supports": "points, point clouds, curves: what stays (red)",
-        "CGC::Creases": "curves: where it may fold (thick)",
+        "CGC::Mesh": "one mesh, or several that are joined",
+        "CGC::Supports": "points, point clouds, curves: supports (red)",
+        "CGC::Creases": "curves: creases (thick)",
         "CGC::Targets": "text dots: K of the region (yellow)",
-        "CGC::Constraints": "curves to stay on, points to reach",
+        "CGC::Constraints": "curves to stay on, points at heights",
     }
     for row, (layer, meaning) in enumerate(lines.items()):
         figure.text(0.61, 0.84 - 0.16 * row, layer, fontsize=11, weight="bold", family="monospace")
@@ -101,7 +101,7 @@ def _square(n: int, width: float, height: Callable = lambda x, y: 0.0 * x) -> CG
 
 
 def _irregular(n: int) -> CGCProblem:
-    """Return a disc of n random triangles in the middle, held at four points of its rim."""
+    """Return a disc with n random inner vertices, supported at four points of its boundary."""
     rng = np.random.default_rng(5)
     turn = 2 * np.pi * np.arange(60) / 60
     rim = np.column_stack([np.cos(turn), np.sin(turn)])
@@ -118,7 +118,7 @@ def _irregular(n: int) -> CGCProblem:
 
 
 def _pseudosphere(n: int) -> CGCProblem:
-    """Return a patch of Beltrami's pseudosphere, all of its edge held, drawn in waves."""
+    """Return a wavy patch of Beltrami's pseudosphere, supported all around."""
     problem = _square(n, 1.0)
     x, y = problem.vertices[:, :2].T
     turn, fine = 2.5 * (x - 0.5), np.linspace(0.3, 1.3, 2001)
@@ -130,7 +130,7 @@ def _pseudosphere(n: int) -> CGCProblem:
 
 
 def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
-    """Return problems, the settings of what they are compared with, and a title."""
+    """Return problems, the settings of the compared solves, and titles."""
     nearest = {"keep": "shape", "nearness": 1e3, "measure": "defect"}
     canopy = _square(20, 10.0, lambda x, y: 3 * (x + y - 2 * x * y)).with_supports("corners").with_targets(-0.02)
     corners = _square(20, 1.0).with_supports("corners").with_targets(-3.0)
@@ -140,17 +140,17 @@ def hard_cases() -> dict[str, tuple[CGCProblem, dict, str]]:
     nine = CGCMesh.from_3dm(DOCS.parent / "examples" / "nine_regions.3dm").to_problem().with_targets(-0.01)
     return {
         "canopy": (canopy, nearest, "A canopy of 10 m on masts of 0 and 3 m, K = -0.02"),
-        "corners": (corners, nearest, "A square on its corners, K = -3, from a flat start"),
-        "vault": (vault, nearest, "A vault between two arches, K = 0, from a sagging start"),
+        "corners": (corners, nearest, "A square on its corners, K = -3, flat input"),
+        "vault": (vault, nearest, "A vault between two arches, K = 0, sagging input"),
         "nine": (nine, nearest, "Nine regions on four corners, K = -0.01"),
-        "held": (_pseudosphere(24), nearest, "A pseudosphere, K = -1, held all round, from a start in waves"),
-        "irregular": (_irregular(420).with_targets(-0.4), {"measure": "defect"}, "An irregular mesh on four points, K = -0.4"),
+        "held": (_pseudosphere(24), nearest, "A pseudosphere, K = -1, supported all around, wavy input"),
+        "irregular": (_irregular(420).with_targets(-0.4), {"measure": "defect"}, "An irregular mesh on four supports, K = -0.4"),
     }
 
 
 def fairness() -> None:
-    """Write what is measured of hard cases into the page on fair surfaces, and draw stripes on them before and after."""
-    rows = ["| | fit of K, median / nine in ten | waves | sharpest fold | verdict |", "| --- |" + " --- |" * 4]
+    """Write the table of fair surfaces, and draw both surfaces of each pair with stripes."""
+    rows = ["| | error of fitted K, median / 90 % | waviness | sharpest fold | verdict |", "| --- |" + " --- |" * 4]
     for name, (problem, other, title) in hard_cases().items():
         results = [solve(problem, method="projection", settings=other), solve(problem)]
         figure = Figure(figsize=(8, 3.4), dpi=140)
@@ -164,14 +164,14 @@ def fairness() -> None:
     put_table(DOCS / "fairness.md", rows)
 
 
-RISES = (1.0, 2.0, 3.0, 4.0)  # of a span of 15
+RISES = (1.0, 2.0, 3.0, 4.0)  # for a span of 15
 
 
 def plans() -> dict[str, CGCProblem]:
-    """Return plans that span 15, with nothing said of K."""
+    """Return plans with a span of 15, without targets."""
     square = CGCMesh.from_meshgrid(dx=15.0, nx=24).to_problem()
     x, y, _ = (2.0 * square.vertices / 15.0 - 1.0).T
-    # The square mapped to the disk, ring by ring.
+    # Map the square to the disk, ring by ring.
     ring, radius = np.maximum(abs(x), abs(y)), np.hypot(x, y)
     stretch = 7.5 * ring / np.where(radius > 0.0, radius, 1.0)
     disk = square.with_vertices(np.column_stack([stretch * x, stretch * y, 0.0 * x]))
@@ -185,7 +185,7 @@ def plans() -> dict[str, CGCProblem]:
 
 
 def court(high: list) -> CGCMesh:
-    """Return an L folded along its mitre on nine columns, the outward corners at 3 and some between at 3.6."""
+    """Return an L with a crease along its mitre on nine columns; outward corners are at 3 m, other columns at 3.6 m."""
     plan = [[0, 0, 0], [14, 0, 0], [14, 6, 0], [6, 6, 0], [6, 14, 0], [0, 14, 0], [0, 0, 0]]
     heads = [*((*place, 3.0) for place in ((0, 0), (14, 0), (14, 6), (6, 14), (0, 14))), *((*place, 3.6) for place in high)]
     mesh = CGCMesh.from_outline(plan, 1.0, creases=[[[0, 0, 0], [6, 6, 0]]], points=heads)
@@ -198,7 +198,7 @@ def court(high: list) -> CGCMesh:
 
 
 def courts() -> None:
-    """Draw courts on nine columns at two heights."""
+    """Draw two roofs over a court."""
     figure = Figure(figsize=(9, 3.2), dpi=130)
     figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.9, wspace=0.0)
     layouts = [[(14, 3), (3, 14), (10, 6), (6, 10)], [(7, 0), (0, 7), (10, 6), (6, 10)]]
@@ -211,7 +211,7 @@ def courts() -> None:
 
 
 def goals() -> None:
-    """Write which K belongs to which rise into the chapter on goals, and draw the surfaces."""
+    """Write the table of K for rises, and draw the surfaces."""
     rows = ["| plan | " + " | ".join(f"rise {rise:g}" for rise in RISES) + " |", "| --- |" + " --- |" * len(RISES)]
     figure = Figure(figsize=(11, 2.6), dpi=130)
     figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.0)
@@ -226,7 +226,7 @@ def goals() -> None:
 
 
 def samples() -> None:
-    """Write the drawings of the tutorials into the package."""
+    """Write the sample drawings into the package."""
     for name, mesh in drawings.samples().items():
         write(DOCS.parent / "compas_cgc" / "_sample_files" / f"{name}.3dm", mesh)
 
