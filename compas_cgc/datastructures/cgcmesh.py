@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Iterable
 from collections.abc import Mapping
 from collections.abc import Sequence
 from copy import deepcopy
+from pathlib import Path
+from typing import IO
 from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
@@ -50,6 +53,7 @@ from ..model.problem import Names
 from ..model.problem import Origin
 from ..model.roles import ROLES
 from .check import diagnostics_of_keys
+from .compas_data import objects_of
 from .construction import checked_faces
 from .construction import evaluated
 from .construction import meshed_outline
@@ -117,6 +121,37 @@ class CGCMesh(Mesh):
             name=name,
             **kwargs,
         )
+
+    @classmethod
+    def from_json(cls, filepath: Union[str, os.PathLike, IO]) -> CGCMesh:
+        """Construct a mesh from a COMPAS .json file, or an open one.
+
+        Raises
+        ------
+        FileError
+            If it names a type that is not read.
+        TypeError
+            If it holds no CGCMesh.
+        """
+        if isinstance(filepath, (str, os.PathLike)):
+            return cls.from_jsonstring(Path(filepath).read_text(encoding="utf-8-sig"))
+        return cls.from_jsonstring(filepath.read())
+
+    @classmethod
+    def from_jsonstring(cls, string: str) -> CGCMesh:
+        """Construct a mesh from the text of a COMPAS .json file.
+
+        Raises
+        ------
+        FileError
+            If it names a type that is not read.
+        TypeError
+            If it holds no CGCMesh.
+        """
+        mesh = objects_of(json.loads(string))
+        if not isinstance(mesh, cls):
+            raise TypeError(f"the data holds a {type(mesh).__name__}, not a {cls.__name__}")
+        return mesh
 
     if not TYPE_CHECKING:
 

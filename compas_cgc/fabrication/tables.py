@@ -15,8 +15,9 @@ from .patchwork import mates
 from .patchwork import outline_sides
 from .patterns import Patterns
 
-__all__ = ["csv_text", "edge_table", "edge_table_text"]
+__all__ = ["csv_text", "edge_table", "edge_table_text", "escaped", "unescaped"]
 
+_FORMULA_MARKS = frozenset("=+-@\t\r")  # that a spreadsheet takes for the begin of a formula
 _HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
 
 
@@ -24,9 +25,29 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """Return a table as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows(rows)
+    writer.writerow([escaped(name) for name in head])
+    writer.writerows([escaped(value) for value in row] for row in rows)
     return text.getvalue()
+
+
+def escaped(value: object) -> object:
+    """Return a cell that no spreadsheet runs as a formula: a text that would be one gets an apostrophe before it."""
+    return f"'{value}" if isinstance(value, str) and _runs(value) else value
+
+
+def unescaped(text: str) -> str:
+    """Return the text of a cell that :func:`escaped` wrote."""
+    return text[1:] if text[:1] == "'" and _runs(text[1:]) else text
+
+
+def _runs(text: str) -> bool:
+    if text[:1] not in _FORMULA_MARKS:
+        return False
+    try:
+        float(text)
+    except ValueError:
+        return True
+    return False
 
 
 def edge_table_text(patterns: Patterns) -> str:

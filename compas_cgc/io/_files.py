@@ -12,11 +12,11 @@ from .._atomic_write import replacing
 from .._samples import no_file
 from ..errors import FileError
 
-__all__ = ["read_bytes", "read_lines", "suffix_among", "written"]
+__all__ = ["read_bytes", "suffix_among", "written"]
 
 
-def read_bytes(path: Path) -> bytes:
-    """Return the content of a file.
+def read_bytes(path: Path, most: int = -1) -> bytes:
+    """Return the content of a file, or its first `most` bytes.
 
     Raises
     ------
@@ -26,35 +26,12 @@ def read_bytes(path: Path) -> bytes:
     if path.is_dir():
         raise FileError(f"{path} is a folder; give a file in it")
     try:
-        return path.read_bytes()
+        with open(path, "rb") as file:
+            return file.read(most)
     except FileNotFoundError:
         raise FileError(no_file(path)) from None
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror})") from None
-
-
-def read_lines(path: Path, comment: str = "#") -> Iterator[tuple[int, str]]:
-    """Yield the number and text of every line that is neither empty nor a comment; a backslash at the end joins lines.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or is no text.
-    """
-    try:
-        text = read_bytes(path).decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = read_bytes(path).decode("latin-1")
-    if "\0" in text:
-        raise FileError(f"{path} is no text, whatever its name says; export it again")
-    before = ""
-    for number, line in enumerate(text.splitlines(), 1):
-        line = before + line.split(comment, 1)[0].strip()
-        before = ""
-        if line.endswith("\\"):
-            before = line[:-1] + " "
-        elif line:
-            yield number, line
 
 
 @contextmanager

@@ -17,7 +17,10 @@ from ..model.problem import CGCProblem
 from ..model.problem import Drawing
 from .reading import ReadProblem
 
-__all__ = ["clean_problem"]
+__all__ = ["check_mesh", "clean_problem"]
+
+MAX_COORDINATE = 1e12  # [L]; the cube of larger ones comes near to overflow
+MAX_CORNERS = 1000  # of a face; cutting ears takes time with the square of it
 
 
 def clean_problem(
@@ -56,7 +59,7 @@ def clean_problem(
     """
     if creases and not len(faces):
         raise FileError(f"{source} holds lines and no faces; mesh its outline (CGCMesh.from_outline(points, edge_length))")
-    _check(source, vertices, faces)
+    check_mesh(source, vertices, faces)
     try:
         clean = tidy(vertices, faces, 0.0)
     except MeshError as error:
@@ -82,16 +85,29 @@ def clean_problem(
     return ReadProblem(problem.with_supports(sorted(fixed)), tuple(said))
 
 
-def _check(source: Path, vertices: FloatArray, faces: list[list[int]]) -> None:
+def check_mesh(source: Path, vertices: FloatArray, faces: Sequence[Sequence[int]]) -> None:
+    """Check the vertices (n, 3) and polygons of a file.
+
+    Raises
+    ------
+    FileError
+        If there are none, a face names a vertex that does not exist or has too many corners, or a coordinate is not usable.
+    """
     n = len(vertices)
     if not n or not len(faces):
         raise FileError(f"{source} holds no mesh; give one with vertices and faces")
     wrong = next((i for i, face in enumerate(faces) if any(not 0 <= v < n for v in face)), None)
     if wrong is not None:
         raise FileError(f"{source}: face {wrong} names a vertex that does not exist; export it again")
-    if not np.isfinite(vertices).all():
-        bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-        raise FileError(f"{source}: vertex {bad} has a coordinate that is no finite number; correct it")
+    large = next((i for i, face in enumerate(faces) if len(face) > MAX_CORNERS), None)
+    if large is not None:
+        raise FileError(
+            f"{source}: face {large} has {len(faces[large])} corners, at most {MAX_CORNERS} are read; divide it and export again"
+        )
+    bad = ~(np.abs(vertices) <= MAX_COORDINATE).all(axis=1)
+    if bad.any():
+        what = f"has a coordinate that is no finite number or larger than {MAX_COORDINATE:g}"
+        raise FileError(f"{source}: vertex {int(np.argmax(bad))} {what}; correct it")
 
 
 def _follow(paths: list[list[int]], faces: IntArray) -> list[bool]:

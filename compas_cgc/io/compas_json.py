@@ -6,9 +6,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..errors import FileError
 from ..model.problem import PosesProblem
-from ._files import read_bytes
+from .cleanup import check_mesh
+from .cursor import Cursor
+from .cursor import reason_of
 
 if TYPE_CHECKING:
     from ..datastructures import CGCMesh
@@ -22,23 +26,31 @@ def read_json(path: Path) -> CGCMesh:
     Raises
     ------
     FileError
-        If it holds no mesh, or a constraint on it that is none.
+        If it holds no mesh, an invalid constraint, or a type that is not read.
     """
-    from compas.data import DecoderError
-    from compas.data import json_loads
     from compas.datastructures import Mesh
 
     from ..datastructures import CGCMesh
+    from ..datastructures.compas_data import objects_of
 
+    cursor = Cursor.of_file(path)
     try:
-        thing = json_loads(read_bytes(path).decode("utf-8-sig"))
+        value = json.loads(cursor.data.decode("utf-8-sig"))
+        cursor.check_nesting(value)
+        thing = objects_of(value)
+        if not isinstance(thing, Mesh):
+            raise FileError(f"it holds a {type(thing).__name__}, no mesh")
+        mesh = thing if isinstance(thing, CGCMesh) else CGCMesh.from_mesh(thing)
+        place = {key: i for i, key in enumerate(mesh.vertex)}
+        points = [[own[axis] for axis in "xyz"] for own in mesh.vertex.values()]
+        vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
+        faces = [[place[v] for v in face] for face in mesh.face.values()]
     except json.JSONDecodeError as error:
         raise FileError(f"{path} is no JSON (line {error.lineno}: {error.msg}); export it again") from None
-    except (UnicodeDecodeError, DecoderError, AttributeError, ImportError, IndexError, KeyError, TypeError, ValueError) as error:
-        raise FileError(f"{path} cannot be read as COMPAS data ({error}); write it with mesh.to_json()") from None
-    if not isinstance(thing, Mesh):
-        raise FileError(f"{path} holds a {type(thing).__name__}, no mesh; write a mesh with mesh.to_json()")
-    mesh = thing if isinstance(thing, CGCMesh) else CGCMesh.from_mesh(thing)
+    except Exception as error:
+        # The classes of COMPAS check nothing: any error may come of wrong data.
+        raise FileError(f"{path} cannot be read as COMPAS data ({reason_of(error)}); write it with mesh.to_json()") from error
+    check_mesh(path, vertices, faces)
     try:
         mesh.constraints()
     except ValueError as error:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import FileError
 from ..model.problem import CGCProblem
-from ._files import read_lines
 from .cleanup import clean_problem
+from .cursor import Cursor
 from .reading import ReadProblem
 
 __all__ = ["obj_text", "read_obj"]
@@ -30,7 +30,7 @@ def read_obj(path: Path) -> ReadProblem:
     points: list[int] = []
     targets: dict[int, float] = {}
     K = None
-    for number, line in read_lines(path):
+    for number, line in Cursor.of_file(path).lines():
         word, *rest = line.split()
         try:
             if word == "v":

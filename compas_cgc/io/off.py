@@ -8,8 +8,8 @@ import numpy as np
 
 from ..errors import FileError
 from ..model.problem import CGCProblem
-from ._files import read_lines
 from .cleanup import clean_problem
+from .cursor import Cursor
 from .reading import ReadProblem
 
 __all__ = ["off_text", "read_off"]
@@ -17,21 +17,22 @@ __all__ = ["off_text", "read_off"]
 
 def read_off(path: Path) -> ReadProblem:
     """Read a .off file; colours and normals are passed over."""
-    lines = [line for _, line in read_lines(path)]
+    cursor = Cursor.of_file(path)
+    lines = [line for _, line in cursor.lines()]
     if not lines or not lines[0].split()[0].upper().endswith("OFF"):
         raise FileError(f"{path} does not begin with OFF; give an .off file")
     # The counts may follow the word on the same line.
     head = lines[0].split()[1:] or lines[1:2] and lines[1].split()
     body = lines[1:] if lines[0].split()[1:] else lines[2:]
     try:
-        n, m = int(head[0]), int(head[1])
+        n, m = cursor.count(int(head[0]), 1, "vertices"), cursor.count(int(head[1]), 1, "faces")
         if len(body) < n + m:
             raise ValueError(f"{n} vertices and {m} faces are announced, {len(body)} lines follow")
         vertices = [[float(x) for x in line.split()[:3]] for line in body[:n]]
         faces = []
         for line in body[n : n + m]:
-            words = line.split()
-            faces.append([int(i) for i in words[1 : int(words[0]) + 1]])
+            size, *words = line.split()
+            faces.append([int(i) for i in words[: cursor.count(int(size), 1, "corners")]])
         places = np.array(vertices, dtype=np.float64).reshape(n, 3)
     except (IndexError, ValueError) as error:
         raise FileError(f"{path} cannot be read ({error}); export it again") from None

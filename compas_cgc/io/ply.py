@@ -12,8 +12,8 @@ from ..errors import FileError
 from ..model.problem import CGCProblem
 from ..model.roles import FIXED
 from ..model.roles import ROLES
-from ._files import read_bytes
 from .cleanup import clean_problem
+from .cursor import Cursor
 from .reading import ReadProblem
 
 __all__ = ["ply_text", "read_ply"]
@@ -56,10 +56,10 @@ def read_ply(path: Path) -> ReadProblem:
     The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as
     :func:`ply_text` writes them, are read where they are there.
     """
-    data = read_bytes(path)
+    cursor = Cursor.of_file(path)
     try:
-        kind, elements, start = _header(data)
-        rows = _text_rows(data[start:], elements) if kind == "ascii" else _binary_rows(data, start, elements, kind)
+        kind, elements = _header(cursor)
+        rows = _text_rows(cursor, elements) if kind == "ascii" else _binary_rows(cursor, elements, kind)
         tables = dict(zip((element.name for element in elements), rows))
         table = tables["vertex"]
         vertices = np.column_stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"])
@@ -79,11 +79,12 @@ def read_ply(path: Path) -> ReadProblem:
     return clean_problem(path, vertices, faces, supports=supports, creases=creases, targets=targets, notes=notes)
 
 
-def _header(data: bytes) -> tuple[str, list[_Element], int]:
+def _header(cursor: Cursor) -> tuple[str, list[_Element]]:
+    data = cursor.data
     end = data.find(b"end_header")
     if not data[:4].lower().startswith(b"ply") or end < 0:
         raise ValueError("it does not begin with a header")
-    start = data.index(b"\n", end) + 1
+    cursor.skip(data.index(b"\n", end) + 1)
     kind, elements = "", []
     for words in (line.split() for line in data[:end].decode("ascii", "replace").splitlines()):
         if words[:1] == ["format"]:
@@ -96,42 +97,42 @@ def _header(data: bytes) -> tuple[str, list[_Element], int]:
             elements[-1].properties.append(_Property(words[2], _TYPES[words[1]], None))
     if kind not in ("ascii", "binary_little_endian", "binary_big_endian"):
         raise ValueError(f"the format {kind!r} is unknown")
-    return kind, elements, start
+    return kind, elements
 
 
-def _text_rows(body: bytes, elements: list[_Element]) -> list[dict[str, list]]:
-    words = iter(body.split())
+def _text_rows(cursor: Cursor, elements: list[_Element]) -> list[dict[str, list]]:
+    words = cursor.words()
     tables = []
     for element in elements:
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.size):
+        for _ in range(cursor.count(element.size, len(element.properties), f"elements {element.name!r}")):
             for p in element.properties:
                 read = float if p.kind[0] == "f" else int
-                table[p.name].append(read(next(words)) if p.length is None else [read(next(words)) for _ in range(int(next(words)))])
+                if p.length is None:
+                    table[p.name].append(read(next(words)))
+                else:
+                    count = cursor.count(int(next(words)), 1, f"values of {p.name!r}")
+                    table[p.name].append([read(next(words)) for _ in range(count)])
         tables.append(table)
     return tables
 
 
-def _binary_rows(data: bytes, start: int, elements: list[_Element], kind: str) -> list[dict[str, list]]:
+def _binary_rows(cursor: Cursor, elements: list[_Element], kind: str) -> list[dict[str, list]]:
     tables = []
     order = "<" if kind == "binary_little_endian" else ">"
     for element in elements:
         if all(p.length is None for p in element.properties):
-            record = np.dtype([(p.name, order + p.kind) for p in element.properties])
-            rows = np.frombuffer(data, record, element.size, start)
-            start += record.itemsize * element.size
+            rows = cursor.array([(p.name, order + p.kind) for p in element.properties], element.size)
             tables.append({p.name: rows[p.name].tolist() for p in element.properties})
             continue
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(element.size):
+        least = sum(np.dtype(p.length or p.kind).itemsize for p in element.properties)
+        for _ in cursor.timed(range(cursor.count(element.size, least, f"elements {element.name!r}"))):
             for p in element.properties:
-                count = 1
-                if p.length is not None:
-                    count = int(np.frombuffer(data, order + p.length, 1, start)[0])
-                    start += np.dtype(p.length).itemsize
-                values = np.frombuffer(data, order + p.kind, count, start).tolist()
-                start += np.dtype(p.kind).itemsize * count
-                table[p.name].append(values if p.length is not None else values[0])
+                if p.length is None:
+                    table[p.name].append(cursor.array(order + p.kind, 1)[0].item())
+                else:
+                    table[p.name].append(cursor.array(order + p.kind, int(cursor.array(order + p.length, 1)[0])).tolist())
         tables.append(table)
     return tables
 

@@ -17,6 +17,7 @@ from ..model.problem import problem_of
 from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
+from .cursor import guarded
 from .obj import obj_text
 from .obj import read_obj
 from .off import off_text
@@ -83,13 +84,14 @@ def read_problem(
     """
     source = Path(path)
     suffix = known_suffix(source)
-    if suffix == ".3dm":
-        from .rhino.read import read_3dm
+    with guarded(source):
+        if suffix == ".3dm":
+            from .rhino.read import read_3dm
 
-        return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
-    if suffix == ".json":
-        return ReadProblem(read_json(source).to_problem())
-    return _READERS[suffix](source)
+            return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
+        if suffix == ".json":
+            return ReadProblem(read_json(source).to_problem())
+        return _READERS[suffix](source)
 
 
 @names_what_was_meant()

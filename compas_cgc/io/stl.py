@@ -10,8 +10,8 @@ import numpy as np
 from ..discrete import face_normals
 from ..errors import FileError
 from ..model.problem import CGCProblem
-from ._files import read_bytes
 from .cleanup import clean_problem
+from .cursor import Cursor
 from .reading import ReadProblem
 
 __all__ = ["read_stl", "stl_text"]
@@ -22,11 +22,12 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 def read_stl(path: Path) -> ReadProblem:
     """Read a .stl file, binary or text; corners at the same place become one vertex."""
-    data = read_bytes(path)
+    data = Cursor.of_file(path).data
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     notes: tuple[str, ...] = ()
     if len(data) == 84 + 50 * count:
-        corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # signalling NaN
+            corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
         notes = ("a binary .stl carries seven digits only; a .3dm, .obj or .ply keeps them all",)
     elif data[:80].lstrip().lower().startswith(b"solid"):
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from collections.abc import Sequence
+from typing import Optional
 from typing import Union
 
 import numpy as np
@@ -102,10 +103,18 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     if len(left) == 4:
         # Put the ear at b first: cutting it leaves the diagonal a-c.
         left = [1, 2, 3, 0]
+    # Cutting an ear of a simple polygon changes the corners beside it only.
+    known: list[Optional[bool]] = [None] * len(left)
     while len(left) > 3:
-        ear = next((k for k in range(len(left)) if _is_ear(points, left, k, normal)), 0)
+        ear = 0
+        for k, is_ear in enumerate(known):
+            known[k] = _is_ear(points, left, k, normal) if is_ear is None else is_ear
+            if known[k]:
+                ear = k
+                break
         triangles.append([corners[left[ear - 1]], corners[left[ear]], corners[left[(ear + 1) % len(left)]]])
-        del left[ear]
+        del left[ear], known[ear]
+        known[ear - 1] = known[ear % len(left)] = None
     triangles.append([corners[k] for k in left])
     return triangles
 

@@ -15,6 +15,8 @@ import numpy as np
 from .._atomic_write import replacing
 from ..errors import CGCError
 from ..errors import FileError
+from ..fabrication.tables import escaped
+from ..fabrication.tables import unescaped
 from .variants import Measured
 
 __all__ = ["Table", "parsed", "read_rows", "write_parquet"]
@@ -75,7 +77,7 @@ class Table:
 
     def _write(self, rows: Sequence[tuple]) -> None:
         text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([_text(value) for value in row] for row in rows)
+        csv.writer(text, lineterminator="\n").writerows([escaped(_text(value)) for value in row] for row in rows)
         # In one go, so that a row is there or not.
         self._file.write(text.getvalue())
         self._file.flush()
@@ -95,7 +97,7 @@ def _whole_rows(path: Path, columns: Sequence[str]) -> int:
         return 0
     whole = content[: content.rfind(b"\n") + 1]
     rows = list(csv.reader(io.StringIO(whole.decode("utf-8"), newline="")))
-    if rows and rows[0] != list(columns):
+    if rows and [unescaped(name) for name in rows[0]] != list(columns):
         raise CGCError(f"{path} is the table of something else; give another folder")
     if len(whole) < len(content):
         os.truncate(path, len(whole))
@@ -118,7 +120,7 @@ def read_rows(path: Path) -> tuple[list[str], list[list[Any]]]:
     rows = list(csv.reader(io.StringIO(text[: text.rfind("\n") + 1])))
     if not rows:
         raise FileError(f"{path} is empty; the study has not begun")
-    return rows[0], [[parsed(word) for word in row] for row in rows[1:]]
+    return [unescaped(name) for name in rows[0]], [[parsed(word) for word in row] for row in rows[1:]]
 
 
 def parsed(word: str) -> Any:
@@ -130,7 +132,7 @@ def parsed(word: str) -> Any:
             return kind(word)
         except ValueError:
             continue
-    return word
+    return unescaped(word)
 
 
 def write_parquet(path: Path, columns: Sequence[str], rows: Sequence[Sequence[Any]], needed: bool = False) -> Optional[Path]:

@@ -1,0 +1,173 @@
+"""Cursor: a guarded position in the bytes of a file that is not trusted."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from typing import NamedTuple
+from typing import TypeVar
+
+import numpy as np
+
+from ..errors import CGCError
+from ..errors import FileError
+from ._files import read_bytes
+
+__all__ = ["READ_LIMITS", "Cursor", "ReadLimits", "guarded", "reason_of"]
+
+_STRIDE = 1024  # items between two checks of the time
+Item = TypeVar("Item")
+
+
+class ReadLimits(NamedTuple):
+    """Limits of reading one file."""
+
+    bytes: int = 2**30  # of the file
+    elements: int = 50_000_000  # values, all elements of the file together
+    nesting: int = 64  # levels of lists and objects
+    seconds: float = 300.0
+
+
+READ_LIMITS = ReadLimits()
+
+
+class Cursor:
+    """Read position in the bytes of a file, which moves forward only.
+
+    A count that a file announces is checked against the bytes that follow before anything is allocated or repeated for it.
+
+    Parameters
+    ----------
+    data
+        Content of the file.
+    limits
+        Bytes, elements, nesting and seconds that are accepted.
+
+    Raises
+    ------
+    ValueError
+        Everywhere, with the reason, where the content exceeds a limit or ends too early.
+    """
+
+    def __init__(self, data: bytes, limits: ReadLimits = READ_LIMITS):
+        if len(data) > limits.bytes:
+            raise ValueError(f"it has more than {limits.bytes / 2**20:.0f} MB")
+        self.data = data
+        self.limits = limits
+        self.position = 0
+        self._elements = 0
+        self._end = time.monotonic() + limits.seconds
+
+    @classmethod
+    def of_file(cls, path: Path, limits: ReadLimits = READ_LIMITS) -> Cursor:
+        """Open a file.
+
+        Raises
+        ------
+        FileError
+            If it cannot be read.
+        """
+        return cls(read_bytes(path, limits.bytes + 1), limits)
+
+    @property
+    def left(self) -> int:
+        """Number of bytes that follow."""
+        return len(self.data) - self.position
+
+    def count(self, announced: int, size: int = 1, what: str = "elements") -> int:
+        """Return an announced number of elements of at least `size` bytes each, if that many can follow."""
+        if announced < 0:
+            raise ValueError(f"it announces {announced} {what}")
+        if announced * max(1, size) > self.left:
+            raise ValueError(f"it announces {announced} {what}, and {self.left} bytes follow")
+        self._elements += announced
+        if self._elements > self.limits.elements:
+            raise ValueError(f"it holds more than {self.limits.elements} elements")
+        return announced
+
+    def skip(self, size: int) -> None:
+        """Move on by some bytes."""
+        self.position += self.count(size, 1, "bytes")
+
+    def array(self, kind: Any, count: int) -> np.ndarray:
+        """Return the next `count` values of a NumPy type."""
+        kind = np.dtype(kind)
+        values = np.frombuffer(self.data, kind, self.count(count, kind.itemsize, "values"), self.position)
+        self.position += values.nbytes
+        return values
+
+    def words(self) -> Iterator[bytes]:
+        """Yield the words of a text that follow."""
+        return self.timed(self.data[self.position :].split())
+
+    def lines(self, comment: str = "#") -> Iterator[tuple[int, str]]:
+        """Yield number and text of every line that is neither empty nor a comment; a backslash at the end joins lines."""
+        text = self.text()
+        if "\0" in text:
+            raise ValueError("it is no text, whatever its name says")
+        joined: list[str] = []
+        for number, line in enumerate(self.timed(text.splitlines()), 1):
+            line = line.split(comment, 1)[0].strip()
+            if line.endswith("\\"):
+                joined.append(line[:-1])
+                continue
+            line = " ".join([*joined, line]).strip()
+            joined.clear()
+            if line:
+                yield number, line
+
+    def text(self) -> str:
+        """Return the text that follows: UTF-8, or Latin-1 where it is not."""
+        rest = self.data[self.position :]
+        try:
+            return rest.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            return rest.decode("latin-1")
+
+    def timed(self, items: Iterable[Item]) -> Iterator[Item]:
+        """Yield items as long as there is time."""
+        for number, item in enumerate(items):
+            if number % _STRIDE == 0 and time.monotonic() > self._end:
+                raise ValueError(f"reading it takes more than {self.limits.seconds:g} s")
+            yield item
+
+    def check_nesting(self, value: object) -> None:
+        """Check the nesting of parsed JSON."""
+        level = [value]
+        for _ in range(self.limits.nesting):
+            level = [item for node in level for item in _inner(node)]
+            if not level:
+                return
+        raise ValueError(f"it is nested more than {self.limits.nesting} deep")
+
+
+@contextmanager
+def guarded(path: Path) -> Iterator[None]:
+    """Raise a :class:`FileError` for every fault of a file that a reader meets.
+
+    A reader of damaged content may fail anywhere; what it was that failed is the cause of the error.
+    """
+    try:
+        yield
+    except (CGCError, OSError):
+        raise
+    except Exception as error:
+        raise FileError(f"{path} cannot be read ({reason_of(error)}); export it again") from error
+
+
+def reason_of(error: Exception) -> str:
+    """Return what an error in a reader says of the content."""
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply"
+    if isinstance(error, KeyError):
+        return f"{error} is missing"
+    return (str(error) or type(error).__name__)[:200]
+
+
+def _inner(node: object) -> Iterable:
+    items = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    return [item for item in items if isinstance(item, (dict, list))]
