@@ -160,7 +160,7 @@ def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCPr
     if arguments.flip:
         problem = problem.flipped()
     problem = with_targets(problem, arguments.target)
-    return problem.with_constraints(goals_of(arguments, dict(problem.drawing.places)))
+    return problem.with_goals(goals_of(arguments, dict(problem.drawing.places)))
 
 
 def _solve(problem: CGCProblem, arguments: argparse.Namespace, settings: Optional[Settings]) -> SolveResult:

@@ -108,7 +108,7 @@ class Client:
         id
             Of the job. Default: a new one.
         options
-            ``supports``, ``creases``, ``targets``, ``constraints``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
+            ``supports``, ``creases``, ``targets``, ``goals``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
         Returns
         -------

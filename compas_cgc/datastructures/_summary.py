@@ -91,7 +91,7 @@ def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
     text += f" in {count} regions" if count > 1 else ""
     if status != "converged":
         return f"{text} missed by up to {max_error:.2g}"
-    found = any(isinstance(own, Unknown) for own in problem.constraints)
+    found = any(isinstance(own, Unknown) for own in problem.goals)
     return f"{text}, found" if found else f"{text} as asked"
 
 

@@ -37,7 +37,7 @@ from ..meshing import triangles_of
 from ..meshing import triangulate
 from ..model.checks import check
 from ..model.checks import refuse
-from ..model.constraint_data import as_constraints
+from ..model.constraint_data import as_goals
 from ..model.constraint_data import constraint_data
 from ..model.constraints import Constraint
 from ..model.constraints import check_indices
@@ -165,7 +165,7 @@ class CGCMesh(Mesh):
         regions = self.regions()
         lines = [
             f"CGCMesh {self.name!r}: {len(V)} vertices, {self.number_of_faces()} faces, {size or 'empty'}",
-            f"  {len(self.supports())} supports, {len(self.creases())} creases, {len(self.constraints())} constraints and goals",
+            f"  {len(self.supports())} supports, {len(self.creases())} creases, {len(self.goals())} goals",
         ]
         for number, faces in enumerate(regions[:12]):
             K = self.region_target(number)
@@ -256,7 +256,7 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_3dm(cls, path: Union[str, os.PathLike], **options: object) -> CGCMesh:
-        """Read a mesh with supports, creases, targets and constraints from a Rhino file, see :func:`compas_cgc.io.read_mesh`."""
+        """Read a mesh with supports, creases, targets and goals from a Rhino file, see :func:`compas_cgc.io.read_mesh`."""
         return mesh_from_3dm(path, **options)
 
     @classmethod
@@ -336,7 +336,7 @@ class CGCMesh(Mesh):
         return mesh
 
     def to_3dm(self, path: Union[str, os.PathLike], version: int = 7) -> None:
-        """Write the mesh with supports, creases, targets and constraints as a Rhino file that :meth:`from_3dm` reads.
+        """Write the mesh with supports, creases, targets and goals as a Rhino file that :meth:`from_3dm` reads.
 
         Parameters
         ----------
@@ -406,7 +406,7 @@ class CGCMesh(Mesh):
             s=self._numbers("s"),
             e=self._numbers("e"),
             creases=self._positions(np.array(self.crease_edges(), dtype=np.int64).reshape(-1, 2)),
-            constraints=self.constraints(),
+            goals=self.goals(),
             names=names,
             drawing=Drawing(self.name or "mesh", self.attributes.get("units"), self.attributes.get("tolerance")),
             origin=self.origin,
@@ -429,7 +429,7 @@ class CGCMesh(Mesh):
         mesh.name = problem.drawing.name
         known = {"units": problem.drawing.units, "tolerance": problem.drawing.tolerance}
         mesh.attributes.update({name: value for name, value in known.items() if value is not None})
-        mesh.set_constraints(problem.constraints)
+        mesh.set_goals(problem.goals)
         mesh.origin = problem.origin
         return mesh
 
@@ -730,26 +730,26 @@ class CGCMesh(Mesh):
     # Constraints
     # ------------------------------------------------------------------
 
-    def constraints(self) -> tuple[Constraint, ...]:
+    def goals(self) -> tuple[Constraint, ...]:
         """Return what is asked of vertices besides K; they are counted in the order of :meth:`vertices`."""
-        return as_constraints(self.attributes.get("constraints"))
+        return as_goals(self.attributes.get("goals"))
 
-    def set_constraints(self, constraints: Iterable[Union[Constraint, Mapping]], add: bool = False) -> None:
+    def set_goals(self, goals: Iterable[Union[Constraint, Mapping]], add: bool = False) -> None:
         """Ask for something besides K.
 
         Parameters
         ----------
-        constraints
-            Constraints such as :class:`AtHeight`, or their plain data; they count vertices in the order of :meth:`vertices`.
+        goals
+            Goals such as :class:`Height`, or their plain data; they count vertices in the order of :meth:`vertices`.
         add
-            Keep the constraints set before.
+            Keep the goals set before.
         """
-        kept = self.constraints() if add else ()
-        data = [constraint_data(constraint) for constraint in (*kept, *as_constraints(constraints))]
-        check_indices(as_constraints(data), self.number_of_vertices())
-        self.attributes.pop("constraints", None)
+        kept = self.goals() if add else ()
+        data = [constraint_data(constraint) for constraint in (*kept, *as_goals(goals))]
+        check_indices(as_goals(data), self.number_of_vertices())
+        self.attributes.pop("goals", None)
         if data:
-            self.attributes["constraints"] = data
+            self.attributes["goals"] = data
 
     # ------------------------------------------------------------------
     # Dummy mesh

@@ -18,7 +18,7 @@ __all__ = ["mesh_from_3dm", "mesh_from_brep", "mesh_to_3dm"]
 
 @pluggable(category="cgc_files")
 def mesh_from_3dm(path: Union[str, os.PathLike[str]], **options: object) -> Any:
-    """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
+    """Return the mesh in a Rhino file with its supports, creases, targets and goals."""
     return _plugin("mesh_from_3dm")(path, **options)
 
 
@@ -30,7 +30,7 @@ def mesh_from_brep(geometry: Any, edge_length: float) -> Any:
 
 @pluggable(category="cgc_files")
 def mesh_to_3dm(mesh: Mesh, path: Union[str, os.PathLike[str]], version: int = 7) -> None:
-    """Write a mesh with its supports, creases, targets and constraints as a Rhino file."""
+    """Write a mesh with its supports, creases, targets and goals as a Rhino file."""
     _plugin("mesh_to_3dm")(mesh, path, version)
 
 

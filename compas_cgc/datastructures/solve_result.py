@@ -215,8 +215,8 @@ class SolveResult:
     def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
         mesh = drawn.with_coordinates(self.vertices)
         mesh.origin = self.problem.origin
-        mesh.set_constraints(self.problem.constraints)
-        found = [own.regions for own in self.problem.constraints if isinstance(own, Unknown)]
+        mesh.set_goals(self.problem.goals)
+        found = [own.regions for own in self.problem.goals if isinstance(own, Unknown)]
         for region, K in enumerate(self.problem.region_targets() if found else ()):
             if K is not None and any(isinstance(regions, str) or region in regions for regions in found):
                 mesh.set_target(K, region=region)

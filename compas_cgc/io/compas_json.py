@@ -52,9 +52,9 @@ def read_json(path: Path) -> CGCMesh:
         raise FileError(f"{path} cannot be read as COMPAS data ({reason_of(error)}); write it with mesh.to_json()") from error
     check_mesh(path, vertices, faces)
     try:
-        mesh.constraints()
+        mesh.goals()
     except ValueError as error:
-        raise FileError(f"{path}: {error}; set the constraints again (mesh.set_constraints)") from None
+        raise FileError(f"{path}: {error}; set the goals again (mesh.set_goals)") from None
     return mesh
 
 

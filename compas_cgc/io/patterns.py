@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Union
 
 from ..fabrication.assembly import draw_plan
-from ..fabrication.cut_list import cut_list_text
 from ..fabrication.drawing import draw_sheets
 from ..fabrication.dxf import dxf_text
 from ..fabrication.patterns import Patterns
+from ..fabrication.piece_list import cut_list_text
 from ..fabrication.svg import svg_text
 from ..fabrication.tables import edge_table_text
 from ._files import suffix_among

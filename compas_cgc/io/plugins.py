@@ -20,7 +20,7 @@ TOLERANCE = 1e-3  # of the edge length, within which corners of faces are one
 
 @plugin(category="cgc_files")
 def mesh_from_3dm(path: Union[str, os.PathLike], **options: object) -> CGCMesh:
-    """Return the mesh in a Rhino file with its supports, creases, targets and constraints."""
+    """Return the mesh in a Rhino file with its supports, creases, targets and goals."""
     return read(path, **options)  # type: ignore[arg-type]
 
 
@@ -38,5 +38,5 @@ def mesh_from_brep(geometry: Any, edge_length: float) -> CGCMesh:
 
 @plugin(category="cgc_files")
 def mesh_to_3dm(mesh: CGCMesh, path: Union[str, os.PathLike], version: int = 7) -> None:
-    """Write a mesh with its supports, creases, targets and constraints as a Rhino file."""
+    """Write a mesh with its supports, creases, targets and goals as a Rhino file."""
     write(path, mesh, version=version)

@@ -54,7 +54,7 @@ def read_problem(
 ) -> ReadProblem:
     """Read a mesh with all that the file asks of it.
 
-    .3dm and COMPAS .json hold supports, creases, targets and constraints; .ply all but constraints and single
+    .3dm and COMPAS .json hold supports, creases, targets and goals; .ply all but goals and single
     strategies, .obj also not targets that vary inside of a region; .off and .stl hold none. Meshes are welded,
     triangulated and oriented where they need it.
 
@@ -122,7 +122,7 @@ def read_mesh(
     FileError
         If the file cannot be read.
     ProblemError
-        If supports, creases, targets or constraints of a .3dm do not fit the mesh.
+        If supports, creases, targets or goals of a .3dm do not fit the mesh.
 
     Examples
     --------
@@ -148,7 +148,7 @@ def read(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
 ) -> CGCMesh:
-    """Read a mesh with supports, creases, targets and constraints, see :func:`read_mesh`.
+    """Read a mesh with supports, creases, targets and goals, see :func:`read_mesh`.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def read(
     Returns
     -------
     CGCMesh
-        With supports, creases, targets and constraints, as far as the format holds them.
+        With supports, creases, targets and goals, as far as the format holds them.
 
     Examples
     --------

@@ -99,7 +99,7 @@ def _named(problem: CGCProblem, found: _Between) -> str:
 def _between(problem: CGCProblem, F: IntArray, supports: IntArray, size: float) -> Iterator[_Between]:
     """Return the supports that lie between others in plan, where the line or triangle of the others lies in the region."""
     plan, z = problem.vertices[:, :2], problem.vertices[:, 2]
-    held = any(isinstance(own, EdgeInPlan) for own in problem.constraints)
+    held = any(isinstance(own, EdgeInPlan) for own in problem.goals)
     rim = boundary_vertices(problem.vertices, problem.faces)
     pairs, shares = _pairs_around(plan, supports, size)
     sides = _straight_sides(plan, F)

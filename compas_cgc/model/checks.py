@@ -188,7 +188,7 @@ def turns_about(problem: CGCProblem) -> list[str]:
     """
     fixed = problem.roles == FIXED
     count = int(fixed.sum())
-    if not count or problem.constraints or not len(boundary_loops(problem.faces)):
+    if not count or problem.goals or not len(boundary_loops(problem.faces)):
         return []
     if count > 2 and ((fixed[problem.faces].sum(axis=1) > 1).any() or not _on_one_line(problem.vertices[fixed], problem.vertices)):
         return []

@@ -16,9 +16,9 @@ import numpy as np
 
 from ..errors import did_you_mean
 from .constraints import CROWN
-from .constraints import AtHeight
 from .constraints import Constraint
 from .constraints import Fixed
+from .constraints import Height
 from .constraints import Mirror
 from .constraints import OnCurve
 from .constraints import OnLine
@@ -41,11 +41,11 @@ from .goals.wholes import Rise
 from .goals.wholes import Unknown
 from .goals.wholes import Volume
 
-__all__ = ["KINDS", "as_constraints", "constraint_data", "constraint_of"]
+__all__ = ["KINDS", "as_goals", "constraint_data", "constraint_of"]
 
 KINDS: dict[str, type[Constraint]] = {
     "plane": OnPlane,
-    "height": AtHeight,
+    "height": Height,
     "line": OnLine,
     "curve": OnCurve,
     "held": Fixed,
@@ -110,15 +110,13 @@ def constraint_of(data: object) -> Constraint:
     return KINDS[kind](**{name: readers[name](value, f"{name} of a constraint of kind {kind}") for name, value in values.items()})
 
 
-def as_constraints(given: object, name: str = "constraints") -> tuple[Constraint, ...]:
-    """Return the constraints in a list of constraints and plain data; a single item counts as a list of one.
+def as_goals(given: object) -> tuple[Constraint, ...]:
+    """Return the goals in a list of goals and plain data; a single item counts as a list of one.
 
     Parameters
     ----------
     given
-        A constraint, its plain data, a list of these, or None.
-    name
-        Name of the argument in error messages.
+        A goal, its plain data, a list of these, or None.
 
     Raises
     ------
@@ -130,7 +128,7 @@ def as_constraints(given: object, name: str = "constraints") -> tuple[Constraint
     elif given is None or (isinstance(given, Iterable) and not isinstance(given, (str, type))):
         items = list(given or ())
     else:
-        raise ValueError(f"{name} must be a list such as [Rise(4.0)]{_written(given)}")
+        raise ValueError(f"goals must be a list such as [Rise(4.0)]{_written(given)}")
     return tuple(item if isinstance(item, Constraint) else constraint_of(item) for item in items)
 
 

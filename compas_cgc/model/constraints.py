@@ -26,7 +26,7 @@ from .given import vertex_names
 
 __all__ = [
     "CROWN",
-    "AtHeight",
+    "Height",
     "ClosestPoints",
     "Constraint",
     "Fixed",
@@ -36,7 +36,6 @@ __all__ = [
     "OnPlane",
     "PositionConstraint",
     "Proximity",
-    "called",
     "check_indices",
     "indices",
     "unit",
@@ -68,13 +67,8 @@ class _Named(type):
                 takes = [field.name for field in fields(cls)]
                 wrong = next((name for name in by_name if name not in takes), None)
                 hint = "" if wrong is None else f", not {wrong!r}{did_you_mean(wrong, takes)}"
-                raise TypeError(f"{called(cls)} takes {', '.join(takes)}{hint}; write {called(cls)}({', '.join(takes)})") from None
+                raise TypeError(f"{cls.__name__} takes {', '.join(takes)}{hint}; write {cls.__name__}({', '.join(takes)})") from None
             return super().__call__(*given, **by_name)
-
-
-def called(kind: type) -> str:
-    """Return the public name of a kind of constraint."""
-    return "Height" if kind.__name__ == "AtHeight" else kind.__name__
 
 
 @dataclass(frozen=True)
@@ -83,8 +77,8 @@ class Constraint(metaclass=_Named):
 
     Examples
     --------
-    >>> from compas_cgc import AtHeight, Constraint
-    >>> isinstance(AtHeight("crown", 4.0), Constraint)
+    >>> from compas_cgc import Height, Constraint
+    >>> isinstance(Height("crown", 4.0), Constraint)
     True
     """
 
@@ -148,7 +142,7 @@ class OnPlane(PositionConstraint):
 
 
 @dataclass(frozen=True)
-class AtHeight(PositionConstraint):
+class Height(PositionConstraint):
     """Put vertices at a height z [L], or the ``"crown"``: the highest vertex of the solved surface.
 
     Parameters
@@ -160,9 +154,9 @@ class AtHeight(PositionConstraint):
 
     Examples
     --------
-    >>> from compas_cgc import AtHeight
-    >>> AtHeight("crown", 4.0)
-    AtHeight(vertices='crown', height=4.0)
+    >>> from compas_cgc import Height
+    >>> Height("crown", 4.0)
+    Height(vertices='crown', height=4.0)
     """
 
     vertices: Union[str, Sequence[int]]
@@ -174,7 +168,7 @@ class AtHeight(PositionConstraint):
         if not math.isfinite(checked_number(self.height, "height")):
             raise ValueError(f"height must be a number, not {self.height!r}")
 
-    def local(self, frame: Frame) -> AtHeight:
+    def local(self, frame: Frame) -> Height:
         """Return the height in a local frame."""
         return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
 
@@ -371,11 +365,11 @@ def indices(vertices: Union[str, Sequence[int]], n: int, kind: type = Constraint
     given = np.asarray(vertices)
     if given.ndim != 1 or (given.size and given.dtype.kind not in "iu"):
         # Give an error for coordinates, which NumPy would cast to indices.
-        given = np.asarray(vertex_names(vertices if given.ndim == 0 else given, f"vertices of the goal {called(kind)}"))
+        given = np.asarray(vertex_names(vertices if given.ndim == 0 else given, f"vertices of the goal {kind.__name__}"))
     at = np.unique(given.astype(np.int64))
     if len(at) and not (at[0] >= 0 and at[-1] < n):
         wrong = at[0] if at[0] < 0 else at[-1]
-        raise ProblemError([f"the goal {called(kind)} names vertex {wrong}, but the mesh has vertices 0 to {n - 1}; name one of these"])
+        raise ProblemError([f"the goal {kind.__name__} names vertex {wrong}, but the mesh has vertices 0 to {n - 1}; name one of these"])
     return at
 
 

@@ -61,7 +61,7 @@ def is_smooth_alone(problem: CGCProblem) -> bool:
     They do on an irregular mesh with a flat face in a corner, and on a regular mesh with K > 0, because one principal curvature is
     unbounded towards a straight supported edge.
     """
-    if problem.constraints or not problem.asked.any() or not problem.real_faces.all():
+    if problem.goals or not problem.asked.any() or not problem.real_faces.all():
         return False
     if not is_regular(problem.faces, problem.asked):
         return read_across(problem) is not problem.faces

@@ -30,7 +30,7 @@ from ..meshing import face_regions
 from ..meshing import lost_edges
 from ..meshing import named_supports
 from ..meshing import path_edges
-from .constraint_data import as_constraints
+from .constraint_data import as_goals
 from .constraints import Constraint
 from .constraints import check_indices
 from .frame import Frame
@@ -129,8 +129,8 @@ class CGCProblem:
     creases
         ``(c, 2)`` int64 edges along which the surface may fold, which divide it into regions; or paths of vertices
         ``[u, v, w, ...]``.
-    constraints
-        Constraints and goals, each a :class:`Constraint` or its plain data; they refer to vertices by index.
+    goals
+        Requirements besides K, each a :class:`Constraint` or its plain data; they refer to vertices by index.
     names
         Keys of vertices and faces in the user's mesh. Default: their indices.
     drawing
@@ -163,7 +163,7 @@ class CGCProblem:
     s: FloatArray = np.nan  # type: ignore[assignment]
     e: FloatArray = np.nan  # type: ignore[assignment]
     creases: IntArray = ()  # type: ignore[assignment]
-    constraints: tuple[Constraint, ...] = ()
+    goals: tuple[Constraint, ...] = ()
     names: Names = None  # type: ignore[assignment]
     drawing: Drawing = field(default=Drawing())
     origin: Optional[Origin] = None
@@ -180,14 +180,14 @@ class CGCProblem:
         put("roles", _roles_of_places(V, F, self.creases) if self.roles is None else role_numbers(self.roles, n))
         for name in ("targets", "s", "e"):
             put(name, _column(getattr(self, name), n, name))
-        put("constraints", as_constraints(self.constraints))
-        check_indices(self.constraints, n)
+        put("goals", as_goals(self.goals))
+        check_indices(self.goals, n)
         put("names", Names(np.arange(n), np.arange(len(F))) if self.names is None else _checked_names(self.names, n, len(F)))
 
     def __repr__(self) -> str:
         # The arrays would fill the screen.
         mesh = f"{len(self.vertices)} vertices, {len(self.faces)} faces"
-        asked = f"{len(self.supports)} supports, {len(self.creases)} crease edges, {len(self.constraints)} constraints and goals"
+        asked = f"{len(self.supports)} supports, {len(self.creases)} crease edges, {len(self.goals)} goals"
         return f"<CGCProblem {self.drawing.name!r}: {mesh}, {asked}>"
 
     @classmethod
@@ -276,15 +276,15 @@ class CGCProblem:
             within &= self.region_vertices(region)
         return replace(self, targets=np.where(within, given, self.targets))
 
-    def with_constraints(self, constraints: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
-        """Return the problem with these constraints, added to the present ones unless `add` is false.
+    def with_goals(self, goals: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
+        """Return the problem with these goals, added to the present ones unless `add` is false.
 
         Raises
         ------
         ProblemError
             If a constraint names a vertex that does not exist.
         """
-        return replace(self, constraints=(*(self.constraints if add else ()), *as_constraints(constraints)))
+        return replace(self, goals=(*(self.goals if add else ()), *as_goals(goals)))
 
     def with_vertices(self, vertices: ArrayLike) -> CGCProblem:
         """Return the problem with other vertex coordinates (n, 3) [L].
@@ -313,7 +313,7 @@ class CGCProblem:
         if self.origin is None:
             return None
         was, now = self.origin.drawn, self
-        same = np.array_equal(self.origin.vertices, now.vertices) and was.constraints == now.constraints
+        same = np.array_equal(self.origin.vertices, now.vertices) and was.goals == now.goals
         same = same and all(np.array_equal(getattr(was, name), getattr(now, name)) for name in ("faces", "roles", "creases"))
         if not same or np.array_equal(was.targets, now.targets, equal_nan=True):
             return None
@@ -429,7 +429,7 @@ class CGCProblem:
             s=self.s[real],
             e=self.e[real],
             creases=index[self.creases],
-            constraints=tuple(constraint.renumbered(np.where(real, index, -1)) for constraint in self.constraints),
+            goals=tuple(constraint.renumbered(np.where(real, index, -1)) for constraint in self.goals),
             names=Names(self.names.vertices[real], self.names.faces[self.real_faces]),
         )
 
@@ -440,7 +440,7 @@ class CGCProblem:
             self,
             vertices=frame.to_local(self.vertices),
             targets=self.targets * frame.scale**2,
-            constraints=tuple(constraint.local(frame) for constraint in self.constraints),
+            goals=tuple(constraint.local(frame) for constraint in self.goals),
         )
         return local, frame
 

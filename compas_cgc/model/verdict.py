@@ -186,7 +186,7 @@ def verdict(problem: CGCProblem, before: Optional[FloatArray] = None) -> Verdict
         reasons.append(f"it is wavy: vertices deviate from a smooth surface by up to {_percent(waviest)} % of its sagitta")
     if both > MAX_OTHER_SIDE:
         # Where an inequality goal bends the surface to the other side, a crease does not help.
-        bound = any(isinstance(own, Bound) for own in problem.constraints)
+        bound = any(isinstance(own, Bound) for own in problem.goals)
         between = "with a fold between" + ("" if bound else " (draw a crease there)")
         reasons.append(f"{_percent(both)} % of it bulges to the other side than the rest of its region, {between}")
     if too_sharp > MAX_SHARP_SHARE:

@@ -48,7 +48,7 @@ def solved_anew(
         None where there is no such other mesh, or no surface on it.
     """
     count = len(problem.vertices)
-    if problem.constraints or count > MOST:
+    if problem.goals or count > MOST:
         return None
     regular = is_regular(problem.faces, problem.asked)
     if regular and count < MANY:

@@ -87,7 +87,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
             Choice("newton", "the whole edge is fixed, and one goal is asked for one unknown K"),
             Choice("projection", "it moves vertices sideways too"),
         ]
-    if problem.constraints:
+    if problem.goals:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
         first = Choice("projection", "it alone reaches negative K̄")

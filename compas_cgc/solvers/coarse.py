@@ -118,7 +118,7 @@ def _laid_out(problem: CGCProblem, count: int, largest: float, stretched: bool) 
     """Return a problem on another mesh, with faces as stretched as those of the drawing or with equilateral ones."""
     V, F = problem.vertices, problem.faces
     kinds = (PositionConstraint, Fixed, Proximity, Bound, Whole, Unknown)
-    if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.constraints):
+    if (problem.roles == DUMMY).any() or not all(isinstance(own, kinds) for own in problem.goals):
         return None
     seen = _plan(V, F)
     if seen is None:
@@ -165,7 +165,7 @@ def _posed(problem: CGCProblem, found: CoarsePlan) -> CGCProblem:
         np.concatenate([problem.roles[found.kept], np.where(told, INTERNAL, FREE)]),
         np.concatenate([problem.targets[found.kept], between]),
         creases=lines[_creased(problem)[found.kept][lines].all(axis=1)],
-        constraints=tuple(own.renumbered(index) for own in problem.constraints),
+        goals=tuple(own.renumbered(index) for own in problem.goals),
     )
 
 
@@ -196,7 +196,7 @@ def _evened(plan: FloatArray, F: IntArray) -> FloatArray:
 
 def _fixed(problem: CGCProblem) -> Mask:
     fixed = problem.roles == FIXED
-    for own in problem.constraints:
+    for own in problem.goals:
         if isinstance(own, Fixed):
             fixed[np.asarray(own.vertices, dtype=np.int64)] = True
     return fixed
@@ -231,7 +231,7 @@ def _kept(problem: CGCProblem, fixed: Mask, lines: Edges) -> Mask:
     ends = fixed[u] != fixed[v]
     kept[u[ends & fixed[u]]] = True
     kept[v[ends & fixed[v]]] = True
-    for own in problem.constraints:
+    for own in problem.goals:
         named = getattr(own, "vertices", ())
         if not isinstance(named, str) and 0 < len(named) <= FEW:
             kept[list(named)] = True

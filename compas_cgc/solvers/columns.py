@@ -174,7 +174,7 @@ def _without(problem: CGCProblem, columns: Sequence[int], over: bool = False) ->
         V[column, 2] = V[ring, 2].mean()
     left = np.setdiff1d(np.flatnonzero(problem.roles == FIXED), columns)
     lines = [OnLine([int(column)], V[column], (0.0, 0.0, 1.0)) for column in columns] if over else []
-    return problem.with_vertices(V).with_supports(problem.names.vertices[left].tolist()).with_constraints(lines)
+    return problem.with_vertices(V).with_supports(problem.names.vertices[left].tolist()).with_goals(lines)
 
 
 def _farthest(problem: CGCProblem, column: int, height: float, lift: float, solve: Solve) -> float:

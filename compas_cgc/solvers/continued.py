@@ -51,7 +51,7 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     if first.method != "projection" or first.start != "drawn" or tears_faces(drawn):
         return None
     own = settings_of(METHODS["projection"], settings)
-    projector = Projector(drawn, settings=own) if drawn.constraints else ready(drawn, own)  # type: ignore[arg-type]
+    projector = Projector(drawn, settings=own) if drawn.goals else ready(drawn, own)  # type: ignore[arg-type]
     solution = projector.solve(problem.targets, problem.vertices, callback=callback)
     if solution.status == "cancelled":
         return solution._replace(method="projection")

@@ -57,7 +57,7 @@ def cap_of_the_rise(problem: CGCProblem) -> str:
         With its goals, and the vertices of the drawing.
     """
     targets = problem.targets[problem.asked]
-    rise = max((goal.rise for goal in problem.constraints if isinstance(goal, Rise)), default=0.0)
+    rise = max((goal.rise for goal in problem.goals if isinstance(goal, Rise)), default=0.0)
     if not rise > 0.0 or len(problem.creases) or not targets.min(initial=np.inf) > 0.0:
         return ""
     width = _width(problem)

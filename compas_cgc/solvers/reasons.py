@@ -60,12 +60,12 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
 
     The columns that are in the way are looked for where supports by themselves contradict nothing.
     """
-    whole = bind(problem).whole if problem.constraints else False
+    whole = bind(problem).whole if problem.goals else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
         return Why()
     if tears_faces(problem):
         return Why()  # The message blames the mesh: the supports may carry it.
-    if problem.constraints and not whole:
+    if problem.goals and not whole:
         return _first(columns) or _or_twist(problem, _carried(problem, cold))
     # That there is none with such a goal has been said, and how much of it can be had.
     told = _first(partial(contradiction, problem), partial(_step, problem), columns)
@@ -74,7 +74,7 @@ def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] =
 
 def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
-    asking = list(dict.fromkeys(goal_name(own) for own in problem.constraints if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
+    asking = list(dict.fromkeys(goal_name(own) for own in problem.goals if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
     told = _first(partial(contradiction, problem), partial(_step, problem), columns, partial(cap_of_the_rise, problem))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
     return told or _or_twist(problem, _carried(problem, cold, nothing, LAYOUT))
@@ -114,11 +114,11 @@ def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] =
     """
     targets = problem.targets[problem.asked]
     known = len(targets) and np.isfinite(targets).all() and not unknown_regions(problem)
-    if not known or (problem.constraints and len(problem.vertices) > LARGE):
+    if not known or (problem.goals and len(problem.vertices) > LARGE):
         return Why()
     if not targets.any():
-        return Why() if problem.constraints else _after(_far_from_developable(problem))
-    own = Work((WITH_GOALS if problem.constraints else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
+        return Why() if problem.goals else _after(_far_from_developable(problem))
+    own = Work((WITH_GOALS if problem.goals else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
     real = problem.without_dummies()
     try:
         found = raised(real, tolerance=ROUGHLY, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0, cold=cold)

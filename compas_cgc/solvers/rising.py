@@ -165,7 +165,7 @@ def is_held_all_round(problem: CGCProblem, folded: bool = False) -> bool:
 
 def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solution]:
     """Return what solves for a factor on the targets, from a shape (n, 3) if there is one."""
-    if is_held_all_round(problem) and not problem.constraints:
+    if is_held_all_round(problem) and not problem.goals:
         from .newton.normal_newton import newton
 
         def by_newton(factor: float, vertices: Optional[FloatArray]) -> Solution:

@@ -18,7 +18,7 @@ from ..discrete._memo import remembering
 from ..errors import names_what_was_meant
 from ..model.checks import check
 from ..model.checks import refuse
-from ..model.constraint_data import as_constraints
+from ..model.constraint_data import as_goals
 from ..model.constraints import Constraint
 from ..model.goals.binding import held_by_newton
 from ..model.goals.wholes import Unknown
@@ -67,7 +67,6 @@ def solve(
     method: str = "auto",
     settings: Union[Settings, Mapping[str, Any], None] = None,
     targets: Optional[Targets] = None,
-    constraints: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
     goals: Iterable[Union[Constraint, Mapping[str, Any]]] = (),
     unknown: Union[str, Iterable[int]] = (),
     callback: Callback = None,
@@ -77,7 +76,7 @@ def solve(
     Parameters
     ----------
     problem
-        A mesh or problem with supports, creases, targets and constraints; it is not changed. A result, its problem or its mesh with
+        A mesh or problem with supports, creases, targets and goals; it is not changed. A result, its problem or its mesh with
         other targets goes on from the surface that was found.
     method
         ``"auto"`` (default)
@@ -97,11 +96,9 @@ def solve(
         by name; with ``"auto"`` settings of one method choose it.
     targets
         K̄ other than those of the problem: a number for all, one per vertex, or a number by region [1/L^2].
-    constraints
-        What is asked of vertices besides K, beyond what the problem holds itself, as values or as their plain data.
-        Vertices are counted in the order of the mesh.
     goals
-        The same; a second place for what one calls goals, such as ``Rise(4)`` or ``{"kind": "rise", "rise": 4}``.
+        Requirements besides K, in addition to those of the problem: values such as ``Rise(4)`` and ``Height([12], 3)``, or their
+        plain data such as ``{"kind": "rise", "rise": 4}``. Vertices are counted in the order of the mesh.
     unknown
         Numbers of regions whose K is not given, but found together with the surface; ``"all"`` for all of them. So is that of
         one region that has no target but a goal such as ``Rise(4)``. The problem of the result carries the K that was found.
@@ -119,7 +116,7 @@ def solve(
     ProblemError
         With the fatal sentences of :func:`compas_cgc.check`.
     ValueError
-        If the method is unknown, or the settings or constraints belong to another.
+        If the method is unknown, or the settings or goals belong to another.
 
     Examples
     --------
@@ -136,7 +133,7 @@ def solve(
     regions = _unknown_regions(unknown)
     found = [Unknown(regions)] if len(regions) else []
     posed = posed if targets is None else posed.with_targets(targets)
-    posed = posed.with_constraints([*as_constraints(constraints), *as_constraints(goals, "goals"), *found])
+    posed = posed.with_goals([*as_goals(goals), *found])
     posed = _found_for_goals(posed)
     own = method if chosen is None else method_of(chosen)
     _check_constraints(own, posed)
@@ -154,11 +151,11 @@ def solve(
 
 def _found_for_goals(problem: CGCProblem) -> CGCProblem:
     """Return a problem whose K is to be found where a goal of the whole surface is all that says how high its one region shall be."""
-    goals = problem.constraints
+    goals = problem.goals
     if any(isinstance(goal, Unknown) for goal in goals) or not any(is_of_whole(goal) for goal in goals):
         return problem
     told = not np.isnan(problem.targets[problem.asked]).all() or problem.regions()[problem.real_faces].any()
-    return problem if told else problem.with_constraints([Unknown()])
+    return problem if told else problem.with_goals([Unknown()])
 
 
 def _unknown_regions(unknown: object) -> Union[str, list[int]]:
@@ -186,7 +183,7 @@ def chosen_settings(method: str, settings: Union[Settings, Mapping[str, Any], No
 def _check_constraints(method: str, problem: CGCProblem) -> None:
     if method == "newton" and held_by_newton(problem):
         return
-    if problem.constraints and method != "auto" and not METHODS[method].holds_constraints:
+    if problem.goals and method != "auto" and not METHODS[method].holds_constraints:
         able = " or ".join(repr(own.name) for own in METHODS.values() if own.holds_constraints)
         raise ValueError(f"only the method {able} holds constraints; use it, or 'auto' without settings of another method")
 

@@ -206,7 +206,7 @@ def _by_projection(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dic
         raise ProblemError([f"there are no derivatives in the measure {result.measure}; solve in the measure defect or smooth"])
     posed = result.problem.with_vertices(result.start)
     local, frame = posed.local()
-    goals = bind(local, posed.constraints)
+    goals = bind(local, posed.goals)
     system = System(local, settings, goals, found=False)
     smooth = result.measure == "smooth"
 

@@ -50,7 +50,7 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
     Solution or None
         None where the mesh is too small or large, with constraints or over-determined, or where it takes more work than is allowed.
     """
-    if problem.constraints or not FEWEST <= int(problem.asked.sum()) <= MOST or not np.isfinite(found).all():
+    if problem.goals or not FEWEST <= int(problem.asked.sum()) <= MOST or not np.isfinite(found).all():
         return None
     local, frame = problem.with_vertices(found).local()
     system = System(local, ProjectionSettings(keep="shape"), bind(local, ()))
@@ -66,7 +66,7 @@ def solved_smoothed(problem: CGCProblem, found: FloatArray, solve: Callable[[CGC
 
 def is_drawn(problem: CGCProblem) -> bool:
     """Return whether a drawing has a shape, and one that can be smoothed."""
-    if problem.constraints or len(problem.vertices) > MOST:
+    if problem.goals or len(problem.vertices) > MOST:
         return False
     areas = vertex_areas(problem.vertices, problem.faces)
     return flat_share(problem.vertices, problem.faces, areas / max(areas.sum(), np.finfo(float).tiny)) < FLAT_SHARE
@@ -106,7 +106,7 @@ def solved_turned(problem: CGCProblem, found: FloatArray, solve: Callable[[CGCPr
     Solution or None
         None as there, and unless K > 0 is asked for everywhere: of a saddle no side is the other one.
     """
-    if problem.constraints or not (problem.targets[problem.asked] > 0.0).all():
+    if problem.goals or not (problem.targets[problem.asked] > 0.0).all():
         return None
     turned = project(problem.with_vertices(2.0 * relaxed(problem) - found), settings=ProjectionSettings(keep="plan", retry=False))
     return solved_smoothed(problem, turned.vertices, solve) if turned.status == "converged" else None

@@ -41,7 +41,7 @@ def solved_from_supports(problem: CGCProblem, solve: Callable[[CGCProblem], Solu
         None with constraints, where the drawing is the plate or stands upright, on large meshes, and unless K > 0 somewhere.
     """
     asked = problem.targets[problem.asked]
-    if problem.constraints or len(problem.vertices) > MOST or not problem.real_faces.all() or not (problem.roles == FIXED).any():
+    if problem.goals or len(problem.vertices) > MOST or not problem.real_faces.all() or not (problem.roles == FIXED).any():
         return None
     if not (asked >= 0.0).all() or not (asked > 0.0).any():
         return None

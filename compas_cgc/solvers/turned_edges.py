@@ -55,7 +55,7 @@ def on_turned_edges(
     Solution or None
         None where the mesh is none of both, or turned edges leave it so, or there is more to hold than vertices and creases.
     """
-    if problem.constraints or not problem.real_faces.all():
+    if problem.goals or not problem.real_faces.all():
         return None
     faces, why = _less_stretched(problem), "theirs are too stretched for K < 0"
     if faces is None:

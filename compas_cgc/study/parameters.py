@@ -94,7 +94,7 @@ class Parameter:
                 raise CGCError(f"there is no place {more['where']!r} in the drawing; {known}")
             more["where"] = places[more["where"]]
         number = GOALS[self.kind]
-        return lambda problem, value: problem.with_constraints([constraint_of({**more, "kind": self.kind, number: value})])
+        return lambda problem, value: problem.with_goals([constraint_of({**more, "kind": self.kind, number: value})])
 
 
 def parameter_of(name: str, given: object) -> Parameter:

@@ -18,7 +18,7 @@ from ..errors import CGCError
 from ..errors import FileError
 from ..errors import did_you_mean
 from ..errors import names_what_was_meant
-from ..model.constraint_data import as_constraints
+from ..model.constraint_data import as_goals
 from ..model.problem import CGCProblem
 from ..solvers.registry import settings_for
 from ..solvers.settings import Settings
@@ -160,7 +160,7 @@ class Study:
             raise CGCError(f"seed must be a whole number from 0 up, not {seed!r}")
         goals, unknown = tuple(data.get("goals", ())), data.get("unknown", ())
         try:
-            as_constraints(goals)
+            as_goals(goals)
             settings_for(data.get("method", "auto"), data.get("settings"))
         except (ValueError, TypeError) as error:
             raise CGCError(f"the study: {error}") from None
@@ -215,7 +215,7 @@ class Study:
                 by_region = isinstance(self.target, Mapping)
                 problem = problem.with_targets({int(region): K for region, K in self.target.items()} if by_region else float(self.target))
             goals = [*self.goals, *([{"kind": "unknown", "regions": self.unknown}] if len(self.unknown) else [])]
-            return problem.with_constraints(goals) if goals else problem
+            return problem.with_goals(goals) if goals else problem
         except (ValueError, TypeError) as error:
             raise CGCError(f"the study: {error}") from None
 
@@ -225,7 +225,7 @@ class Study:
         found = hashlib.blake2b(json.dumps(told, sort_keys=True).encode(), digest_size=16)
         for array in (problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases):
             found.update(array.tobytes())
-        found.update(repr(problem.constraints).encode())
+        found.update(repr(problem.goals).encode())
         return found.hexdigest()
 
 

@@ -32,7 +32,7 @@ def test_a_rise_a_gate_and_k_as_the_answer(plan, capsys):
     assert "was found for region 0" in said and "1 % more K lifts the crown by" in said
     problem = read(out).to_problem()
     assert problem.vertices[:, 2].max() == pytest.approx(3.0, abs=1e-10)
-    assert problem.constraints == (Rise(3.0), Clearance([5.5, 0.0, 9.5, 3.0], 1.9), Unknown([0]))
+    assert problem.goals == (Rise(3.0), Clearance([5.5, 0.0, 9.5, 3.0], 1.9), Unknown([0]))
     assert np.isfinite(problem.targets[problem.asked]).all()
     assert json.loads(report.read_text())["sensitivity"]["regions"] == [0]
 
@@ -42,7 +42,7 @@ def test_all_goals_have_a_flag_or_are_data(plan, capsys):
     asked = ["--supports", "corners", "--target", "0.004", "--edges-in-plan", "--above", "-1", "--below", "9"]
     more = ["--goal", '{"kind": "near plane", "point": [0, 0, 0], "normal": [0, 0, 1], "distance": 8}', "-q"]
     assert main(["solve", str(plan), "-o", str(out), *asked, *more]) == 0
-    kinds = [type(own).__name__ for own in read(out).to_problem().constraints]
+    kinds = [type(own).__name__ for own in read(out).to_problem().goals]
     assert kinds == ["Above", "Below", "EdgeInPlan", "NearPlane"]
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import compas_cgc
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import Fixed
+from compas_cgc import Height
 from compas_cgc import Mirror
 from compas_cgc import OnCurve
 from compas_cgc import OnLine
@@ -40,7 +40,7 @@ def hanging(n=8, height=0.5):
     mesh = CGCMesh.from_meshgrid(dx=n, nx=n)
     mesh.set_supports("corners")
     mesh.set_target(0.01)
-    mesh.set_constraints([AtHeight([(n + 1) ** 2 // 2], height)])
+    mesh.set_goals([Height([(n + 1) ** 2 // 2], height)])
     return mesh
 
 
@@ -57,8 +57,8 @@ def test_what_is_drawn_besides_the_curvature_is_held_by_every_way_in(tmp_path):
 
 
 EVERY_KIND = [
-    AtHeight([40], 0.5),
-    AtHeight([10, 12], 0.75),
+    Height([40], 0.5),
+    Height([10, 12], 0.75),
     Fixed([4, 5]),
     OnCurve([0, 1, 2], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]),
     OnCurve([20], [[9.0, 0.0, 1.0], [9.0, 9.0, 1.0], [0.0, 9.0, 1.0]], closed=True),
@@ -81,7 +81,7 @@ def test_constraints_of_every_kind_come_back_as_they_were(tmp_path, change):
     expected = EVERY_KIND
     if change == "dummies":
         mesh.add_dummy_ring()
-    mesh.set_constraints(EVERY_KIND)
+    mesh.set_goals(EVERY_KIND)
     if change == "renumbered":
         problem = mesh.to_problem()
         n = len(problem.vertices)
@@ -89,12 +89,12 @@ def test_constraints_of_every_kind_come_back_as_they_were(tmp_path, change):
         vertices, roles, targets = np.empty_like(problem.vertices), np.empty_like(problem.roles), np.empty_like(problem.targets)
         vertices[order], roles[order], targets[order] = problem.vertices, problem.roles, problem.targets
         expected = [constraint.renumbered(order) for constraint in EVERY_KIND]
-        moved = CGCProblem(vertices, order[problem.faces], roles, targets, constraints=expected)
+        moved = CGCProblem(vertices, order[problem.faces], roles, targets, goals=expected)
         mesh = CGCMesh.from_problem(moved)
     for k in range(2):
         mesh.to_3dm(tmp_path / f"{k}.3dm")
         mesh = CGCMesh.from_3dm(tmp_path / f"{k}.3dm")
-        assert sorted_data(mesh.constraints()) == sorted_data(expected)
+        assert sorted_data(mesh.goals()) == sorted_data(expected)
 
 
 def test_rhino_files_are_read_where_compas_does_not_find_the_plugins(tmp_path, monkeypatch):

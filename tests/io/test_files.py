@@ -85,12 +85,10 @@ def test_a_mesh_a_problem_and_a_result_are_written_alike(tmp_path, suffix, what)
 
 def test_a_constraint_in_a_json_file_that_is_none_is_a_sentence(tmp_path):
     mesh = roof()
-    mesh.attributes["constraints"] = [{"kind": "height", "vertices": [3], "height": "tall"}]
+    mesh.attributes["goals"] = [{"kind": "height", "vertices": [3], "height": "tall"}]
     path = tmp_path / "roof.json"
     mesh.to_json(path)
-    with pytest.raises(
-        FileError, match=r"roof.json: height of a constraint of kind height must be a finite number; set the constraints again"
-    ):
+    with pytest.raises(FileError, match=r"roof.json: height of a constraint of kind height must be a finite number; set the goals again"):
         read_problem(path)
 
 

@@ -59,9 +59,9 @@ def test_a_free_edge_that_must_not_leave_its_line_is_one_of_the_lines():
     places = (*CORNERS, (4, 0, 4), (4, 8, 2))
     loose = columns(*places)
     assert not two_sided_supports(loose), "an edge may move off the line"
-    (said,) = two_sided_supports(loose.with_constraints([EdgeInPlan()]))
+    (said,) = two_sided_supports(loose.with_goals([EdgeInPlan()]))
     assert "(a dome)" in said and "(a bowl)" in said
-    level = columns(*CORNERS, (4, 0, 3)).with_constraints([EdgeInPlan()])
+    level = columns(*CORNERS, (4, 0, 3)).with_goals([EdgeInPlan()])
     assert not two_sided_supports(level), "a straight edge is as a straight rim is: the surface may be singular there"
 
 

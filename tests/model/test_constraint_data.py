@@ -10,9 +10,9 @@ import pytest
 from compas_cgc.model.constraint_data import KINDS
 from compas_cgc.model.constraint_data import constraint_data
 from compas_cgc.model.constraint_data import constraint_of
-from compas_cgc.model.constraints import AtHeight
 from compas_cgc.model.constraints import Constraint
 from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.constraints import OnCurve
 from compas_cgc.model.constraints import OnLine
@@ -34,13 +34,13 @@ from compas_cgc.model.goals.wholes import Volume
 
 EACH = [
     OnPlane([1, 2], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
-    AtHeight(np.array([3, 4]), 1.25),
+    Height(np.array([3, 4]), 1.25),
     OnLine([5], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0]),
     OnCurve([6, 7], np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.5]]), closed=False),
     Fixed([8]),
     Proximity([9, 10], weight=100.0),
     Mirror([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
-    AtHeight("crown", 4.0),
+    Height("crown", 4.0),
     Rise(4.0),
     Volume(300.0),
     Volume(300.0, level=0.5),

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import OnPlane
 from compas_cgc.model.goals import measures
 from compas_cgc.model.goals.contradictions import goal_problems
@@ -22,7 +23,6 @@ from compas_cgc.model.goals.inequalities import Clearance
 from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.goals.inequalities import Within
 from compas_cgc.model.goals.places import EdgeInPlan
-from compas_cgc.model.goals.places import Height
 from compas_cgc.model.goals.places import Level
 from compas_cgc.model.goals.wholes import Area
 from compas_cgc.model.goals.wholes import Length
@@ -108,17 +108,17 @@ PAIRS = {
 def test_a_contradiction_is_one_sentence_that_names_the_pair(case):
     goals, words = PAIRS[case]
     for order in (goals, goals[::-1]):
-        said = goal_problems(roof().with_constraints(order))
+        said = goal_problems(roof().with_goals(order))
         assert len(said) == 1, said
-    (said,) = goal_problems(roof().with_constraints(goals))
+    (said,) = goal_problems(roof().with_goals(goals))
     assert re.search(words, said), said
 
 
 def test_volume_over_a_held_edge():
-    (said,) = goal_problems(roof(held=True).with_constraints([Volume(300.0), Below(2.0)]))
+    (said,) = goal_problems(roof(held=True).with_goals([Volume(300.0), Below(2.0)]))
     assert "the volume 300 and the highest height 2 contradict each other" in said
-    assert not goal_problems(roof(held=True).with_constraints([Volume(100.0), Below(2.0)]))
-    assert not goal_problems(roof().with_constraints([Volume(300.0), Below(2.0)])), "its free edges may go out"
+    assert not goal_problems(roof(held=True).with_goals([Volume(100.0), Below(2.0)]))
+    assert not goal_problems(roof().with_goals([Volume(300.0), Below(2.0)])), "its free edges may go out"
 
 
 @settings(max_examples=60, deadline=None)
@@ -164,4 +164,4 @@ def test_what_a_surface_has_is_never_refused(data):
     if (problem.roles == FREE).any():
         goals.append(EdgeInPlan())
     chosen = data.draw(st.lists(st.sampled_from(range(len(goals))), min_size=2, max_size=7, unique=True))
-    assert goal_problems(problem.with_constraints([goals[k] for k in chosen])) == []
+    assert goal_problems(problem.with_goals([goals[k] for k in chosen])) == []

@@ -16,6 +16,7 @@ from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_on_mesh import nearest_on_mesh
 from compas_cgc.meshing.in_outline import inside_outline
 from compas_cgc.meshing.in_outline import vertices_over
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.goals.binding import bind
 from compas_cgc.model.goals.inequalities import Above
 from compas_cgc.model.goals.inequalities import Below
@@ -23,7 +24,6 @@ from compas_cgc.model.goals.inequalities import Clearance
 from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.goals.inequalities import Within
 from compas_cgc.model.goals.places import EdgeInPlan
-from compas_cgc.model.goals.places import Height
 from compas_cgc.model.goals.places import Level
 from compas_cgc.model.goals.wholes import Area
 from compas_cgc.model.goals.wholes import Length
@@ -61,7 +61,7 @@ WHOLE = [Rise(3.0), Height("crown", 4.0), Volume(300.0), Volume(300.0, level=-1.
 @pytest.mark.parametrize("goal", WHOLE)
 def test_derivatives_of_goals_of_the_whole(goal):
     problem = shaken(roof())
-    (own,) = bind(problem.with_constraints([goal])).equations
+    (own,) = bind(problem.with_goals([goal])).equations
     move = np.random.default_rng(1).normal(size=problem.vertices.shape)
     x, step = problem.vertices, 1e-6
     slope = (own.value(x + step * move) - own.value(x - step * move)) / (2 * step)
@@ -73,19 +73,19 @@ def test_derivatives_of_goals_of_the_whole(goal):
 def test_volume_and_area_do_not_ask_which_way_faces_turn():
     problem = shaken(roof())
     for goal in (Volume(300.0, level=0.0), Area(200.0)):
-        one, other = (bind(p.with_constraints([goal])).equations[0].value(p.vertices) for p in (problem, problem.flipped()))
+        one, other = (bind(p.with_goals([goal])).equations[0].value(p.vertices) for p in (problem, problem.flipped()))
         assert one == pytest.approx(other) and one > 0
 
 
 def test_goals_scale_and_move_with_the_model():
     """In the local frame every goal lacks the same part of its number."""
-    problem = shaken(roof()).with_constraints(WHOLE)
+    problem = shaken(roof()).with_goals(WHOLE)
     local, frame = problem.local()
     for own, moved in zip(bind(problem).equations, bind(local).equations):
         lack = own.value(problem.vertices) - own.wanted
         assert moved.value(local.vertices) - moved.wanted == pytest.approx(lack / frame.scale**own.power, rel=1e-9)
     sides = [Above(2.0), Below(3.0), Clearance((5, 5, 8, 9), 2.5), Within([(1, 1), (9, 1), (9, 9)]), NearPlane((0, 0, 2), (0, 0, 1), 0.3)]
-    problem = shaken(roof()).with_constraints(sides)
+    problem = shaken(roof()).with_goals(sides)
     local, frame = problem.local()
     for own, moved in zip(bind(problem).sides, bind(local).sides):
         at = own.candidates(problem.vertices)
@@ -236,9 +236,9 @@ def test_values_without_sense(make, words):
 
 
 def test_check_says_the_same():
-    (said,) = check(roof().with_constraints([Rise(4000.0)]))
+    (said,) = check(roof().with_goals([Rise(4000.0)]))
     assert said.fatal and "the rise 4000" in said
-    assert check(roof(target=np.nan).with_constraints([Unknown("all"), Rise(3.0)])) == []
+    assert check(roof(target=np.nan).with_goals([Unknown("all"), Rise(3.0)])) == []
 
 
 MISNAMED = {

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
+from compas_cgc import Height
 from compas_cgc import MeshError
 from compas_cgc import ProblemError
 from compas_cgc.model.problem import Names
@@ -31,7 +31,7 @@ def row(k: int) -> list:
 def test_a_new_problem_knows_its_edges_and_nothing_more():
     problem = plan()
     assert set(np.unique(problem.roles)) == {0, FREE} and (problem.roles == FREE).sum() == 4 * N
-    assert np.isnan(problem.targets).all() and problem.constraints == () and len(problem.creases) == 0
+    assert np.isnan(problem.targets).all() and problem.goals == () and len(problem.creases) == 0
     assert problem.names.vertices.tolist() == list(range((N + 1) ** 2))
 
 
@@ -41,23 +41,23 @@ def test_it_is_asked_for_the_same_as_a_mesh():
     mesh.set_creases([row(2), row(4)])
     mesh.set_target(0.01)
     mesh.set_target(0.02, region=1)
-    mesh.set_constraints([AtHeight([0], 1.0)])
+    mesh.set_goals([Height([0], 1.0)])
     by_mesh = mesh.to_problem()
     problem = plan().with_supports("corners").with_creases([row(2), row(4)]).with_targets(0.01).with_targets({1: 0.02})
-    problem = problem.with_constraints([{"kind": "height", "vertices": [0], "height": 1.0}])
+    problem = problem.with_goals([{"kind": "height", "vertices": [0], "height": 1.0}])
     for name in ("vertices", "faces", "roles", "creases"):
         assert np.array_equal(getattr(problem, name), getattr(by_mesh, name)), name
     assert np.array_equal(problem.targets[problem.asked], by_mesh.targets[by_mesh.asked])
-    assert problem.constraints == by_mesh.constraints == (AtHeight([0], 1.0),)
+    assert problem.goals == by_mesh.goals == (Height([0], 1.0),)
     assert problem.region_targets() == by_mesh.region_targets() == [0.01, 0.02, 0.01]
 
 
 def test_there_and_back_as_a_mesh_nothing_is_lost():
-    problem = plan().with_creases([row(3)]).with_supports("boundary").with_targets(0.01).with_constraints([AtHeight([10], 0.5)])
+    problem = plan().with_creases([row(3)]).with_supports("boundary").with_targets(0.01).with_goals([Height([10], 0.5)])
     back = CGCMesh.from_problem(problem).to_problem()
     for name in ("vertices", "faces", "roles", "targets", "s", "e", "creases"):
         assert np.array_equal(getattr(problem, name), getattr(back, name), equal_nan=name in ("targets", "s", "e")), name
-    assert back.constraints == problem.constraints
+    assert back.goals == problem.goals
 
 
 def test_supports_and_creases_replace_what_was_there_unless_they_are_added():
@@ -107,9 +107,9 @@ def test_one_region_is_all_that_changes():
 def test_constraints_follow_the_vertices_when_dummies_go():
     mesh = CGCMesh.from_problem(plan().with_supports("corners").with_targets(0.01))
     ring = mesh.add_dummy_ring()
-    mesh.set_constraints([AtHeight([10, len(mesh.vertex) - 1], 0.5)])
+    mesh.set_goals([Height([10, len(mesh.vertex) - 1], 0.5)])
     real = mesh.to_problem().without_dummies()
-    assert len(ring) and real.constraints == (AtHeight([10], 0.5),)
+    assert len(ring) and real.goals == (Height([10], 0.5),)
 
 
 def test_turning_over_and_moving_leave_the_rest():
@@ -144,9 +144,9 @@ def test_what_is_wrong_is_refused_in_a_sentence(case):
 
 def test_a_constraint_on_no_vertex_and_a_face_on_none_are_refused_too():
     with pytest.raises(ProblemError, match="names vertex 99, but the mesh has vertices 0 to 48"):
-        plan().with_constraints([AtHeight([99], 1.0)])
+        plan().with_goals([Height([99], 1.0)])
     with pytest.raises(ProblemError, match="names vertex 99"):
-        CGCMesh.from_problem(plan()).set_constraints([AtHeight([99], 1.0)])
+        CGCMesh.from_problem(plan()).set_goals([Height([99], 1.0)])
     with pytest.raises(MeshError, match="face 0 names a vertex that does not exist"):
         CGCProblem(VERTICES, [[0, 1, 99]])
 

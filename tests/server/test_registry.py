@@ -98,7 +98,7 @@ def test_what_is_described_is_what_is_registered(client):
     assert schema["method"]["enum"] == list(method_names())
     assert set(options()) | {"e"} == set(schema["settings"]["properties"])
     assert all(own["description"] for own in schema["settings"]["properties"].values())
-    assert schema["constraints"]["items"]["properties"]["kind"]["enum"] == list(KINDS)
+    assert schema["goals"]["items"]["properties"]["kind"]["enum"] == list(KINDS)
     listed = client.get("/api/v1/methods").json["methods"]
     assert [own["name"] for own in listed] == list(method_names()) and all(own["text"] for own in listed)
     assert client.get("/api/v1/methods").status_code == 200

@@ -55,7 +55,7 @@ def test_what_is_changed_otherwise_is_a_new_drawing():
     assert np.array_equal(other.drawn.vertices, found.start) and other.drawn.drawn is None
     moved = found.vertices.copy()
     moved[0, 2] += 0.1
-    for changed in (other.with_vertices(moved), other.with_supports([5], add=True), other.flipped(), other.with_constraints([Rise(0.2)])):
+    for changed in (other.with_vertices(moved), other.with_supports([5], add=True), other.flipped(), other.with_goals([Rise(0.2)])):
         assert changed.drawn is None
 
 
@@ -100,7 +100,7 @@ def test_a_creased_roof_over_a_fixed_edge_sets_out_from_its_dome_again():
 
 def test_goals_are_kept_on_the_way():
     mesh = roof()
-    mesh.set_constraints([Rise(0.2)])
+    mesh.set_goals([Rise(0.2)])
     first = solve(mesh)
     there = solve(first, targets=1.3)
     assert there.converged and there.verdict.fair and there.vertices[:, 2].max() == pytest.approx(0.2, abs=1e-9)

@@ -286,12 +286,12 @@ def test_regions_of_every_sign_side_by_side():
 
 
 def test_a_vertex_is_drawn_to_a_height():
-    from compas_cgc.model.constraints import AtHeight
+    from compas_cgc.model.constraints import Height
 
     mesh = vault()
     key = 44
     index = list(mesh.vertices()).index(key)
-    result = solve(mesh, constraints=[AtHeight([index], 1.25)])
+    result = solve(mesh, goals=[Height([index], 1.25)])
     assert result.converged and result.mesh.vertex_coordinates(key)[2] == pytest.approx(1.25, abs=1e-9)
     assert "it alone holds constraints" in result.message
 
@@ -328,12 +328,12 @@ def test_a_callback_sees_the_vertices_of_the_model_and_none_that_carry_a_free_ed
 
 
 def test_settings_and_constraints_of_another_method_are_refused_in_words():
-    from compas_cgc.model.constraints import AtHeight
+    from compas_cgc.model.constraints import Height
 
     with pytest.raises(ValueError, match="the method 'newton' takes NewtonSettings, not FlowSettings"):
         solve(dome(), method="newton", settings=FlowSettings())
     with pytest.raises(ValueError, match="only the method 'projection' holds constraints"):
-        solve(dome(), method="flow", constraints=[AtHeight([0], 1.0)])
+        solve(dome(), method="flow", goals=[Height([0], 1.0)])
     with pytest.raises(ValueError, match="auto, flow, newton, projection"):
         solve(dome(), method="best")
 

@@ -129,7 +129,7 @@ def test_regions_strategies_supports_and_goals_are_what_is_asked_of_the_variant(
     other = mesh.to_problem().with_targets(0.02, region=1)
     assert np.array_equal(problem.targets, other.targets, equal_nan=True)
     assert np.array_equal(np.flatnonzero(problem.s == 0.3), line(3))
-    assert [type(own) for own in problem.constraints] == [Clearance] and problem.constraints[0].height == 2.5
+    assert [type(own) for own in problem.goals] == [Clearance] and problem.goals[0].height == 2.5
     plan = Plan(of({"supports": ["corners", "boundary"], "K": [0.01]}), mesh.to_problem())
     assert [len(plan.problem(k).supports) for k in (0, 1)] == [4, 4 * N]
 

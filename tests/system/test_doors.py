@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import rhino3dm
 
-from compas_cgc import AtHeight
 from compas_cgc import AutoSettings
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
+from compas_cgc import Height
 from compas_cgc import read
 from compas_cgc import solve
 from compas_cgc import write
@@ -57,7 +57,7 @@ def line(i: int) -> list:
 
 
 BRIEFS = {
-    "a roof on four corners at a height": Brief("corners", [], 0.01, [AtHeight([line(4)[4]], 1.25)], "auto", {}),
+    "a roof on four corners at a height": Brief("corners", [], 0.01, [Height([line(4)[4]], 1.25)], "auto", {}),
     "creases that wait, to a tolerance": Brief("boundary", [line(3), line(5)], 0.01, [], "flow", {"delay": 5, "tolerance": 1e-8}),
     "creases that follow": Brief("boundary", [line(3), line(5)], 0.02, [], "auto", {"s": 0.5}),
     "whatever is picked, to a tolerance": Brief("boundary", [], 0.01, [], "auto", {"tolerance": 1e-7}),
@@ -73,13 +73,13 @@ def posed(brief: Brief) -> CGCMesh:
     mesh.set_supports(brief.supports)
     mesh.set_creases(brief.creases)
     mesh.set_target(brief.K)
-    mesh.set_constraints(brief.constraints)
+    mesh.set_goals(brief.goals)
     return mesh
 
 
 def by_arrays(brief, world):
     problem = CGCProblem(*plan().arrays()).with_supports(brief.supports).with_creases(brief.creases).with_targets(brief.K)
-    return solve(problem.with_constraints(brief.constraints), method=brief.method, settings=brief.settings).vertices
+    return solve(problem.with_goals(brief.goals), method=brief.method, settings=brief.settings).vertices
 
 
 def by_command_line(suffix):
@@ -97,7 +97,7 @@ def by_http(as_mesh):
     def door(brief, world):
         vertices, faces = plan().arrays()
         given = {"vertices": vertices.tolist(), "faces": faces.tolist(), "supports": brief.supports, "creases": brief.creases}
-        given.update(targets=brief.K, constraints=[constraint_data(constraint) for constraint in brief.constraints])
+        given.update(targets=brief.K, goals=[constraint_data(constraint) for constraint in brief.goals])
         if as_mesh:
             given = {"mesh": {"dtype": "compas_cgc.datastructures/CGCMesh", "data": json.loads(json.dumps(posed(brief).__data__))}}
         client = world["server"].client
@@ -123,9 +123,9 @@ def by_hops(brief, world):
     given = {"Mesh": mesh, "K": [brief.K], "Method": brief.method, **({"Creases": curves} if curves else {}), **inputs}
     if brief.supports != "boundary":
         given["Supports"] = vertices[posed(brief).to_problem().roles == FIXED].tolist()
-    if brief.constraints:
-        given["Goals"] = [json.dumps(constraint_data(constraint)) for constraint in brief.constraints]
-    function = "goals" if brief.constraints else "solve"
+    if brief.goals:
+        given["Goals"] = [json.dumps(constraint_data(constraint)) for constraint in brief.goals]
+    function = "goals" if brief.goals else "solve"
     status, outputs, errors, _ = Hops(f"{world['server'].url}/cgc/{function}").solve(**given)
     assert status == 200, errors
     return np.array([(p.X, p.Y, p.Z) for p in outputs["Mesh"][0].Vertices.ToPoint3dArray()])

@@ -11,12 +11,12 @@ from compas.geometry import Point
 from compas.geometry import Polyline
 
 import compas_cgc
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import Clearance
 from compas_cgc import Fixed
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc import Mirror
 from compas_cgc import OnCurve
 from compas_cgc import Proximity
@@ -170,13 +170,13 @@ MISTAKES = {
         "takes NewtonSettings, not FlowSettings",
     ),
     "an option of another method": (lambda: solve(posed(), method="newton", settings={"s": 0.5}), "s is a setting of flow, not of newton"),
-    "a height at coordinates": (lambda: solve(posed(), constraints=[AtHeight([[3.0, 3.0, 0.0]], 1.0)]), "not coordinates such as"),
-    "a height before its vertices": (lambda: AtHeight(1.0, [24]), r"height must be a number, not \[24\]"),
+    "a height at coordinates": (lambda: solve(posed(), goals=[Height([[3.0, 3.0, 0.0]], 1.0)]), "not coordinates such as"),
+    "a height before its vertices": (lambda: Height(1.0, [24]), r"height must be a number, not \[24\]"),
     "a height for a support": (
-        lambda: solve(posed(), constraints=[AtHeight([0], 1.0)]),
+        lambda: solve(posed(), goals=[Height([0], 1.0)]),
         "contradicts the height 0 of the support at vertex 0; free that vertex, or remove it from the goal Height",
     ),
-    "a height nowhere": (lambda: solve(posed(), constraints=[AtHeight([999], 1.0)]), "names vertex 999, but the mesh has vertices 0 to 48"),
+    "a height nowhere": (lambda: solve(posed(), goals=[Height([999], 1.0)]), "names vertex 999, but the mesh has vertices 0 to 48"),
     "a rise with its unit": (lambda: Rise("4 m"), "rise must be a number, not '4 m'"),
     "no rise": (lambda: Rise(0.0), "rise must be a number other than 0"),
     "a clearance the wrong way round": (lambda: Clearance(2.5, (1, 1, 2, 2)), "height must be a number"),
@@ -221,7 +221,7 @@ MISTAKES = {
     "a word for goals": (lambda: solve(posed(), goals="rise"), r"goals must be a list such as \[Rise\(4.0\)\], not 'rise'"),
     "a goal without its value": (lambda: solve(posed(), goals=Rise), r"Rise is a class: write Rise\(...\)"),
     "goals without their values": (lambda: solve(posed(), goals=[Rise]), r"write Rise\(...\) with its values"),
-    "a number for constraints": (lambda: posed().set_constraints(3), r"constraints must be a list such as \[Rise\(4.0\)\], not 3"),
+    "a number for goals of a mesh": (lambda: posed().set_goals(3), r"goals must be a list such as \[Rise\(4.0\)\], not 3"),
     "a number for the callback": (
         lambda: solve(posed(), callback=3),
         "callback must be a function that is called after every step, .* not 3",

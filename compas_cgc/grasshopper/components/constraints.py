@@ -14,7 +14,7 @@ from ...io.rhino.rhinocommon import curve_to_points
 from ...io.rhino.rhinocommon import points_to_array
 from ...meshing.point_location import vertices_at
 from ...meshing.polyline import points_along
-from ...model.constraints import AtHeight
+from ...model.constraints import Height
 from ...model.constraints import Mirror
 from ...model.constraints import OnCurve
 from ...model.constraints import OnPlane
@@ -31,7 +31,7 @@ __all__ = ["ConstraintsOutputs", "constraints"]
 class ConstraintsOutputs(NamedTuple):
     """Outputs of the component."""
 
-    constraints: Optional[list]
+    goals: Optional[list]
 
 
 @reports_errors(ConstraintsOutputs)
@@ -50,7 +50,7 @@ def constraints(
     if height is not None:
         if not chosen:
             raise CGCError("a height needs the points of the vertices that shall be at it")
-        made.append(AtHeight(chosen, float(height)))
+        made.append(Height(chosen, float(height)))
     if curve is not None:
         along = curve_to_points(curve, 0.1 * snap)
         closed = len(along) > 2 and bool(np.linalg.norm(along[0] - along[-1]) <= snap)

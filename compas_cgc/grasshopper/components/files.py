@@ -37,7 +37,7 @@ class Write3dmOutputs(NamedTuple):
 
 @reports_errors(Read3dmOutputs)
 def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read3dmOutputs:
-    """Read a mesh with its supports, creases, targets and constraints; other mesh formats are read too."""
+    """Read a mesh with its supports, creases, targets and goals; other mesh formats are read too."""
     if not path:
         add_warning(component, "connect the path of a file")
         return Read3dmOutputs(None, None, None)
@@ -62,7 +62,7 @@ def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
 
 @reports_errors(Write3dmOutputs)
 def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
-    """Write a mesh with its supports, creases, targets and constraints when it is told to."""
+    """Write a mesh with its supports, creases, targets and goals when it is told to."""
     if not path or cgc_mesh is None:
         add_warning(component, "connect the path of a file and a CGC mesh")
         return Write3dmOutputs(None)

@@ -12,13 +12,13 @@ from ...discrete.arrays import FloatArray
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import curve_to_points
 from ...model.constraints import Constraint
+from ...model.constraints import Height
 from ...model.goals.inequalities import Above
 from ...model.goals.inequalities import Below
 from ...model.goals.inequalities import Clearance
 from ...model.goals.inequalities import Within
 from ...model.goals.numbers import ALL
 from ...model.goals.places import EdgeInPlan
-from ...model.goals.places import Height
 from ...model.goals.places import Level
 from ...model.goals.wholes import Area
 from ...model.goals.wholes import Rise

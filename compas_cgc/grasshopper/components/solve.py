@@ -17,7 +17,7 @@ from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...errors import ProblemError
 from ...io.rhino.rhinocommon import mesh_from_arrays
-from ...model.constraint_data import as_constraints
+from ...model.constraint_data import as_goals
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
 from ...scene.figures import FIGURES
@@ -66,9 +66,9 @@ class Told(NamedTuple):
     measured: Measured
 
 
-def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint) -> str:
+def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> str:
     """Return the same text for equal inputs, whatever objects they are made of."""
-    held = [[constraint_data(one) for one in own] for own in (mesh.constraints(), constraints)]
+    held = [[constraint_data(one) for one in own] for own in (mesh.goals(), goals)]
     parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges(), held, settings, server)
     return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
 
@@ -77,7 +77,7 @@ def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Ad
 class Memory:
     """What a component on the canvas remembers from one run to the next."""
 
-    inputs: tuple = ()  # the latest ones: mesh, settings, server, constraints
+    inputs: tuple = ()  # the latest ones: mesh, settings, server, goals
     fingerprint: str = ""  # theirs
     task: Optional[BackgroundTask[SolveResult]] = None
     answered: str = ""  # fingerprint of the inputs that `error` or `shown` answers
@@ -138,7 +138,7 @@ def solve(
     component: Any,
     cgc_mesh: Any,
     settings: Any,
-    constraints: Any,
+    goals: Any,
     run: Optional[bool],
     reset: Optional[bool],
     server: Any,
@@ -157,7 +157,7 @@ def solve(
         return memory.shown
     figure = show.strip() if show else FIGURES[0]
     check_figure(figure)
-    inputs = (cgc_mesh, settings, _address(server), *as_constraints(as_list(constraints)))
+    inputs = (cgc_mesh, settings, _address(server), *as_goals(as_list(goals)))
     memory.take(inputs)
     if memory.task is not None and not memory.task.running:
         memory.collect(memory.task, cgc_mesh)
@@ -184,11 +184,9 @@ def _address(server: Any) -> Optional[Address]:
     return server
 
 
-def _solving(
-    mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *constraints: Constraint
-) -> Callable[[Report], SolveResult]:
+def _solving(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> Callable[[Report], SolveResult]:
     """Return a function that solves, for a background task."""
-    return local_solve(mesh, settings, constraints) if server is None else remote_solve(mesh, settings, constraints, server)
+    return local_solve(mesh, settings, goals) if server is None else remote_solve(mesh, settings, goals, server)
 
 
 def _telling(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Told]:

@@ -11,7 +11,7 @@ import numpy as np
 from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication import unroll as unroll_surface
-from ...fabrication.cut_list import cut_list_text
+from ...fabrication.piece_list import cut_list_text
 from ...io.patterns import write_patterns
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...io.rhino.rhinocommon import points_to_rhino

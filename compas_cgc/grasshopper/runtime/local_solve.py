@@ -22,18 +22,16 @@ from .progress import Report
 __all__ = ["local_solve"]
 
 
-def local_solve(
-    mesh: CGCMesh, settings: Optional[Settings] = None, constraints: Sequence[Constraint] = ()
-) -> Callable[[Report], SolveResult]:
+def local_solve(mesh: CGCMesh, settings: Optional[Settings] = None, goals: Sequence[Constraint] = ()) -> Callable[[Report], SolveResult]:
     """Return a function that solves in this process, for a background task.
 
     Parameters
     ----------
     mesh
-        A mesh with targets and constraints; it must not change any more.
+        A mesh with targets and goals; it must not change any more.
     settings
         Those of :func:`compas_cgc.solve`.
-    constraints
+    goals
         Constraints next to those of the mesh.
     """
 
@@ -46,7 +44,7 @@ def local_solve(
 
         method = "auto" if settings is None else method_of(settings)
         with watch_compilation(lambda state: report(Progress(compiling=state.part))):
-            result = solve(problem, method=method, settings=settings, constraints=constraints, callback=callback)
+            result = solve(problem, method=method, settings=settings, goals=goals, callback=callback)
         return replace(result, drawn=mesh)
 
     return run

@@ -43,7 +43,7 @@ FORGOTTEN = (404, 410)  # what a server answers that does not know the job
 
 
 def remote_solve(
-    mesh: CGCMesh, settings: Optional[Settings], constraints: Sequence[Constraint], server: Address
+    mesh: CGCMesh, settings: Optional[Settings], goals: Sequence[Constraint], server: Address
 ) -> Callable[[Report], SolveResult]:
     """Return a function that has a server solve, for a background task.
 
@@ -52,7 +52,7 @@ def remote_solve(
 
     Parameters
     ----------
-    mesh, settings, constraints
+    mesh, settings, goals
         As for :func:`compas_cgc.grasshopper.runtime.local_solve.local_solve`.
     server
         The server.
@@ -60,7 +60,7 @@ def remote_solve(
 
     def run(report: Report) -> SolveResult:
         client = Client(server.url, server.key, retries=0, timeout=10.0)
-        problem = mesh.to_problem().with_constraints(constraints)
+        problem = mesh.to_problem().with_goals(goals)
         id = uuid.uuid4().hex
         answer = _answer(client, id, request_body(id, problem, settings), ProgressMeter(problem.target_scale), report)
         return _result(problem, answer, settings, mesh)
@@ -103,7 +103,7 @@ def request_body(id: str, problem: CGCProblem, settings: Optional[Settings] = No
         "id": id,
         **_settings(settings),
         **(_compas_mesh(problem) if _needs_compas(problem) else _arrays(problem)),
-        "constraints": [constraint_data(constraint) for constraint in problem.constraints],
+        "goals": [constraint_data(constraint) for constraint in problem.goals],
     }
     return json.dumps(body, allow_nan=False).encode("utf-8")
 
@@ -127,7 +127,7 @@ def _compas_mesh(problem: CGCProblem) -> dict[str, Any]:
     """Return a problem as COMPAS JSON, which takes longer to write and to read."""
     data = CGCMesh.from_problem(problem).__data__
     # They go into the body, where they are for arrays too.
-    data["attributes"].pop("constraints", None)
+    data["attributes"].pop("goals", None)
     return {"mesh": {"dtype": "compas_cgc.datastructures/CGCMesh", "data": data}}
 
 
@@ -145,7 +145,7 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
     """Return what a server answers as the result that a solve in this process gives."""
     columns = (answer["history"][name] for name in History._fields)
     real = problem.without_dummies()
-    if any(isinstance(own, Unknown) for own in real.constraints):
+    if any(isinstance(own, Unknown) for own in real.goals):
         real = real.with_targets(np.array(answer["targets"], dtype=np.float64))
     faces = np.array(answer["faces"], dtype=np.int64)
     turned = int(np.count_nonzero((faces != real.faces).any(axis=1)))

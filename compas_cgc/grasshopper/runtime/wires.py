@@ -21,7 +21,7 @@ __all__ = ["LISTS", "check_wires", "single"]
 
 # Names of the inputs that take lists; the others take one value.
 LISTS = frozenset(
-    ("K", "clear", "clearance", "constraints", "creases", "curves", "others", "point", "points", "region", "supports", "surfaces")
+    ("K", "clear", "clearance", "creases", "curves", "goals", "others", "point", "points", "region", "supports", "surfaces")
     + ("through", "unknown")
 )
 
@@ -94,7 +94,7 @@ _AMOUNTS = (
 WIRES = {
     "cgc_mesh": Wire(lambda value: isinstance(value, CGCMesh), "the output cgc_mesh of CGC Mesh, Target, Solve or Example"),
     "settings": Wire(lambda value: isinstance(value, Settings), "the output of Settings"),
-    "constraints": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of Constraints"),
+    "goals": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of Goals or Constraints"),
     "others": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of another Constraints"),
     "server": Wire(lambda value: isinstance(value, (Address, str)), "the output of Server, or its address as a text"),
     "result": Wire(lambda value: isinstance(value, SolveResult), "the output result of Solve"),

@@ -27,7 +27,7 @@ from .snapping import find_supports
 from .snapping import snap_distance
 from .targets import find_targets
 from .units import unit_suffix
-from .user_text import CONSTRAINTS_KEY
+from .user_text import GOALS_KEY
 from .user_text import text_constraints
 from .user_text import vertex_values
 
@@ -100,7 +100,7 @@ def assemble(
         s=_values_in_texts(parts, mesh, "s", laid.s),
         e=_values_in_texts(parts, mesh, "e", laid.e),
         creases=edges,
-        constraints=held,
+        goals=held,
         drawing=Drawing(name, units, tolerance, asked.places),
     )
     found = f"{len(held)} constraint{'s' if len(held) > 1 else ''} besides K, which the method 'projection' holds"
@@ -130,6 +130,6 @@ def _constraints_in_texts(parts: Sequence[Part], mesh: JoinedMesh) -> tuple[list
         try:
             found += [constraint.renumbered(index) for constraint in text_constraints(part.text, len(index))]
         except ValueError as error:
-            mend = "set the constraints again, or delete the text (Rhino: Properties, Attribute User Text)"
-            diagnostics.append(Diagnostic(f"user text {CONSTRAINTS_KEY!r} of {part.label} cannot be used ({error}); {mend}"))
+            mend = "set the goals again, or delete the text (Rhino: Properties, Attribute User Text)"
+            diagnostics.append(Diagnostic(f"user text {GOALS_KEY!r} of {part.label} cannot be used ({error}); {mend}"))
     return found, diagnostics

@@ -14,8 +14,8 @@ from ...meshing import Diagnostic
 from ...meshing.polyline import points_along
 from ...model.constraint_data import constraint_data
 from ...model.constraint_data import constraint_of
-from ...model.constraints import AtHeight
 from ...model.constraints import Constraint
+from ...model.constraints import Height
 from ...model.goals.inequalities import Above
 from ...model.goals.inequalities import Below
 from ...model.goals.inequalities import Clearance
@@ -97,7 +97,7 @@ def drawn_goal(goal: Constraint, vertices: FloatArray) -> Optional[Drawn]:
     top = vertices[np.argmax(vertices[:, 2])][None]
     if isinstance(goal, (Rise, Area)) or (isinstance(goal, Volume) and goal.level is None):
         return Drawn("", "point", top, None, {data["kind"]: repr(data[data["kind"]])})
-    if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+    if isinstance(goal, Height) and isinstance(goal.vertices, str):
         return Drawn("", "point", top, None, {"height": repr(goal.height)})
     if isinstance(goal, (Above, Below)) and isinstance(goal.vertices, str):
         return Drawn("", "point", top, None, {data["kind"]: repr(goal.height)})

@@ -12,9 +12,9 @@ from ...discrete.arrays import IntArray
 from ...meshing import Diagnostic
 from ...meshing.cleanup import mean_edge
 from ...meshing.polyline import points_along
-from ...model.constraints import AtHeight
 from ...model.constraints import Constraint
 from ...model.constraints import Fixed
+from ...model.constraints import Height
 from ...model.constraints import OnCurve
 from .sketch import Drawn
 
@@ -113,7 +113,7 @@ def as_drawn(constraint: Constraint, vertices: FloatArray) -> Optional[Drawn]:
     if isinstance(constraint, OnCurve):
         points = np.asarray(constraint.points, dtype=np.float64)
         return Drawn("", "curve", np.concatenate([points, points[:1]]) if constraint.closed else points, None, {})
-    if not isinstance(constraint, (AtHeight, Fixed)) or isinstance(constraint.vertices, str) or not len(constraint.vertices):
+    if not isinstance(constraint, (Height, Fixed)) or isinstance(constraint.vertices, str) or not len(constraint.vertices):
         return None
     places = vertices[list(constraint.vertices)]
     if isinstance(constraint, Fixed):
@@ -142,7 +142,7 @@ def _at_points(item: Drawn, vertices: FloatArray, tolerance: float, unit: str) -
     if "keep" in item.text:
         return [Fixed(sorted(set(nearest.tolist())))]
     heights = dict.fromkeys(item.points[:, 2].tolist())
-    return [AtHeight(nearest[item.points[:, 2] == z].tolist(), z) for z in heights]
+    return [Height(nearest[item.points[:, 2] == z].tolist(), z) for z in heights]
 
 
 def _along(item: Drawn, vertices: FloatArray, tolerance: float) -> list[int]:

@@ -19,7 +19,7 @@ from ...model.constraints import check_indices
 from ...model.problem import CGCProblem
 
 __all__ = [
-    "CONSTRAINTS_KEY",
+    "GOALS_KEY",
     "VERTEX_KEY",
     "constraint_text",
     "dot_target",
@@ -33,7 +33,7 @@ __all__ = [
 # User text on a mesh: values of single vertices, where they are not the same all over a region,
 # and constraints that cannot be drawn.
 VERTEX_KEY = "cgc vertices"
-CONSTRAINTS_KEY = "cgc constraints"
+GOALS_KEY = "cgc goals"
 
 _NUMBER = r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
 _NAMED = re.compile(rf"^\s*(?:k|target)\s*[=:]\s*({_NUMBER})\s*$", re.IGNORECASE | re.MULTILINE)
@@ -101,8 +101,8 @@ def vertex_values(text: Mapping[str, str], n: int) -> dict[str, FloatArray]:
 
 def constraint_text(constraints: Sequence[Constraint], n: int) -> dict[str, str]:
     """Return user text with constraints on a mesh with n vertices, empty where there are none."""
-    data = {"vertices": n, "constraints": [constraint_data(constraint) for constraint in constraints]}
-    return {CONSTRAINTS_KEY: json.dumps(data)} if constraints else {}
+    data = {"vertices": n, "goals": [constraint_data(constraint) for constraint in constraints]}
+    return {GOALS_KEY: json.dumps(data)} if constraints else {}
 
 
 def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
@@ -113,13 +113,13 @@ def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
     ValueError
         If the text holds something else, or constraints on another mesh.
     """
-    if CONSTRAINTS_KEY not in text:
+    if GOALS_KEY not in text:
         return ()
-    found = json.loads(text[CONSTRAINTS_KEY])
-    if not isinstance(found, dict) or not isinstance(found.get("constraints"), list):
-        raise ValueError("it is no list of constraints")
+    found = json.loads(text[GOALS_KEY])
+    if not isinstance(found, dict) or not isinstance(found.get("goals"), list):
+        raise ValueError("it is no list of goals")
     if found.get("vertices") != n:
         raise ValueError(f"it is about a mesh of {found.get('vertices')} vertices, this one has {n}")
-    constraints = tuple(constraint_of(item) for item in found["constraints"])
+    constraints = tuple(constraint_of(item) for item in found["goals"])
     check_indices(constraints, n)
     return constraints

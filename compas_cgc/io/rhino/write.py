@@ -213,9 +213,9 @@ def _draw_goals(writer: LayerWriter, problem: CGCProblem, goals: list[Drawn], la
 def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Drawn], list[Constraint]]:
     """Return constraints and goals as they are drawn, and those that would not be found again as they are."""
     V = problem.vertices
-    snap = snap_distance(V, problem.faces, tolerance) if problem.constraints else 0.0
+    snap = snap_distance(V, problem.faces, tolerance) if problem.goals else 0.0
     drawn, goals, others = [], [], []
-    for constraint in problem.constraints:
+    for constraint in problem.goals:
         goal = drawn_goal(constraint, V)
         if goal is not None:
             again = find_goals([goal], V, snap).goals

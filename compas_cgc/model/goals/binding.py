@@ -17,8 +17,8 @@ from ...errors import ProblemError
 from ...meshing import boundary_loops
 from ...meshing.in_outline import vertices_over
 from ..constraints import CROWN
-from ..constraints import AtHeight
 from ..constraints import Constraint
+from ..constraints import Height
 from ..constraints import PositionConstraint
 from ..constraints import indices
 from ..problem import CGCProblem
@@ -99,13 +99,13 @@ def bind(problem: CGCProblem, named: Optional[Sequence[Constraint]] = None) -> B
     equations: list[Equation] = []
     places: list[PositionConstraint] = []
     sides: list[Side] = []
-    for goal, shown in zip(problem.constraints, problem.constraints if named is None else named):
+    for goal, shown in zip(problem.goals, problem.goals if named is None else named):
         name = goal_name(shown)
         if isinstance(goal, EdgeInPlan):
             places += _sheets(problem, goal, name)
         elif isinstance(goal, Level):
             places += _rings(problem, goal, name)
-        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+        elif isinstance(goal, Height) and isinstance(goal.vertices, str):
             equations.append(_crown(name, goal.height, 1.0))
         elif isinstance(goal, PositionConstraint):
             places.append(goal)
@@ -126,7 +126,7 @@ def unknown_regions(problem: CGCProblem) -> list[int]:
     ProblemError
         If there is no such region.
     """
-    wanted = [own.regions for own in problem.constraints if isinstance(own, Unknown)]
+    wanted = [own.regions for own in problem.goals if isinstance(own, Unknown)]
     if not wanted:
         return []
     count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
@@ -279,11 +279,11 @@ def _free_edges(problem: CGCProblem) -> list[tuple[IntArray, bool]]:
 def held_by_newton(problem: CGCProblem) -> bool:
     """Check whether the goals are one whole-surface goal and one unknown K > 0 over a fixed boundary, which Newton's method solves."""
     kinds = (Rise, Volume, Area, Length, Unknown)
-    mine = [own for own in problem.constraints if isinstance(own, kinds) or (isinstance(own, AtHeight) and own.vertices == CROWN)]
+    mine = [own for own in problem.goals if isinstance(own, kinds) or (isinstance(own, Height) and own.vertices == CROWN)]
     goals = [own for own in mine if not isinstance(own, Unknown)]
     rim = boundary_vertices(problem.vertices, problem.faces)
     held = bool((problem.roles[rim] == FIXED).all() and rim.any() and problem.real_faces.all())
     targets = problem.targets[problem.asked]
     upwards = not (targets < 0).any() and all(own.rise > 0 for own in goals if isinstance(own, Rise))
-    whole = len(mine) == len(problem.constraints) and len(goals) == 1 and len(mine) > 1
+    whole = len(mine) == len(problem.goals) and len(goals) == 1 and len(mine) > 1
     return whole and held and upwards and not len(problem.creases) and len(unknown_regions(problem)) == 1

@@ -9,8 +9,8 @@ import numpy as np
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
-from ..constraints import AtHeight
 from ..constraints import Constraint
+from ..constraints import Height
 from ..problem import CGCProblem
 from ..roles import FIXED
 from .binding import bind
@@ -55,7 +55,7 @@ def refuse_impossible(problem: CGCProblem) -> None:
 
 def goal_problems(problem: CGCProblem) -> list[str]:
     """Return one sentence per contradiction between goals, supports and drawing; each names the goals and a remedy."""
-    if not problem.constraints:
+    if not problem.goals:
         return []
     try:
         unknown_regions(problem)
@@ -73,7 +73,7 @@ def goal_problems(problem: CGCProblem) -> list[str]:
 def _empty(problem: CGCProblem) -> Iterator[str]:
     """Return messages for goals that apply to nothing."""
     count = int(problem.regions()[problem.real_faces].max(initial=-1)) + 1
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Unknown) and not isinstance(goal.regions, str) and not len(goal.regions):
             yield f"{goal_name(goal)} names no region; name regions from 0 to {count - 1}, or 'all', or remove the goal"
         elif isinstance(goal, Clearance):
@@ -83,7 +83,7 @@ def _empty(problem: CGCProblem) -> Iterator[str]:
                     yield f"{goal_name(goal)} is over region {where}, but the mesh has regions 0 to {count - 1}; name one of these"
             elif not len(bind(_only(problem, goal)).sides[0].candidates(problem.vertices)):
                 yield f"{goal_name(goal)} lies outside the plan of the mesh; give a place under the mesh, in the units of the drawing"
-        elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, AtHeight)) and not isinstance(goal.vertices, str):
+        elif isinstance(goal, (Above, Below, NearPlane, EdgeInPlan, Level, Height)) and not isinstance(goal.vertices, str):
             if not len(goal.vertices):
                 yield f"{goal_name(goal)} names no vertices; name some, or remove the goal"
             elif isinstance(goal, EdgeInPlan) and goal.points is None and len(set(goal.vertices)) < 2:
@@ -91,7 +91,7 @@ def _empty(problem: CGCProblem) -> Iterator[str]:
 
 
 def _only(problem: CGCProblem, goal: Constraint) -> CGCProblem:
-    return problem.with_constraints([goal], add=False)
+    return problem.with_goals([goal], add=False)
 
 
 def _size(problem: CGCProblem) -> float:
@@ -102,7 +102,7 @@ def _out_of_scale(problem: CGCProblem) -> Iterator[str]:
     """Return messages for values that are probably in other units than the drawing."""
     size, middle = _size(problem), float(problem.vertices[:, 2].mean())
     mend = "check its units: they must be those of the drawing"
-    for goal in problem.constraints:
+    for goal in problem.goals:
         far = _reach(goal, middle)
         if far > MAX_LENGTH_RATIO * size:
             yield f"{goal_name(goal)} is far larger than the mesh, whose size is {size:.3g}; {mend}"
@@ -114,7 +114,7 @@ def _reach(goal: Constraint, middle: float) -> float:
     """Return the characteristic length of a goal, heights measured from `middle`; zero if it has none [L]."""
     if isinstance(goal, Rise):
         return abs(goal.rise)
-    if isinstance(goal, AtHeight):
+    if isinstance(goal, Height):
         return abs(goal.height - middle)
     if isinstance(goal, (Above, Clearance)):
         return goal.height - middle
@@ -131,9 +131,9 @@ def _pairs(problem: CGCProblem) -> Iterator[str]:
     """Return messages for two different values of the same quantity."""
     size = _size(problem)
     seen: dict[object, tuple[float, str]] = {}
-    for goal in problem.constraints:
+    for goal in problem.goals:
         key: object
-        if isinstance(goal, AtHeight) and isinstance(goal.vertices, str):
+        if isinstance(goal, Height) and isinstance(goal.vertices, str):
             key, value = "crown", goal.height
         elif isinstance(goal, Rise):
             key, value = ("crown" if goal.rise > 0 else "bottom"), support_height(problem) + goal.rise
@@ -155,14 +155,14 @@ def _held(problem: CGCProblem) -> Iterator[str]:
     """Return messages for supports that violate a goal."""
     rounding = RELATIVE_TOLERANCE * _size(problem)
     supports = np.flatnonzero(problem.roles == FIXED)
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Within) and isinstance(goal.vertices, str) and len(supports):
             inside = goal.slack(problem.vertices[supports])[0]
             if inside.min() < -rounding:
                 vertex = int(supports[np.argmin(inside)])
                 off = f"which lies {-inside.min():.3g} outside; widen the outline or free that vertex"
                 yield f"{goal_name(goal)} excludes the support at vertex {vertex}, {off}"
-        if isinstance(goal, AtHeight) and not isinstance(goal.vertices, str):
+        if isinstance(goal, Height) and not isinstance(goal.vertices, str):
             named = np.intersect1d(about(problem, goal), supports)
             off = np.abs(problem.vertices[named, 2] - goal.height)
             if off.max(initial=0.0) > rounding:
@@ -185,7 +185,7 @@ def _too_small(problem: CGCProblem) -> Iterator[str]:
     """Return messages for areas and lengths below the minimum that fixed boundaries and ends allow."""
     faces = problem.faces[problem.real_faces]
     rim = boundary_vertices(problem.vertices, faces)
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Area) and rim.any() and (problem.roles[rim] == FIXED).all():
             a, b, c = (problem.vertices[faces[:, k]] for k in range(3))
             least = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a).sum(axis=0)))

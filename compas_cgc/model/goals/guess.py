@@ -10,7 +10,7 @@ import numpy as np
 from ...discrete import face_areas
 from ...discrete import face_normals
 from ..constraints import CROWN
-from ..constraints import AtHeight
+from ..constraints import Height
 from ..problem import CGCProblem
 from ..roles import FIXED
 from .binding import support_height
@@ -56,10 +56,10 @@ def _cap(problem: CGCProblem) -> float:
     if plan <= 0.0 or not (problem.roles == FIXED).any():
         return 0.0
     base, rises = support_height(problem), [0.0]
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Rise):
             rises.append(abs(goal.rise))
-        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str) and goal.vertices == CROWN:
+        elif isinstance(goal, Height) and isinstance(goal.vertices, str) and goal.vertices == CROWN:
             rises.append(abs(goal.height - base))
         elif isinstance(goal, Volume):
             level = base if goal.level is None else goal.level
@@ -69,7 +69,7 @@ def _cap(problem: CGCProblem) -> float:
         elif isinstance(goal, Length):
             flat = length(problem.vertices * [1.0, 1.0, 0.0], np.asarray(goal.vertices))
             rises.append(math.sqrt(0.375 * flat * max(0.0, goal.length - flat)))
-        elif isinstance(goal, (AtHeight, Above, Clearance)):
+        elif isinstance(goal, (Height, Above, Clearance)):
             rises.append(abs(goal.height - base))
     radius = math.sqrt(plan / math.pi)
     return _cap_curvature(max(rises) or LOW_RISE * radius, radius) if len(rises) > 1 else 0.0

@@ -11,9 +11,9 @@ import numpy as np
 from ...discrete import boundary_vertices
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
-from ..constraints import AtHeight
 from ..constraints import Constraint
 from ..constraints import Fixed
+from ..constraints import Height
 from ..constraints import OnPlane
 from ..constraints import indices
 from ..constraints import unit
@@ -94,20 +94,20 @@ def height_clashes(problem: CGCProblem) -> Iterator[str]:
 
 def about(problem: CGCProblem, goal: Constraint) -> IntArray:
     """Return the vertices of the drawing to which a position or inequality goal applies."""
-    if isinstance(goal, (AtHeight, OnPlane, Fixed)):
+    if isinstance(goal, (Height, OnPlane, Fixed)):
         return indices(goal.vertices, len(problem.vertices))
-    return bind(problem.with_constraints([goal], add=False)).sides[0].candidates(problem.vertices)
+    return bind(problem.with_goals([goal], add=False)).sides[0].candidates(problem.vertices)
 
 
 def _ranges(problem: CGCProblem) -> Iterator[_Range]:
     """Return the admissible heights of movable vertices; supports that violate a goal have messages of their own."""
-    for goal in problem.constraints:
+    for goal in problem.goals:
         between = _between(goal)
         if between is None:
             continue
         at = about(problem, goal)
         yield _Range(at[problem.roles[at] != FIXED], *between, _name(goal))
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Fixed):
             for vertex in np.setdiff1d(about(problem, goal), np.flatnonzero(problem.roles == FIXED)).tolist():
                 z = float(problem.vertices[vertex, 2])
@@ -116,7 +116,7 @@ def _ranges(problem: CGCProblem) -> Iterator[_Range]:
 
 def _between(goal: Constraint) -> Optional[tuple[float, float]]:
     """Return the lowest and highest height that a goal admits, None if it does not restrict heights."""
-    if isinstance(goal, AtHeight):
+    if isinstance(goal, Height):
         return None if isinstance(goal.vertices, str) else (goal.height, goal.height)
     if isinstance(goal, (Above, Clearance)):
         return goal.height, np.inf
@@ -168,10 +168,10 @@ def _source(problem: CGCProblem, says: IntArray, heights: _Heights, vertex: int)
 def _end(problem: CGCProblem, side: float) -> Optional[_Ends]:
     """Return the prescribed height of the crown (side 1) or of the lowest vertex (side -1), None if no goal prescribes it."""
     ends = []
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, Rise) and goal.rise * side > 0.0:
             ends.append(_Ends(support_height(problem) + goal.rise, goal_name(goal)))
-        elif isinstance(goal, AtHeight) and isinstance(goal.vertices, str) and side > 0.0:
+        elif isinstance(goal, Height) and isinstance(goal.vertices, str) and side > 0.0:
             ends.append(_Ends(goal.height, goal_name(goal)))
     return min(ends, key=lambda end: side * end.height, default=None)
 
@@ -223,7 +223,7 @@ def _volumes(problem: CGCProblem, heights: _Heights, crown: Optional[_Ends], bot
         return
     highest, lowest = int(np.argmax(heights.high)), int(np.argmin(heights.low))
     free = problem.roles != FIXED
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if not isinstance(goal, Volume):
             continue
         level = support_height(problem) if goal.level is None else goal.level
@@ -247,7 +247,7 @@ def _held_plan(problem: CGCProblem) -> Optional[float]:
     """Return the plan area if supports or goals keep the whole boundary over its drawn line, else None."""
     faces = problem.faces[problem.real_faces]
     held = problem.roles == FIXED
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if isinstance(goal, (EdgeInPlan, Level)) and goal.points is None:
             held = held | np.isin(np.arange(len(held)), _named(problem, goal))
     if not held[boundary_vertices(problem.vertices, faces)].all():
@@ -258,13 +258,13 @@ def _held_plan(problem: CGCProblem) -> Optional[float]:
 
 
 def _named(problem: CGCProblem, goal: Constraint) -> IntArray:
-    places = bind(problem.with_constraints([goal], add=False)).places
+    places = bind(problem.with_goals([goal], add=False)).places
     return np.concatenate([np.asarray(place.vertices, dtype=np.int64) for place in places]) if places else np.zeros(0, np.int64)
 
 
 def _paths(problem: CGCProblem, heights: _Heights, rounding: float) -> Iterator[str]:
     """Return messages for paths that are shorter than the height differences along them."""
-    for goal in problem.constraints:
+    for goal in problem.goals:
         if not isinstance(goal, Length):
             continue
         path = np.asarray(goal.vertices, dtype=np.int64)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..constraints import AtHeight
 from ..constraints import Constraint
+from ..constraints import Height
 from .inequalities import Above
 from .inequalities import Below
 from .inequalities import Clearance
@@ -23,7 +23,7 @@ __all__ = ["goal_name", "listed"]
 
 def goal_name(goal: Constraint) -> str:
     """Return the name of a goal in messages, with its value in the units that it has."""
-    if isinstance(goal, AtHeight):
+    if isinstance(goal, Height):
         return (
             f"the height {goal.height:.6g} of the crown" if isinstance(goal.vertices, str) else f"the height {goal.height:.6g} of vertices"
         )

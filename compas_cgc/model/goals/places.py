@@ -14,7 +14,6 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.plan import flattened
 from ...meshing.closest_points import nearest_on_polyline
-from ..constraints import AtHeight
 from ..constraints import ClosestPoints
 from ..constraints import PositionConstraint
 from ..constraints import Triple
@@ -25,9 +24,7 @@ from .numbers import Vertices
 from .numbers import in_plan
 from .numbers import local_plan
 
-__all__ = ["EdgeInPlan", "Height", "Level", "OnSurface"]
-
-Height = AtHeight
+__all__ = ["EdgeInPlan", "Level", "OnSurface"]
 
 
 @dataclass(frozen=True)

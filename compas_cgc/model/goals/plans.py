@@ -33,7 +33,7 @@ UPRIGHT_TOLERANCE = 1e-9  # z of the unit normal of a vertical plane that counts
 def plan_clashes(problem: CGCProblem) -> Iterator[str]:
     """Return messages for goals without a common position in plan, and for planes too far apart."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
-    goals = [goal for goal in problem.constraints if isinstance(goal, (Within, NearPlane, EdgeInPlan, Level))]
+    goals = [goal for goal in problem.goals if isinstance(goal, (Within, NearPlane, EdgeInPlan, Level))]
     for one, other in combinations(goals, 2):
         said = _apart(problem, one, other, RELATIVE_TOLERANCE * size)
         if said is not None:
@@ -140,7 +140,7 @@ def _off(plane: NearPlane, points: FloatArray) -> Optional[FloatArray]:
 
 
 def _places(problem: CGCProblem, goal: Constraint) -> list:
-    return list(bind(problem.with_constraints([goal], add=False)).places)
+    return list(bind(problem.with_goals([goal], add=False)).places)
 
 
 def _line(within: Constraint) -> FloatArray:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Optional
 from typing import Union
 
-from ..constraints import AtHeight
 from ..constraints import Constraint
+from ..constraints import Height
 from ..frame import Frame
 from .numbers import ALL
 from .numbers import check_finite
@@ -168,4 +168,4 @@ class Unknown(Constraint):
 
 def is_of_whole(goal: Constraint) -> bool:
     """Check whether a goal prescribes a quantity of the whole surface or makes K unknown."""
-    return isinstance(goal, (Whole, Unknown)) or (isinstance(goal, AtHeight) and isinstance(goal.vertices, str))
+    return isinstance(goal, (Whole, Unknown)) or (isinstance(goal, Height) and isinstance(goal.vertices, str))

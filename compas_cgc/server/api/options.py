@@ -11,7 +11,7 @@ import numpy as np
 
 from ...meshing.boundary import SUPPORT_NAMES
 from ...meshing.checks import listed
-from ...model.constraint_data import as_constraints
+from ...model.constraint_data import as_goals
 from ...model.constraints import check_indices
 from ...model.goals.wholes import Unknown
 from ...model.goals.wholes import is_of_whole
@@ -34,7 +34,7 @@ from .units import UNITS
 __all__ = ["OPTIONS", "USER_ROLES", "apply_options", "check_options", "check_targets", "read_targets", "settings_of"]
 
 OPTIONS = (
-    *("supports", "creases", "targets", "constraints", "goals", "unknown", "method", "settings"),
+    *("supports", "creases", "targets", "goals", "unknown", "method", "settings"),
     *("flip", "live", "name", "unit", "id"),
 )
 USER_ROLES = tuple(role for i, role in enumerate(ROLES) if i != DUMMY)
@@ -60,8 +60,7 @@ def check_options(options: Mapping[str, Any], count: Optional[int], limits: Limi
     _check_creases(options.get("creases"), count)
     check_targets(options.get("targets"), count)
     method = options.get("method", "auto") if settings is None else method_of(settings)
-    for name in ("constraints", "goals"):
-        _check_constraints(options.get(name), method, count, name)
+    _check_goals(options.get("goals"), method, count)
     _check_unknown(options.get("unknown"))
 
 
@@ -89,7 +88,7 @@ def apply_options(problem: CGCProblem, options: Mapping[str, Any]) -> CGCProblem
         problem = problem.with_targets(read_targets(options["targets"]))
     unknown = options.get("unknown")
     found = [Unknown(unknown)] if unknown else []
-    return problem.with_constraints([*(options.get("constraints") or ()), *(options.get("goals") or ()), *found])
+    return problem.with_goals([*(options.get("goals") or ()), *found])
 
 
 def settings_of(options: Mapping[str, Any], limits: Limits) -> Optional[Settings]:
@@ -198,20 +197,20 @@ def check_targets(value: object, count: Optional[int]) -> None:
         number(value, "'targets' for all vertices")
 
 
-def _check_constraints(value: object, method: str, count: Optional[int], name: str) -> None:
+def _check_goals(value: object, method: str, count: Optional[int]) -> None:
     if not value:
         return
     if not isinstance(value, list):
-        raise Unprocessable(f"'{name}' must be a list of objects with a 'kind'")
+        raise Unprocessable("'goals' must be a list of objects with a 'kind'")
     try:
-        constraints = as_constraints(value)
-        check_indices(constraints, 2**31 if count is None else count)
+        goals = as_goals(value)
+        check_indices(goals, 2**31 if count is None else count)
     except OverflowError:
         raise Unprocessable("a constraint refers to a vertex that does not exist") from None
     except ValueError as error:
         raise Unprocessable(str(error)) from None
     # Newton's method supports one goal of the whole surface; the number of goals is checked with the mesh.
-    if method == "newton" and all(map(is_of_whole, constraints)):
+    if method == "newton" and all(map(is_of_whole, goals)):
         return
     if method != "auto" and not METHODS[method].holds_constraints:
         able = " or ".join(own.name for own in METHODS.values() if own.holds_constraints)

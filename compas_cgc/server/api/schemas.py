@@ -95,7 +95,7 @@ MODEL = {
         },
         "support_choice": {"enum": ["file", "boundary"], "description": "choice of supports on which roles and problems are based"},
         "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
-        "constraints": {"type": "array", "items": {"type": "object"}, "description": "in the format of a request"},
+        "goals": {"type": "array", "items": {"type": "object"}, "description": "in the format of a request"},
         "regions": {**INDICES, "description": "region of every face"},
         "targets": {
             "type": "array",
@@ -154,7 +154,7 @@ METHODS = {
 }
 
 
-CONSTRAINT_LIST = {
+GOAL_LIST = {
     "type": "array",
     "items": {
         "type": "object",
@@ -183,7 +183,7 @@ LAST = {
 
 
 def request_schema() -> dict:
-    """Return the schema of a request, with all methods and constraints."""
+    """Return the schema of a request, with all methods and goals."""
     return {
         "type": "object",
         "additionalProperties": False,
@@ -198,8 +198,7 @@ def request_schema() -> dict:
             "creases": {"type": "array", "items": INDICES, "description": "paths along edges"},
             "targets": TARGETS,
             "last": LAST,
-            "constraints": CONSTRAINT_LIST,
-            "goals": {**CONSTRAINT_LIST, "description": "an alias of `constraints`"},
+            "goals": GOAL_LIST,
             "unknown": {
                 "oneOf": [{"enum": ["all"]}, INDICES],
                 "description": "regions whose K is unknown; it is solved for and returned in the targets of the result",

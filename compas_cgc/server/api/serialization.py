@@ -87,7 +87,7 @@ def _arrays_of(problem: CGCProblem) -> dict[str, np.ndarray]:
 
 
 def _words_of(problem: CGCProblem) -> dict[str, Any]:
-    return {**problem.drawing._asdict(), "constraints": [constraint_data(own) for own in problem.constraints]}
+    return {**problem.drawing._asdict(), "goals": [constraint_data(own) for own in problem.goals]}
 
 
 def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> CGCProblem:
@@ -99,7 +99,7 @@ def _problem_of(arrays: Mapping[str, np.ndarray], words: Mapping[str, Any]) -> C
         s=arrays["s"],
         e=arrays["e"],
         creases=arrays["creases"],
-        constraints=words.get("constraints", ()),
+        goals=words.get("goals", ()),
         names=Names(arrays["keys"], arrays["face_keys"]),
         drawing=Drawing(words["name"], words.get("units"), words.get("tolerance")),
     )

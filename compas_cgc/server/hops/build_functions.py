@@ -11,9 +11,9 @@ import numpy as np
 from ...discrete.plan import flattened
 from ...fabrication import draw_sheets
 from ...fabrication.crosses import crosses
-from ...fabrication.cut_list import cut_list_text
 from ...fabrication.membrane_state import forces_at_vertices
 from ...fabrication.mould_surface import cap_mesh
+from ...fabrication.piece_list import cut_list_text
 from ...fabrication.tasks import build
 from ...model.problem import CGCProblem
 from ..api.rhino_mesh import mesh_text

@@ -93,7 +93,7 @@ def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
         "supports": {"file": own.supports.tolist(), **{side: _supports(own, side) for side in ("boundary", "corners")}},
         "support_choice": chosen,
         "creases": problem.crease_paths(),
-        "constraints": [constraint_data(constraint) for constraint in problem.constraints],
+        "goals": [constraint_data(constraint) for constraint in problem.goals],
         "regions": problem.regions().tolist(),
         "targets": targets,
         "vertex_targets": _of_vertices(problem) if None in targets else None,

@@ -169,12 +169,12 @@ def _goal(local: CGCProblem, posed: CGCProblem, measure: str) -> Optional[Equati
     ProblemError
         If there is not one goal for one unknown K.
     """
-    if not posed.constraints:
+    if not posed.goals:
         return None
     refuse_impossible(posed)
     if measure not in ("auto", "defect"):
         raise ProblemError([f"the method newton finds K in the measure defect, not {measure}; leave it out, or use the method projection"])
-    goals = bind(local, posed.constraints)
+    goals = bind(local, posed.goals)
     if not held_by_newton(posed):
         raise ProblemError(
             ["the method newton takes one goal of the whole surface for one unknown K over fixed edges; use the method projection"]

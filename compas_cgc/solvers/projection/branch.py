@@ -86,7 +86,7 @@ class Branch:
 
 def branch_through(problem: CGCProblem, vertices: FloatArray, settings: ProjectionSettings) -> Optional[Branch]:
     """Return the branch through the surface (n, 3) of a problem, None where the problem is of a kind that has none."""
-    if problem.constraints or settings.measure not in (AUTO, "defect"):
+    if problem.goals or settings.measure not in (AUTO, "defect"):
         return None
     projector = ready(problem, settings)
     if not rests(projector.system, projector.system.equations(problem.targets)):

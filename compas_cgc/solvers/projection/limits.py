@@ -14,8 +14,8 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...model.constraints import CROWN
-from ...model.constraints import AtHeight
 from ...model.constraints import Constraint
+from ...model.constraints import Height
 from ...model.goals.binding import bind
 from ...model.goals.binding import support_height
 from ...model.goals.inequalities import Above
@@ -35,7 +35,7 @@ from ...model.verdict import verdict
 
 __all__ = ["limit"]
 
-KINDS = (AtHeight, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
+KINDS = (Height, Rise, Volume, Area, Length, Above, Below, Clearance, NearPlane)
 HALVINGS = 6
 FAR = 8.0  # quotient of numbers of other sizes
 
@@ -60,22 +60,22 @@ def limit(problem: CGCProblem, solution: Solution, solve: Solve) -> Optional[str
     missed = _missed(problem, solution)
     if missed is None:
         return None
-    goal, number = problem.constraints[missed], _number(problem.constraints[missed])
-    without = problem.with_constraints(problem.constraints[:missed] + problem.constraints[missed + 1 :], add=False)
+    goal, number = problem.goals[missed], _number(problem.goals[missed])
+    without = problem.with_goals(problem.goals[:missed] + problem.goals[missed + 1 :], add=False)
     free = found = solve(without, None)
     if free.status != "converged":
         return f"without {goal_name(goal)} the rest cannot be met either"
     had = _had(problem, goal, free)
-    others = [own for own in without.constraints if _able(own)]
+    others = [own for own in without.goals if _able(own)]
     beside = f" with {listed([goal_name(own) for own in others])}" if others else _carrying(problem, goal, had)
     fair = _is_fair(problem, free)
     met, most = had, float(getattr(goal, number))
     for _ in range(HALVINGS):
         middle = _between(met, most)
-        tried = list(problem.constraints)
+        tried = list(problem.goals)
         changed: dict[str, Any] = {number: middle}
         tried[missed] = replace(goal, **changed)
-        asked = problem.with_constraints(tried, add=False)
+        asked = problem.with_goals(tried, add=False)
         # What has no good start of its own is led up to.
         try:
             tries = (solve(asked, start) for start in (None, found.vertices))
@@ -115,9 +115,9 @@ def _between(met: float, most: float) -> float:
 
 def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:
     """Return the place among the constraints of the goal with a number that is missed, or else of the first such goal."""
-    able = [place for place, goal in enumerate(problem.constraints) if _able(goal)]
+    able = [place for place, goal in enumerate(problem.goals) if _able(goal)]
     for place in able:
-        goal = problem.constraints[place]
+        goal = problem.goals[place]
         had, wanted = _had(problem, goal, solution), float(getattr(goal, _number(goal)))
         short = wanted - had if not isinstance(goal, (Below, NearPlane)) else had - wanted
         if (short if isinstance(goal, Bound) else abs(short)) > 1e-6 * max(abs(wanted), abs(had)):
@@ -126,7 +126,7 @@ def _missed(problem: CGCProblem, solution: Solution) -> Optional[int]:
 
 
 def _able(goal: Constraint) -> bool:
-    if isinstance(goal, AtHeight):
+    if isinstance(goal, Height):
         return goal.vertices == CROWN if isinstance(goal.vertices, str) else False
     return isinstance(goal, KINDS)
 
@@ -137,7 +137,7 @@ def _number(goal: Constraint) -> str:
 
 def _had(problem: CGCProblem, goal: Constraint, solution: Solution) -> float:
     """Return what a solution has of what a goal asks for."""
-    goals = bind(problem.with_constraints([goal], add=False))
+    goals = bind(problem.with_goals([goal], add=False))
     number = float(getattr(goal, _number(goal)))
     if goals.equations:
         value = goals.equations[0].value(solution.vertices)

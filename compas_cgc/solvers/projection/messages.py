@@ -10,7 +10,7 @@ from ...discrete.arrays import Faces
 from ...discrete.arrays import FloatArray
 from ...model.checks import no_saddle
 from ...model.checks import three_faced
-from ...model.constraints import AtHeight
+from ...model.constraints import Height
 from ...model.goals.names import goal_name
 from ...model.goals.names import listed
 from .iterate import Point
@@ -76,7 +76,7 @@ def _astray(vertex: int, system: System) -> str:
     """Return which goals a vertex cannot be brought to."""
     own = [goal for goal in system.goals.places if vertex in np.asarray(goal.vertices, dtype=np.int64)]
     # Their numbers are in the local frame, which is nobody's.
-    names = list(dict.fromkeys("the height of vertices" if isinstance(goal, AtHeight) else goal_name(goal) for goal in own))
+    names = list(dict.fromkeys("the height of vertices" if isinstance(goal, Height) else goal_name(goal) for goal in own))
     if len(own) == 1:
         return f"vertex {vertex} cannot fulfil its constraints: {names[0]} is out of its reach; move that, or take it away"
     there = f": {listed(names)} contradict each other there" if len(names) > 1 else ""

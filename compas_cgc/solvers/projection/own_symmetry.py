@@ -41,7 +41,7 @@ def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:
     one face tells them: those of the rarest faces, by their distances from the middle, are tried.
     """
     identity = Image(np.arange(len(problem.vertices)), np.eye(3), np.zeros(3))
-    if any(isinstance(own, (Mirror, Length, Proximity)) for own in problem.constraints):
+    if any(isinstance(own, (Mirror, Length, Proximity)) for own in problem.goals):
         return [identity]
     faces = problem.faces[problem.real_faces]
     used = np.unique(faces)
@@ -70,8 +70,8 @@ def own_symmetries(problem: CGCProblem, goals: BoundGoals) -> list[Image]:
 
 def mirrors_and_own(problem: CGCProblem) -> list[Image]:
     """Return the symmetries that the mirrors of a problem make together with those that its drawing has of itself."""
-    mirrors = [constraint for constraint in problem.constraints if isinstance(constraint, Mirror)]
-    others = replace(problem, constraints=tuple(own for own in problem.constraints if not isinstance(own, Mirror)))
+    mirrors = [constraint for constraint in problem.goals if isinstance(constraint, Mirror)]
+    others = replace(problem, goals=tuple(own for own in problem.goals if not isinstance(own, Mirror)))
     edges = edge_faces(problem.faces)
     edge = float(np.linalg.norm(problem.vertices[edges[:, 0]] - problem.vertices[edges[:, 1]], axis=1).mean())
     made = [*images(problem.vertices, edge, mirrors), *own_symmetries(others, bind(others))]
@@ -142,7 +142,7 @@ class _Rule:
 
     def __init__(self, problem: CGCProblem, goals: BoundGoals, colour: IntArray):
         V = problem.vertices
-        movable = movable_vertices(problem, problem.faces, problem.constraints)
+        movable = movable_vertices(problem, problem.faces, problem.goals)
         identity = Image(np.arange(len(V)), np.eye(3), np.zeros(3))
         self._vertices, self._movable, self._colour = V, movable, colour
         self._bound, self._pull = Places(V, movable, goals.places, [identity]).conditions(V)

@@ -18,7 +18,6 @@ from ...errors import ProblemError
 from ...model.constraints import Constraint
 from ...model.constraints import Fixed
 from ...model.constraints import PositionConstraint
-from ...model.constraints import called
 from ...model.constraints import indices
 from ...model.goals.places import Level
 from ...model.problem import CGCProblem
@@ -202,7 +201,7 @@ class Places:
         gap = np.where(self.movable, 0.0, self.gap(self.start))
         if (gap > ASTRAY).any():
             vertex = int(np.argmax(gap))
-            kind = next((called(type(own)) for at, own in self.constraints if vertex in at), "constraint")
+            kind = next((type(own).__name__ for at, own in self.constraints if vertex in at), "constraint")
             raise ProblemError(
                 [f"vertex {vertex} is fixed away from where a constraint wants it; free it, or take it out of the goal {kind}"]
             )

@@ -14,5 +14,5 @@ __all__ = ["relaxed"]
 def relaxed(problem: CGCProblem) -> FloatArray:
     """Return the shape (n, 3) that bends least over the supports of a problem, whatever is drawn between them [L]."""
     local, frame = problem.local()
-    system = System(local, ProjectionSettings(keep="plan"), bind(local, problem.constraints))
+    system = System(local, ProjectionSettings(keep="plan"), bind(local, problem.goals))
     return frame.to_model(system.settled(system.fairness.relaxed()))

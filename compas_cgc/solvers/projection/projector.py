@@ -114,7 +114,7 @@ class Projector:
         # A sheet that supports carry along leans, and moves aside: edges stay over the lines of the drawing itself.
         self._coarse = on_coarse(self._local, self.settings)
         kept = None if self._coarse is None else self._coarse.kept
-        self._system = System(self._local, self.settings, bind(drawn, problem.constraints), own=own, kept=kept)
+        self._system = System(self._local, self.settings, bind(drawn, problem.goals), own=own, kept=kept)
         refuse_impossible(self.problem)
         self._edges = edge_faces(problem.faces)
         self._symmetries: tuple[bytes, list[Image]] = b"", []
@@ -405,7 +405,7 @@ def project(problem: CGCProblem, *, settings: Optional[ProjectionSettings] = Non
     """
     if tears_faces(problem):
         solution = _of_mirrors(problem, settings, callback)
-    elif problem.constraints or len(problem.vertices) > MANY:
+    elif problem.goals or len(problem.vertices) > MANY:
         solution = Projector(problem, settings=settings).solve(callback=callback)
     else:
         solution = ready(problem, settings).solve(problem.targets, callback=callback)

@@ -82,7 +82,7 @@ def keep_faces(faces: IntArray, symmetries: Sequence[Image]) -> bool:
 
 def tears_faces(problem: CGCProblem) -> bool:
     """Return whether mirrors are asked for that take some face of a problem to none, whose K is then asked for twice over."""
-    mirrors = [constraint for constraint in problem.constraints if isinstance(constraint, Mirror)]
+    mirrors = [constraint for constraint in problem.goals if isinstance(constraint, Mirror)]
     if not mirrors:
         return False
     V, edges = problem.vertices, edge_faces(problem.faces)

@@ -104,7 +104,7 @@ class System:
         kept: Optional[KeptDrawing] = None,
     ):
         self.goals = bind(problem) if goals is None else goals
-        V, F, constraints = problem.vertices, problem.faces, problem.constraints
+        V, F, constraints = problem.vertices, problem.faces, problem.goals
         self.faces = np.ascontiguousarray(F[problem.real_faces])
         areas = face_areas(V, self.faces)
         self.size = math.sqrt(float(areas.sum()))
@@ -201,7 +201,7 @@ class System:
     @property
     def can_be_laid_out_anew(self) -> bool:
         """Whether there is nothing but vertices and creases to hold, so that other triangles do as well."""
-        return not self._problem.constraints and bool(self._problem.real_faces.all())
+        return not self._problem.goals and bool(self._problem.real_faces.all())
 
     def on(self, vertices: FloatArray, faces: IntArray) -> System:
         """Return the system of a shape (n, 3), which is kept, on other triangles (m, 3)."""

@@ -24,4 +24,4 @@ class Constraints(Grasshopper.Kernel.GH_ScriptInstance):
         others: System.Collections.Generic.List[object],
     ):
         out = constraints(ghenv.Component, cgc_mesh, points, height, curve, plane, mirror, others)  # noqa: F821
-        return out.constraints
+        return out.goals

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Read a mesh with supports, creases, targets and constraints from a .3dm file, in double precision.
+"""Read a mesh with supports, creases, targets and goals from a .3dm file, in double precision.
 
 COMPAS CGC {{version}}
 """

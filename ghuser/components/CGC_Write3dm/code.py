@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Write a CGC mesh with supports, creases, targets and constraints as a .3dm file, in double precision.
+"""Write a CGC mesh with supports, creases, targets and goals as a .3dm file, in double precision.
 
 COMPAS CGC {{version}}
 """

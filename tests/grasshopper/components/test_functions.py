@@ -7,13 +7,13 @@ import pytest
 
 from compas_cgc import Above
 from compas_cgc import Area
-from compas_cgc import AtHeight
 from compas_cgc import AutoSettings
 from compas_cgc import Below
 from compas_cgc import CGCMesh
 from compas_cgc import Clearance
 from compas_cgc import EdgeInPlan
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc import Level
 from compas_cgc import NewtonSettings
 from compas_cgc import ProjectionSettings
@@ -213,14 +213,14 @@ def test_constraints_for_points_curves_planes_and_mirrors():
     edge = Plane(Point3d(0.0, 0.0, 0.0), Point3d(1.0, 0.0, 0.0))
     placed = place("Constraints")
     inputs = dict(points=[Point3d(4.0, 4.0, 0.0)], height=2.0)
-    (crown,) = placed.run(cgc_mesh=mesh, **inputs)["constraints"]
-    assert isinstance(crown, AtHeight) and crown.height == 2.0
+    (crown,) = placed.run(cgc_mesh=mesh, **inputs)["goals"]
+    assert isinstance(crown, Height) and crown.height == 2.0
     assert [mesh.vertex_coordinates(v) for v in crown.vertices] == [[4.0, 4.0, 0.0]]
-    rail, wall, mirror = placed.run(cgc_mesh=mesh, curve=line((0, 0, 0), (9, 0, 0)), plane=edge, mirror=upright)["constraints"]
+    rail, wall, mirror = placed.run(cgc_mesh=mesh, curve=line((0, 0, 0), (9, 0, 0)), plane=edge, mirror=upright)["goals"]
     assert len(rail.vertices) == len(wall.vertices) == 10 and rail.closed is False and wall.normal == [1.0, 0.0, 0.0]
     assert mirror.point == [4.5, 4.5, 0.0] and placed.component.Message == "3 constraints"
     loop = line((0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0), (0, 0, 0))
-    (around, kept) = placed.run(cgc_mesh=mesh, curve=loop, others=[crown])["constraints"][::-1]
+    (around, kept) = placed.run(cgc_mesh=mesh, curve=loop, others=[crown])["goals"][::-1]
     assert kept is crown and around.closed and len(around.points) == 4 and len(around.vertices) == 36
 
 
@@ -231,7 +231,7 @@ def test_goals_and_what_is_to_be_found():
     assert made == [Rise(2.0), Clearance([[1.0, 0.0], [4.0, 0.0], [4.0, 2.0], [1.0, 2.0]], 1.0), EdgeInPlan(), Unknown("all")]
     assert placed.component.Message == "4 goals"
     more = placed.run(height=3.0, volume=9.0, area=99.0, clearance=[0.5], below=4.0, level_edges=True, unknown=[0, 2], others=made[:1])
-    assert more["goals"] == [Rise(2.0), AtHeight("crown", 3.0), Volume(9.0), Area(99.0), Above(0.5), Below(4.0), Level(), Unknown([0, 2])]
+    assert more["goals"] == [Rise(2.0), Height("crown", 3.0), Volume(9.0), Area(99.0), Above(0.5), Below(4.0), Level(), Unknown([0, 2])]
 
 
 def test_regions_are_what_target_counts():

@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc.grasshopper.components import server as server_component
 from compas_cgc.grasshopper.runtime.address import Address
 from compas_cgc.grasshopper.runtime.local_solve import local_solve
@@ -40,8 +40,8 @@ def states(running):
     return {job["id"]: job["state"] for job in running.client.jobs()}
 
 
-def here(mesh, settings=None, constraints=()):
-    return local_solve(mesh, settings, constraints)(lambda progress: False)
+def here(mesh, settings=None, goals=()):
+    return local_solve(mesh, settings, goals)(lambda progress: False)
 
 
 def test_the_server_gives_what_this_process_gives(running):
@@ -74,23 +74,23 @@ def test_settings_and_constraints_go_along(running):
     inputs = dict(cgc_mesh=dome(), run=True, server=running.url)
     assert until_done(placed, settings=FlowSettings(steps=5, finish=False), **inputs)[-1]["status"] == "step_limit"
     before = len(states(running))
-    out = until_done(placed, constraints=[AtHeight([44], 1.0)], **inputs)[-1]
+    out = until_done(placed, goals=[Height([44], 1.0)], **inputs)[-1]
     assert out["status"] == "converged" and len(states(running)) == before + 1
     assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(1.0, abs=1e-9)
-    own = here(dome(), None, [AtHeight([44], 1.0)])
+    own = here(dome(), None, [Height([44], 1.0)])
     assert np.array_equal(out["result"].vertices, own.vertices) and out["result"].method == own.method
 
 
 def test_constraints_of_the_mesh_go_along_once(running):
     mesh = dome()
-    mesh.set_constraints([AtHeight([44], 0.9)])
+    mesh.set_goals([Height([44], 0.9)])
     ringed = mesh.copy()
     ringed.add_dummy_ring()
     for posed in (mesh, ringed):
         assert request_body("id", posed.to_problem()).count(b'"kind": "height"') == 1
         out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=running.url)[-1]
         assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(0.9, abs=1e-9) and out["status"] == "converged"
-        assert [one.height for one in out["cgc_mesh"].constraints()] == [0.9]
+        assert [one.height for one in out["cgc_mesh"].goals()] == [0.9]
         assert np.array_equal(out["result"].vertices, here(posed).vertices)
 
 

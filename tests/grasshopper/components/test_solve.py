@@ -8,9 +8,9 @@ import time
 import numpy as np
 import pytest
 
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc import SolveResult
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.grasshopper.components import solve as component_module
@@ -183,9 +183,9 @@ def test_constraints_are_held():
     mesh = dome()
     crown = next(v for v in mesh.vertices() if mesh.vertex_coordinates(v)[:2] == [4.0, 4.0])
     placed = place("Solve")
-    out = until_done(placed, cgc_mesh=mesh, constraints=[AtHeight([crown], 1.0)], run=True)[-1]
+    out = until_done(placed, cgc_mesh=mesh, goals=[Height([crown], 1.0)], run=True)[-1]
     assert out["status"] == "converged" and out["mesh"].Vertices[crown].Z == pytest.approx(1.0, abs=1e-9)
-    again = until_done(placed, cgc_mesh=mesh, constraints=[AtHeight([crown], 1.1)], run=True)[-1]
+    again = until_done(placed, cgc_mesh=mesh, goals=[Height([crown], 1.1)], run=True)[-1]
     assert again["mesh"].Vertices[crown].Z == pytest.approx(1.1, abs=1e-9), "a changed constraint is a newer input"
 
 
@@ -202,25 +202,25 @@ def drawn_crown(height=0.5):
 def test_constraints_drawn_in_a_file_are_held(tmp_path):
     read = place("Read3dm").run(path=str(drawn_crown().save(tmp_path / "dome.3dm")))["cgc_mesh"]
     mesh = place("Target").run(cgc_mesh=read, K=[0.01])["cgc_mesh"]
-    (drawn,) = mesh.constraints()
-    assert isinstance(drawn, AtHeight) and drawn.height == 0.5
+    (drawn,) = mesh.goals()
+    assert isinstance(drawn, Height) and drawn.height == 0.5
     placed = place("Solve")
     out = until_done(placed, cgc_mesh=mesh, run=True)[-1]
     assert out["status"] == "converged"
     assert out["mesh"].Vertices[drawn.vertices[0]].Z == pytest.approx(0.5, abs=1e-9), "not where K alone would lead it"
-    second = [AtHeight([22], 0.4)]
-    both = until_done(placed, cgc_mesh=mesh, constraints=second, run=True)[-1]["mesh"].Vertices
+    second = [Height([22], 0.4)]
+    both = until_done(placed, cgc_mesh=mesh, goals=second, run=True)[-1]["mesh"].Vertices
     assert [both[drawn.vertices[0]].Z, both[22].Z] == pytest.approx([0.5, 0.4], abs=1e-9), "those of the wire are added"
     again = place("Write3dm").run(path=str(tmp_path / "out.3dm"), cgc_mesh=out["cgc_mesh"], write=True)
     back = place("Read3dm").run(path=again["written"])["cgc_mesh"]
-    assert [one.height for one in back.constraints()] == [0.5], "and the surface carries them on"
+    assert [one.height for one in back.goals()] == [0.5], "and the surface carries them on"
 
 
 def test_a_change_on_any_wire_is_news():
     mesh = dome()
     held = mesh.copy()
-    held.set_constraints([AtHeight([44], 0.5)])
-    many = [AtHeight(np.arange(2000), 1.0), AtHeight(np.where(np.arange(2000) == 1000, 0, np.arange(2000)), 1.0)]
+    held.set_goals([Height([44], 0.5)])
+    many = [Height(np.arange(2000), 1.0), Height(np.where(np.arange(2000) == 1000, 0, np.arange(2000)), 1.0)]
     inputs = [
         (mesh, None, None),
         (held, None, None),
@@ -228,12 +228,12 @@ def test_a_change_on_any_wire_is_news():
         (mesh, FlowSettings(steps=5), None),
         (mesh, None, Address("http://127.0.0.1:7331")),
         (mesh, None, Address("http://127.0.0.1:7332")),
-        (mesh, None, None, AtHeight([44], 0.5)),
-        (mesh, None, None, AtHeight([44], 0.6)),
+        (mesh, None, None, Height([44], 0.5)),
+        (mesh, None, None, Height([44], 0.6)),
         *((mesh, None, None, one) for one in many),
     ]
     assert len({component_module.fingerprint(*own) for own in inputs}) == len(inputs)
-    assert component_module.fingerprint(*inputs[7]) == component_module.fingerprint(mesh.copy(), None, None, AtHeight([44], 0.6))
+    assert component_module.fingerprint(*inputs[7]) == component_module.fingerprint(mesh.copy(), None, None, Height([44], 0.6))
 
 
 def test_another_server_is_asked_anew():
@@ -248,7 +248,7 @@ def test_what_is_on_the_wires_is_not_taken_apart():
     out = until_done(place("Solve"), cgc_mesh=dome(), settings=FlowSettings(steps=5), run=True)[-1]
     result = out["result"]
     assert isinstance(result, SolveResult) and result.mesh is out["cgc_mesh"] and result.settings == FlowSettings(steps=5)
-    for value in (result, result.settings, out["cgc_mesh"], AtHeight([44], 0.5), Address("http://127.0.0.1:7331")):
+    for value in (result, result.settings, out["cgc_mesh"], Height([44], 0.5), Address("http://127.0.0.1:7331")):
         assert not isinstance(value, (tuple, dict)) and not hasattr(value, "__iter__") and as_list(value) == [value]
 
 
@@ -281,8 +281,8 @@ def test_refusals_are_red_and_stay_red():
     for _ in range(2):
         assert placed.run(cgc_mesh=mesh, run=True)["mesh"] is None
         assert "is more than this boundary can carry" in placed.said("Error")[0] and placed.component.Message == "refused"
-    wrong = [AtHeight([0], 1.0)]
-    assert until_done(placed, cgc_mesh=dome(), settings=FlowSettings(), constraints=wrong, run=True)[-1]["status"] == "refused"
+    wrong = [Height([0], 1.0)]
+    assert until_done(placed, cgc_mesh=dome(), settings=FlowSettings(), goals=wrong, run=True)[-1]["status"] == "refused"
     assert "holds constraints" in placed.said("Error")[0]
     assert until_done(placed, cgc_mesh=dome(), run=True)[-1]["status"] == "converged" and not placed.component.balloons
 

@@ -7,9 +7,9 @@ import types
 
 import pytest
 
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc.grasshopper.runtime.wires import LISTS
 from compas_cgc.grasshopper.runtime.wires import WIRES
 
@@ -35,8 +35,8 @@ WRONG = [
     *((name, "cgc_mesh", wrong) for name in SURFACES for wrong in (MESH, TEXT, NUMBER)),
     ("Solve", "settings", TEXT),
     ("Solve", "settings", NUMBER),
-    ("Solve", "constraints", TEXT),
-    ("Solve", "constraints", [NUMBER]),
+    ("Solve", "goals", TEXT),
+    ("Solve", "goals", [NUMBER]),
     ("Solve", "server", NUMBER),
     ("Solve", "run", TEXT),
     ("History", "result", dome()),
@@ -127,5 +127,5 @@ def test_what_is_wrapped_or_has_gaps_goes_through():
     out = placed.run(cgc_mesh=dome(), K=[wrapped])
     assert out["cgc_mesh"] is not None and not placed.said("Error")
     placed = place("Solve")
-    out = placed.run(cgc_mesh=dome(), settings=FlowSettings(), constraints=[None, AtHeight([12], 1.0)], run=False)
+    out = placed.run(cgc_mesh=dome(), settings=FlowSettings(), goals=[None, Height([12], 1.0)], run=False)
     assert not placed.said("Error")

@@ -12,13 +12,13 @@ from compas_cgc.io import read
 from compas_cgc.io.rhino import read_3dm
 from compas_cgc.io.rhino import write_problem
 from compas_cgc.io.rhino import write_result
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.goals.inequalities import Above
 from compas_cgc.model.goals.inequalities import Below
 from compas_cgc.model.goals.inequalities import Clearance
 from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.goals.inequalities import Within
 from compas_cgc.model.goals.places import EdgeInPlan
-from compas_cgc.model.goals.places import Height
 from compas_cgc.model.goals.places import Level
 from compas_cgc.model.goals.wholes import Area
 from compas_cgc.model.goals.wholes import Length
@@ -38,7 +38,7 @@ SITE = [(-1.0, -1.0), (16.0, -1.0), (16.0, 16.0), (-1.0, 16.0)]
 def roof(*goals) -> CGCProblem:
     vertices, faces = shapes.grid(N, 15.0)
     problem = CGCProblem(vertices, faces, targets=0.004, drawing=Drawing("roof", "Meters", 0.001))
-    return problem.with_supports("corners").with_constraints(goals)
+    return problem.with_supports("corners").with_goals(goals)
 
 
 EVERY = [
@@ -64,7 +64,7 @@ EVERY = [
 @pytest.mark.parametrize("goal", EVERY, ids=lambda goal: type(goal).__name__)
 def test_there_and_back(goal, tmp_path):
     write_problem(tmp_path / "roof.3dm", roof(goal))
-    (again,) = read_3dm(tmp_path / "roof.3dm").checked().constraints
+    (again,) = read_3dm(tmp_path / "roof.3dm").checked().goals
     if isinstance(goal, (Clearance, Within)) and not isinstance(getattr(goal, "where", None), int):
         line = "where" if isinstance(goal, Clearance) else "points"
         assert np.array_equal(np.array(getattr(again, line)), GATE if isinstance(goal, Clearance) else SITE)
@@ -104,7 +104,7 @@ def test_a_designers_drawing_from_the_file_to_the_roof(tmp_path):
     solved = read(out).to_problem()
     assert solved.vertices[:, 2].max() == pytest.approx(3.5, abs=1e-9)
     assert np.abs(solved.vertices[: N + 1, 0]).max() < 1e-9
-    kinds = {type(own).__name__ for own in solved.constraints}
+    kinds = {type(own).__name__ for own in solved.goals}
     assert kinds == {"Rise", "Unknown", "EdgeInPlan", "Clearance"}
     write_problem(tmp_path / "again.3dm", found.checked())
     assert read_3dm(tmp_path / "again.3dm").problem.drawing.places == found.problem.drawing.places
@@ -114,7 +114,7 @@ def test_a_result_brings_its_goals_along(tmp_path):
     result = solve(roof(Rise(2.0), Unknown([0])))
     write_result(tmp_path / "out.3dm", result)
     again = read_3dm(tmp_path / "out.3dm").checked()
-    assert set(map(type, again.constraints)) == {Rise, Unknown} and solve(again).iterations <= 2
+    assert set(map(type, again.goals)) == {Rise, Unknown} and solve(again).iterations <= 2
 
 
 @pytest.mark.parametrize(

@@ -110,7 +110,7 @@ def test_the_layers_of_the_convention_in_capitals_or_not(sketch, tmp_path):
     mesh = mesh_of(model)
     assert [mesh.region_target(r) for r in range(2)] == [0.02, -0.5]
     assert mesh.vertex_s(row(N, 3)[4]) == 0.5 and mesh.vertex_e(row(N, 3)[4]) == 4 and mesh.vertex_s(0) is None
-    (constraint,) = mesh.constraints()
+    (constraint,) = mesh.goals()
     assert isinstance(constraint, OnCurve) and constraint.vertices == row(N, 6) and not constraint.closed
     assert said(model, "1 curve, 1 point", "not read")
 
@@ -131,9 +131,9 @@ def test_constraints_besides_the_curvature(sketch, tmp_path):
     write_problem(tmp_path / "b.3dm", mesh)
     for again in (mesh, mesh_of(read_3dm(tmp_path / "b.3dm"))):
         found = {}
-        for constraint in again.constraints():
+        for constraint in again.goals():
             found.setdefault(type(constraint).__name__, []).append(constraint)
-        (curve,), (height,) = found["OnCurve"], found["AtHeight"]
+        (curve,), (height,) = found["OnCurve"], found["Height"]
         assert curve.closed and len(curve.vertices) == 8 and (height.vertices, height.height) == ([55], 3.5)
         assert {v for held in found["Fixed"] for v in held.vertices} == {57, *row(N, 7)}
 
@@ -142,7 +142,7 @@ def test_the_points_of_a_cloud_are_one_constraint_for_each_height(sketch, tmp_pa
     vertices, faces = plan()
     sketch.mesh(vertices, faces, "CGC::Mesh")
     sketch.cloud(vertices[[55, 33, 57]] + [[0, 0, 3.5], [0, 0, 2], [0, 0, 3.5]], "CGC::Constraints")
-    high, low = read_3dm(sketch.save(tmp_path / "a.3dm")).checked().constraints
+    high, low = read_3dm(sketch.save(tmp_path / "a.3dm")).checked().goals
     assert (high.vertices, high.height) == ([55, 57], 3.5) and (low.vertices, low.height) == ([33], 2.0)
 
 
@@ -150,19 +150,19 @@ def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
     vertices, faces = plan()
     broken = {
         "not JSON": "cannot be used",
-        '{"vertices": 100, "constraints": [{"kind": "magic"}]}': "a constraint must be an object with a 'kind'",
-        '{"vertices": 100, "constraints": [{"kind": "held", "vertices": [100]}]}': "names vertex 100",
-        '{"vertices": 7, "constraints": []}': "a mesh of 7 vertices, this one has 100",
-        "[]": "no list of constraints",
+        '{"vertices": 100, "goals": [{"kind": "magic"}]}': "a constraint must be an object with a 'kind'",
+        '{"vertices": 100, "goals": [{"kind": "held", "vertices": [100]}]}': "names vertex 100",
+        '{"vertices": 7, "goals": []}': "a mesh of 7 vertices, this one has 100",
+        "[]": "no list of goals",
     }
     for text, words in broken.items():
         sketch = Sketch()
-        name = sketch.mesh(vertices, faces, "CGC::Mesh", {"cgc constraints": text})
+        name = sketch.mesh(vertices, faces, "CGC::Mesh", {"cgc goals": text})
         (lost,) = sketch.points([[np.nan, 0, 0]], "CGC::Constraints")
         model = read_3dm(sketch.save(tmp_path / "a.3dm"))
         about_point, about_text = model.diagnostics
         assert lost in about_point and "'CGC::Constraints'" in about_point and "delete it" in about_point
-        assert name in about_text and "'cgc constraints'" in about_text and words in about_text and "delete the text" in about_text
+        assert name in about_text and "'cgc goals'" in about_text and words in about_text and "delete the text" in about_text
         with pytest.raises(ProblemError):
             model.checked()
 
@@ -175,13 +175,13 @@ def test_values_and_constraints_in_texts_follow_vertices_that_are_renumbered(ske
     constraints = [{"kind": "near", "vertices": [2, 57], "weight": 3.0}]
     text = {
         "cgc vertices": json.dumps({"target": targets}),
-        "cgc constraints": json.dumps({"vertices": 102, "constraints": constraints}),
+        "cgc goals": json.dumps({"vertices": 102, "goals": constraints}),
     }
     sketch.mesh(loose, faces + 2, "CGC::Mesh", text)
     problem = read_3dm(sketch.save(tmp_path / "a.3dm")).checked()
     place = {tuple(p): v for v, p in enumerate(problem.vertices.tolist())}
     assert problem.targets[place[tuple(vertices[7])]] == 0.5 and problem.targets[place[tuple(vertices[60])]] == 0.25
-    (near,) = problem.constraints
+    (near,) = problem.goals
     assert sorted(near.vertices) == sorted(place[tuple(vertices[v])] for v in (0, 55)) and near.weight == 3.0
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import rhino3dm
 
-from compas_cgc import AtHeight
 from compas_cgc import CGCMesh
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc import OnPlane
 from compas_cgc import solve
 from compas_cgc.discrete import gaussian_curvature
@@ -209,12 +209,12 @@ def test_what_was_reached_is_measured_on_the_surface_and_not_what_was_asked(tmp_
 @pytest.mark.parametrize("source", [True, False])
 def test_a_result_keeps_the_constraints(tmp_path, source):
     mesh = problem()
-    mesh.set_constraints([AtHeight([55], 0.5), OnPlane([36], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0])])
+    mesh.set_goals([Height([55], 0.5), OnPlane([36], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0])])
     write_problem(tmp_path / "a.3dm", mesh)
     result = solve(mesh, method="projection")  # alone, without a search for why a roof held down at a vertex is rough
     write_result(tmp_path / "b.3dm", result, tmp_path / "a.3dm" if source else None)
     back = read_3dm(tmp_path / "b.3dm").checked()
-    assert list(map(constraint_data, back.constraints)) == list(map(constraint_data, mesh.constraints()))
+    assert list(map(constraint_data, back.goals)) == list(map(constraint_data, mesh.goals()))
 
 
 def test_the_result_is_an_input_for_the_same_problem_even_on_top_of_itself(handed_over, tmp_path):

@@ -61,7 +61,7 @@ def test_faces_and_constraints_of_odd_shapes_are_refused(server):
     for faces in ([[0, 1, 2], [0, 1, [2]]], [[[0], [1], [2]]], [[0, 1, 2], [0, 1, None]]):
         status, message = refusal(server, faces=faces)
         assert status == 422 and "integers only" in message
-    status, message = refusal(server, constraints=[{"kind": "height", "vertices": [10**30], "height": 1}])
+    status, message = refusal(server, goals=[{"kind": "height", "vertices": [10**30], "height": 1}])
     assert status == 422 and "does not exist" in message
     status, message = refusal(server, faces=[[0, 1, 2, 2], [3, 3, 4, 3]])
     assert status == 422 and "faces 1 of the input" in message

@@ -9,11 +9,11 @@ import compas
 import numpy as np
 import pytest
 
-from compas_cgc import AtHeight
 from compas_cgc import AutoSettings
 from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import FlowSettings
+from compas_cgc import Height
 from compas_cgc import solve
 from compas_cgc.execution.worker import connected
 from compas_cgc.io import write
@@ -64,14 +64,14 @@ def roof():
     mesh.set_creases([[7 * i + 3 for i in range(7)]])
     mesh.set_target(0.01)
     mesh.set_target(0.02, region=1)
-    mesh.set_constraints([AtHeight([3], 0.5)])
+    mesh.set_goals([Height([3], 0.5)])
     return mesh
 
 
 def same(one, other):
     for name in ("vertices", "faces", "roles", "targets", "s", "e", "creases"):
         assert np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True), name
-    assert one.constraints == other.constraints and one.drawing == other.drawing
+    assert one.goals == other.goals and one.drawing == other.drawing
     assert all(np.array_equal(a, b) for a, b in zip(one.names, other.names))
 
 
@@ -116,11 +116,11 @@ def test_a_request_is_the_problem_that_the_mesh_methods_make():
 def test_constraints_of_a_mesh_of_a_file_and_of_the_request_all_hold(tmp_path):
     mesh = roof()
     more = [{"kind": "height", "vertices": [24], "height": 0.7}]
-    request = {"mesh": json.loads(compas.json_dumps(mesh)), "constraints": more}
-    assert read(request).problem.constraints == (AtHeight([3], 0.5), AtHeight([24], 0.7))
+    request = {"mesh": json.loads(compas.json_dumps(mesh)), "goals": more}
+    assert read(request).problem.goals == (Height([3], 0.5), Height([24], 0.7))
     write(tmp_path / "roof.3dm", mesh)
-    from_file = READERS["3dm"]({"constraints": more}, (tmp_path / "roof.3dm").read_bytes(), LIMITS)
-    assert [(len(own.vertices), own.height) for own in from_file.problem.constraints] == [(1, 0.5), (1, 0.7)]
+    from_file = READERS["3dm"]({"goals": more}, (tmp_path / "roof.3dm").read_bytes(), LIMITS)
+    assert [(len(own.vertices), own.height) for own in from_file.problem.goals] == [(1, 0.5), (1, 0.7)]
     output = solve_job("json", {}, accept(request, LIMITS), LIMITS)
     heights = unpack_result(output.content)[0].vertices[[3, 24], 2]
     assert np.allclose(heights, [0.5, 0.7], atol=1e-9), output.message
@@ -133,7 +133,7 @@ def test_goals_and_unknown_k_of_a_request():
     goals = [{"kind": "rise", "rise": 1.5}, {"kind": "clearance", "where": [3, 0, 5, 2], "height": 0.8}]
     drawn = {"vertices": vertices.tolist(), "faces": faces.tolist()}
     request = {**drawn, "supports": "corners", "goals": goals, "unknown": [0]}
-    assert read(request).problem.constraints == (Rise(1.5), Clearance([3.0, 0.0, 5.0, 2.0], 0.8), Unknown([0]))
+    assert read(request).problem.goals == (Rise(1.5), Clearance([3.0, 0.0, 5.0, 2.0], 0.8), Unknown([0]))
     result = unpack_result(solve_job("json", {}, accept(request, LIMITS), LIMITS).content)[0]
     assert result.converged and result.vertices[:, 2].max() == pytest.approx(1.5, abs=1e-10)
     K = result.problem.region_targets()[0]

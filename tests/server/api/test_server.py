@@ -164,7 +164,7 @@ def test_constraints_arrive(server, tmp_path):
     vertices, faces = grid(8, 8.0)
     middle = 40
     raised = [{"kind": "height", "vertices": [middle], "height": 1.5}]
-    result = server.client.solve(vertices, faces, supports="corners", targets=0.01, constraints=raised)
+    result = server.client.solve(vertices, faces, supports="corners", targets=0.01, goals=raised)
     assert result["status"] == "converged" and result["vertices"][middle][2] == pytest.approx(1.5, abs=1e-9)
     for constraints, part in (
         ([{"kind": "height", "vertices": [99], "height": 1.0}], "vertex 99"),
@@ -172,9 +172,9 @@ def test_constraints_arrive(server, tmp_path):
         ({"kind": "held"}, "list of objects"),
     ):
         with pytest.raises(Refused, match=part):
-            server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=constraints)
+            server.client.submit(vertices, faces, supports="boundary", targets=0.01, goals=constraints)
     with pytest.raises(Refused, match="only the method projection"):
-        server.client.submit(vertices, faces, supports="boundary", targets=0.01, constraints=raised, method="newton")
+        server.client.submit(vertices, faces, supports="boundary", targets=0.01, goals=raised, method="newton")
 
 
 def test_degenerate_faces_are_named_before_anything_is_queued(server):

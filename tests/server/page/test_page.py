@@ -223,8 +223,8 @@ def test_targets_that_vary_are_kept_by_vertex(client, tmp_path):
 
 def test_constraints_of_a_file_are_handed_on():
     mesh = CGCMesh.from_meshgrid(dx=8, nx=4)
-    mesh.attributes["constraints"] = [{"kind": "height", "vertices": [12], "height": 1.0}]
-    assert contents(mesh, [])["constraints"] == mesh.attributes["constraints"]
+    mesh.attributes["goals"] = [{"kind": "height", "vertices": [12], "height": 1.0}]
+    assert contents(mesh, [])["goals"] == mesh.attributes["goals"]
 
 
 def test_what_cannot_be_read_is_refused_with_a_sentence(make_client, tmp_path):

@@ -125,7 +125,7 @@ def test_a_design_is_the_same_after_a_link_and_a_file(server, tmp_path):
         packed, size = hands.read(
             "const { asFragment, fromFragment, asText } = await import('/page/design/packing.js');"
             "const data = await (await fetch('/api/v1/examples/example4_a')).json();"
-            "const own = { ...data, goals: { rise: 0.4, boxes: [] }, heights: { 3: 1.5 } };"
+            "const own = { ...data, wishes: { rise: 0.4, boxes: [] }, heights: { 3: 1.5 } };"
             "const state = { stage: 'shape', name: 'Nine', plan: null, data: own };"
             "const text = await asFragment(state); const back = await fromFragment(text);"
             "const rest = ({ vertices, ...more }) => JSON.stringify(more);"

@@ -165,7 +165,7 @@ def test_many_regions_are_grouped(hands):
     none = {"file": [], "boundary": [], "corners": []}
     data = {
         **{"name": "Many", "unit": "m", "vertices": vertices.tolist(), "faces": faces.tolist(), "regions": regions.tolist()},
-        **{"supports": none, "support_choice": "file", "creases": [], "constraints": [], "notes": [], "problems": [], "targets": targets},
+        **{"supports": none, "support_choice": "file", "creases": [], "goals": [], "notes": [], "problems": [], "targets": targets},
     }
     top, single, changed = hands.read(
         "const [{ Regions }, { Model }] = await Promise.all([import('/page/regions.js'), import('/page/model.js')]);"

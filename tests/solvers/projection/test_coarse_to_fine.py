@@ -83,7 +83,7 @@ def test_supports_creases_and_targets_of_regions_are_on_the_coarser_mesh():
 
 def test_drawings_without_a_plan_or_with_mirrors_have_no_coarser_mesh():
     problem = roof(40, 1.0)
-    assert coarsened(replace(problem, constraints=(Mirror((0.5, 0, 0), (1, 0, 0)),)), 200) is None
+    assert coarsened(replace(problem, goals=(Mirror((0.5, 0, 0), (1, 0, 0)),)), 200) is None
     vertices, faces = shapes.revolution(np.ones(20), np.linspace(0, 2, 20), 60)
     assert coarsened(CGCProblem(vertices, faces, targets=0.0).with_supports("boundary"), 200) is None
 

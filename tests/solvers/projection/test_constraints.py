@@ -8,8 +8,8 @@ import pytest
 from compas_cgc.discrete import boundary_vertices
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
-from compas_cgc.model.constraints import AtHeight
 from compas_cgc.model.constraints import Fixed
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.constraints import OnCurve
 from compas_cgc.model.constraints import OnLine
@@ -44,7 +44,7 @@ def roof(target: float = 0.01, crease: bool = False) -> CGCProblem:
 
 
 def solved(constraints, problem=None) -> np.ndarray:
-    solution = project((problem or roof()).with_constraints(constraints))
+    solution = project((problem or roof()).with_goals(constraints))
     assert solution.status == "converged", solution.message
     assert solution.max_error < 1e-12
     return solution.vertices
@@ -59,8 +59,8 @@ def test_an_edge_in_a_plane():
 
 def test_a_crown_at_a_height_and_a_level_edge():
     for height in (0.8, 1.5):
-        assert solved([AtHeight([CENTRE], height)])[CENTRE, 2] == pytest.approx(height, abs=1e-13)
-    level = solved([AtHeight(EDGE, 0.6)])
+        assert solved([Height([CENTRE], height)])[CENTRE, 2] == pytest.approx(height, abs=1e-13)
+    level = solved([Height(EDGE, 0.6)])
     assert np.abs(level[EDGE, 2] - 0.6).max() < 1e-13 and np.ptp(level[:, 2]) > 0.6
 
 
@@ -87,7 +87,7 @@ def test_a_crease_free_held_or_drawn_to_a_curve():
 
 
 def test_several_constraints_at_once_and_on_one_vertex():
-    vertices = solved([OnCurve(EDGE, ARCH), AtHeight([CENTRE], 1.2), OnPlane([CENTRE], (5, 0, 0), (1, 0, 0))])
+    vertices = solved([OnCurve(EDGE, ARCH), Height([CENTRE], 1.2), OnPlane([CENTRE], (5, 0, 0), (1, 0, 0))])
     assert vertices[CENTRE, [0, 2]] == pytest.approx([5, 1.2], abs=1e-13)
 
 
@@ -144,10 +144,10 @@ def test_mirrors_and_curves_together():
 
 def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
     with pytest.raises(ProblemError, match=f"the height 1.5 of vertices and the height 1 of vertices .* at vertex {CENTRE}"):
-        project(roof().with_constraints([AtHeight([CENTRE], 1.0), AtHeight([CENTRE], 1.5)]))
+        project(roof().with_goals([Height([CENTRE], 1.0), Height([CENTRE], 1.5)]))
     with pytest.raises(ProblemError, match=f"the level plane at 1.5 and the height 1 of vertices .* at vertex {CENTRE}"):
-        project(roof().with_constraints([AtHeight([CENTRE], 1.0), OnPlane([CENTRE], (0, 0, 1.5), (0, 0, 1))]))
-    solution = project(roof().with_constraints([AtHeight([CENTRE], 1.0), OnLine([CENTRE], (0, 0, 1.5), (1, 0, 0))]))
+        project(roof().with_goals([Height([CENTRE], 1.0), OnPlane([CENTRE], (0, 0, 1.5), (0, 0, 1))]))
+    solution = project(roof().with_goals([Height([CENTRE], 1.0), OnLine([CENTRE], (0, 0, 1.5), (1, 0, 0))]))
     assert solution.status == "stalled"
     assert f"vertex {CENTRE} cannot fulfil its constraints: the height of vertices and " in solution.message
     assert np.isfinite(solution.vertices).all()
@@ -156,8 +156,8 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
 @pytest.mark.parametrize(
     "constraint, words",
     [
-        (AtHeight([0], 2.0), "vertex 0 is fixed away from where a constraint wants it"),
-        (AtHeight([7, 10_000], 2.0), "names vertex 10000; the mesh has the vertices 0 to 440"),
+        (Height([0], 2.0), "vertex 0 is fixed away from where a constraint wants it"),
+        (Height([7, 10_000], 2.0), "names vertex 10000; the mesh has the vertices 0 to 440"),
         (Fixed([-1]), "names vertex -1"),
         (Mirror((4, 5, 0), (1, 0, 0)), "has no mirror image of its own"),
         ([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5.01, 5, 0), (1, 0, 0))], "images of a vertex"),
@@ -166,15 +166,15 @@ def test_constraints_that_contradict_each_other_stall_and_name_the_vertex():
 )
 def test_constraints_that_cannot_be_are_refused(constraint, words):
     with pytest.raises(ProblemError, match=words):
-        project(roof().with_constraints(constraint))
+        project(roof().with_goals(constraint))
 
 
 @pytest.mark.parametrize(
     "make, words",
     [
-        (lambda: project(roof().with_constraints([OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))])), "normal of a plane must be three numbers"),
+        (lambda: project(roof().with_goals([OnPlane([CENTRE], (0, 0, 1), (0, 0, 0))])), "normal of a plane must be three numbers"),
         (lambda: OnCurve([1], [(0, 0, 0)]), "two or more different points"),
-        (lambda: AtHeight([1], float("nan")), "height must be a number"),
+        (lambda: Height([1], float("nan")), "height must be a number"),
         (lambda: Proximity([1], -1.0), "weight must be a positive number"),
     ],
 )

@@ -13,6 +13,7 @@ from compas_cgc.discrete import boundary_vertices
 from compas_cgc.discrete import gaussian_curvature
 from compas_cgc.errors import ProblemError
 from compas_cgc.meshing.closest_points import nearest_on_polyline
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import OnLine
 from compas_cgc.model.goals.binding import bind
 from compas_cgc.model.goals.inequalities import Above
@@ -22,7 +23,6 @@ from compas_cgc.model.goals.inequalities import NearPlane
 from compas_cgc.model.goals.inequalities import Within
 from compas_cgc.model.goals.measures import volume
 from compas_cgc.model.goals.places import EdgeInPlan
-from compas_cgc.model.goals.places import Height
 from compas_cgc.model.goals.places import Level
 from compas_cgc.model.goals.places import OnSurface
 from compas_cgc.model.goals.wholes import Area
@@ -60,7 +60,7 @@ def nine(n: int = 18, target: float = np.nan) -> CGCProblem:
 
 
 def solved(problem: CGCProblem, *goals, **settings):
-    solution = project(problem.with_constraints(goals), settings=ProjectionSettings(**settings))
+    solution = project(problem.with_goals(goals), settings=ProjectionSettings(**settings))
     assert solution.status == "converged", solution.message
     assert solution.max_error < 1e-12
     return solution
@@ -71,7 +71,7 @@ def test_a_goal_of_the_whole_with_k_given_and_with_k_found(goal):
     for more in ([], [Unknown("all")]):
         problem = roof()
         solution = solved(problem, goal, *more)
-        (own,) = bind(problem.with_constraints([goal])).equations
+        (own,) = bind(problem.with_goals([goal])).equations
         assert own.value(solution.vertices) == pytest.approx(own.wanted, rel=1e-11)
         if more:
             found = np.unique(solution.targets)
@@ -127,7 +127,7 @@ def test_the_answer_does_not_depend_on_units_or_place():
 def test_a_gate_stays_clear(raised):
     problem = roof(n=20)
     plain = solved(problem)
-    at = bind(problem.with_constraints([Clearance(GATE, 1.0)])).sides[0].candidates(plain.vertices)
+    at = bind(problem.with_goals([Clearance(GATE, 1.0)])).sides[0].candidates(plain.vertices)
     height = plain.vertices[at, 2].min() + raised
     solution = solved(problem, Clearance(GATE, height))
     x, y, z = solution.vertices.T
@@ -247,10 +247,10 @@ def test_the_smooth_measure_finds_k_too():
 
 def test_the_problem_of_a_result_keeps_its_goals_and_the_k_that_was_found():
     result = solve(roof(target=np.nan, n=10), goals=[{"kind": "rise", "rise": 2.0}], unknown=[0])
-    assert result.problem.constraints == (Rise(2.0), Unknown([0]))
+    assert result.problem.goals == (Rise(2.0), Unknown([0]))
     assert np.isfinite(result.problem.targets).all()
     assert result.mesh.region_target(0) == result.problem.targets[0]
-    higher = solve(result.problem.with_constraints([Rise(2.1), Unknown()], add=False))
+    higher = solve(result.problem.with_goals([Rise(2.1), Unknown()], add=False))
     assert higher.converged and higher.vertices[:, 2].max() == pytest.approx(2.1, abs=1e-11)
 
 
@@ -280,7 +280,7 @@ def test_places_that_contradict_each_other_are_named():
         solve(problem, goals=[Level(), Height([at[0]], 2.0), Height([at[1]], 3.0)])
     result = solve(problem, goals=[OnLine(at[:1], (0, 4, 5), (1, 0, 0)), Height(at[:1], 2.0)])
     assert not result.converged and "and the height of vertices contradict each other there" in result.message
-    away = project(problem.with_constraints([EdgeInPlan(at, [(100, 100), (200, 100)])]))
+    away = project(problem.with_goals([EdgeInPlan(at, [(100, 100), (200, 100)])]))
     assert "the edge in plan is out of its reach" in away.message
 
 

@@ -119,7 +119,7 @@ def test_a_face_without_area_is_named():
 def test_where_nothing_may_move_that_is_said():
     vertices, faces = shapes.icosphere(1)
     problem = CGCProblem(vertices, faces, np.full(42, INTERNAL), 2.0)
-    solution = project(problem.with_constraints([Fixed(range(42))]))
+    solution = project(problem.with_goals([Fixed(range(42))]))
     assert_honest(problem, solution)
     assert solution.status == "infeasible" and "no vertex may move; free some" in solution.message
 
@@ -227,8 +227,8 @@ def test_constraints_live_in_the_units_of_the_model():
     edge = np.arange(1, 10)
     t = np.linspace(0, np.pi, 40)
     arch = np.column_stack([0 * t, 5 - 5 * np.cos(t), np.sin(t)])
-    expected = project(problem.with_constraints([OnCurve(edge, arch)])).vertices
+    expected = project(problem.with_goals([OnCurve(edge, arch)])).vertices
     far = replace(problem, vertices=1000 * problem.vertices + 5e5, targets=problem.targets / 1e6)
-    solution = project(far.with_constraints([OnCurve(edge, 1000 * arch + 5e5)]))
+    solution = project(far.with_goals([OnCurve(edge, 1000 * arch + 5e5)]))
     assert solution.status == "converged"
     assert np.abs((solution.vertices - 5e5) / 1000 - expected).max() < 1e-6

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compas_cgc.discrete import boundary_vertices
-from compas_cgc.model.constraints import AtHeight
+from compas_cgc.model.constraints import Height
 from compas_cgc.model.constraints import Mirror
 from compas_cgc.model.constraints import OnPlane
 from compas_cgc.model.goals.binding import bind
@@ -75,10 +75,10 @@ def test_a_turned_and_moved_drawing_has_the_same():
     [
         (lambda p: replace(p, roles=np.where((I == 0) & (J == N), FREE, p.roles)), 2),
         (lambda p: p.with_targets(np.where((I == 3) & (J == 6), 0.02, np.nan)), 2),
-        (lambda p: p.with_constraints([AtHeight([5], 0.5)]), 1),
-        (lambda p: p.with_constraints([OnPlane(np.flatnonzero((I == 0) & (J > 0) & (J < N)), (0, 0, 0), (1, 0, 0))]), 2),
-        (lambda p: p.with_constraints([Clearance((4, -1, 6, 2), 0.5)]), 2),
-        (lambda p: p.with_constraints([Rise(2.0), Unknown()]), 8),
+        (lambda p: p.with_goals([Height([5], 0.5)]), 1),
+        (lambda p: p.with_goals([OnPlane(np.flatnonzero((I == 0) & (J > 0) & (J < N)), (0, 0, 0), (1, 0, 0))]), 2),
+        (lambda p: p.with_goals([Clearance((4, -1, 6, 2), 0.5)]), 2),
+        (lambda p: p.with_goals([Rise(2.0), Unknown()]), 8),
         (lambda p: p.with_creases([np.flatnonzero(I == 4).tolist()]), 2),
         (lambda p: p.with_vertices(p.vertices + 0.01 * (I == 3)[:, None] * (J == 2)[:, None]), 1),
     ],
@@ -90,7 +90,7 @@ def test_what_is_asked_counts(change, left):
 
 @pytest.mark.parametrize("target", [0.005, 0.02])
 def test_a_dome_is_symmetric_to_rounding(target):
-    for problem in (roof(target, eightfold=True), roof(target).with_constraints([Rise(2.0), Unknown()])):
+    for problem in (roof(target, eightfold=True), roof(target).with_goals([Rise(2.0), Unknown()])):
         solution = project(problem)
         assert solution.status == "converged" and solution.max_error < 1e-12
         assert max(gaps(problem, solution.vertices)) < 1e-13
@@ -112,7 +112,7 @@ def test_a_mirrored_vault_does_not_stall():
     roles = np.where(np.isin(I, (0, N)), FIXED, np.where(np.isin(J, (0, N)), FREE, INTERNAL))
     vault = replace(problem.with_vertices(arches), roles=roles)
     alone = project(vault)
-    mirrored = project(vault.with_constraints([Mirror((5, 5, 0), (1, 0, 0))]))
+    mirrored = project(vault.with_goals([Mirror((5, 5, 0), (1, 0, 0))]))
     assert alone.status == mirrored.status == "converged"
     assert mirrored.iterations <= alone.iterations + 5
     assert max(gaps(vault, alone.vertices)) < 1e-12
@@ -123,7 +123,7 @@ def test_faces_that_are_not_mirrored_are_blamed():
     x, y, _ = problem.vertices.T / 10
     arches = np.column_stack([10 * x, 10 * y, 12 * y * (1 - y) * (1 - 2.4 * x * (1 - x))])
     roles = np.where(np.isin(I, (0, N)), FIXED, np.where(np.isin(J, (0, N)), FREE, INTERNAL))
-    solution = project(replace(problem.with_vertices(arches), roles=roles, constraints=(Mirror((5, 5, 0), (1, 0, 0)),)))
+    solution = project(replace(problem.with_vertices(arches), roles=roles, goals=(Mirror((5, 5, 0), (1, 0, 0)),)))
     assert solution.status == "converged" or "the faces are not mirrored as the vertices are" in solution.message
 
 
@@ -137,7 +137,7 @@ def twisted_vault(n: int, target: float) -> CGCProblem:
 
 @pytest.mark.parametrize("n, target", [(12, -0.02), (20, 0.005), (20, -0.005)])
 def test_two_mirrors_over_diagonals_that_run_one_way_ask_for_k_once(n, target):
-    problem = twisted_vault(n, target).with_constraints([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
+    problem = twisted_vault(n, target).with_goals([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
     solution = project(problem)
     assert solution.status == "converged" and solution.iterations < 100, solution.message
     for axis in (0, 1):
@@ -150,7 +150,7 @@ def test_two_mirrors_over_diagonals_that_run_one_way_ask_for_k_once(n, target):
 @pytest.mark.parametrize("n, sag", [(16, 0.02), (16, 0.6), (20, 1.0)])
 def test_a_mirrored_vault_that_was_drawn_sagging_is_a_cylinder(n, sag):
     """Straight lines span it, whichever way the diagonals run."""
-    problem = twisted_vault(n, 0.0).with_constraints([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
+    problem = twisted_vault(n, 0.0).with_goals([Mirror((5, 5, 0), (1, 0, 0)), Mirror((5, 5, 0), (0, 1, 0))])
     arches = problem.vertices
     drawn = arches * np.column_stack([np.ones((len(arches), 2)), 1.0 - sag * np.sin(np.pi * arches[:, 0] / 10)])
     solution = project(problem.with_vertices(drawn))
@@ -159,7 +159,7 @@ def test_a_mirrored_vault_that_was_drawn_sagging_is_a_cylinder(n, sag):
 
 
 def test_one_mirror_over_such_diagonals_is_helped_by_the_half_turn_that_keeps_them():
-    problem = twisted_vault(20, -0.005).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
+    problem = twisted_vault(20, -0.005).with_goals([Mirror((5, 5, 0), (0, 1, 0))])
     solution = project(problem)
     assert solution.status == "converged" and solution.max_error < 1e-12, solution.message
 
@@ -167,6 +167,6 @@ def test_one_mirror_over_such_diagonals_is_helped_by_the_half_turn_that_keeps_th
 def test_a_stall_for_faces_that_are_not_mirrored_blames_the_mesh_alone(monkeypatch):
     """What the supports carry is not searched for then."""
     monkeypatch.setattr(reasons, "raised", None)
-    problem = twisted_vault(12, -0.02).with_constraints([Mirror((5, 5, 0), (0, 1, 0))])
+    problem = twisted_vault(12, -0.02).with_goals([Mirror((5, 5, 0), (0, 1, 0))])
     assert reasons.why_not_found(problem, "stalled") == reasons.Why()
     assert not tears_faces(twisted_vault(12, 0.0)) and tears_faces(problem)

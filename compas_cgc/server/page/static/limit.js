@@ -10,7 +10,7 @@ export class Limit {
    * @param {HTMLElement} said
    * @param {import('./api.js').Api} api
    * @param {import('./regions.js').Regions} regions
-   * @param {() => any} request what a solve would ask for
+   * @param {() => any} request what a solve would ask for, with the goals of the model alone
    */
   constructor(said, api, regions, request) {
     this.said = said;
@@ -35,7 +35,7 @@ export class Limit {
     this.said.textContent = 'Looking for the largest K …';
     this.said.hidden = false;
     try {
-      const { goals, unknown, method, settings, ...problem } = this.request();
+      const { unknown, method, settings, ...problem } = this.request();
       const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: CLOSE } }, search.signal);
       this.api.forget(found.id).catch(() => {});
       if (this.search !== search) return;

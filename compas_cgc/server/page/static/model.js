@@ -16,7 +16,7 @@ export class Model {
     this.supports = data.supports;
     this.choice = data.support_choice;
     this.creases = data.creases;
-    this.constraints = data.constraints;
+    this.goals = data.goals;
     this.targets = data.targets;
     this.vertexTargets = data.vertex_targets;
     this.settings = data.settings ?? {};

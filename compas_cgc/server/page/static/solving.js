@@ -100,9 +100,8 @@ export class Solving {
       unit: model.unit,
       ...model.mesh,
       creases: model.creases,
-      constraints: model.constraints,
       targets: model.targetsOfVertices(regions.targets),
-      ...asked(data.goals),
+      ...asked(model.goals, data.wishes),
       ...settings.asked,
     };
   }
@@ -174,7 +173,7 @@ export class Solving {
     this.result = result;
     this.solved = this.asking;
     this.studio.turn(result.faces ?? null);
-    if (data.goals?.found && data.goals.rise != null) this.studio.takeTargets(found(data.targets, result));
+    if (data.wishes?.found && data.wishes.rise != null) this.studio.takeTargets(found(data.targets, result));
     if (this.drawn && isSame(this.drawn, result.xyz)) this.studio.know(result.xyz, result.curvature);
     else this.studio.place(result.xyz, result.curvature, before !== null && result.seconds < QUICK);
     painter.measure(result.xyz, settings.supports, result.curvature);

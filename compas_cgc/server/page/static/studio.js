@@ -60,7 +60,7 @@ export class Studio {
     });
     this.goals = new Goals($('panel'), (goals, key) => this.edit(withGoals(this.data, goals), key));
     this.solving = new Solving(this);
-    this.limit = new Limit($('limit-said'), this.api, this.regions, () => this.solving.request());
+    this.limit = new Limit($('limit-said'), this.api, this.regions, () => ({ ...this.solving.request(), goals: this.model.goals }));
     this.readout = new Readout($('readout'), this.scene, (vertex) => this.painter.look(vertex));
     this.section = new SectionCard($('section'), this.scene);
     this.crown = new Crown($('crown'), this.scene, (rise) => this.edit(withGoals(this.data, { rise, found: true }), 'rise'));
@@ -220,8 +220,8 @@ export class Studio {
     $('crease-mark').hidden = !model.creases.length;
     this.regions.show(model);
     this.settings.show(model);
-    this.goals.show(data.goals, model);
-    this.regions.follow(Boolean(data.goals?.found && data.goals.rise != null));
+    this.goals.show(data.wishes, model);
+    this.regions.follow(Boolean(data.wishes?.found && data.wishes.rise != null));
     if (shape || old.supports !== data.supports || old.support_choice !== data.support_choice) this.limit.clear();
     const held = heldIn(data);
     showColumns($('columns'), model, held, (vertices, height) => this.edit(withHeight(this.data, vertices, height), `height ${vertices}`));
@@ -241,10 +241,10 @@ export class Studio {
     this.scene.surface.extras.rooms(this.roomsOf(this.data));
   }
 
-  roomsOf({ goals }) {
+  roomsOf({ wishes }) {
     const { model } = this;
     const floor = model.bounds.low[2];
-    return (goals?.boxes ?? []).map(({ x0, y0, x1, y1, height }) => [...model.toScene([x0, y0, floor]), ...model.toScene([x1, y1, height])]);
+    return (wishes?.boxes ?? []).map(({ x0, y0, x1, y1, height }) => [...model.toScene([x0, y0, floor]), ...model.toScene([x1, y1, height])]);
   }
 
   /** Take note of the surface that is shown. */

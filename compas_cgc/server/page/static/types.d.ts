@@ -27,7 +27,7 @@ export interface Data {
   supports: Record<string, number[]>;
   support_choice: string;
   creases: number[][];
-  constraints: object[];
+  goals: object[];
   targets: (number | null)[];
   vertex_targets?: (number | null)[] | null;
   notes: string[];
@@ -40,7 +40,7 @@ export interface Data {
   colours?: (string | null)[];
   heights?: Record<number, number>;
   ground?: number[][];
-  goals?: Goals;
+  wishes?: Goals;
 }
 
 export interface State {

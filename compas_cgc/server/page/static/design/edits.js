@@ -147,5 +147,5 @@ export function withColour(data, region, colour) {
  * @returns {Data}
  */
 export function withGoals(data, goals) {
-  return { ...data, goals: { ...data.goals, ...goals } };
+  return { ...data, wishes: { ...data.wishes, ...goals } };
 }

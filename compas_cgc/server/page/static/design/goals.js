@@ -2,12 +2,13 @@
 
 /**
  * Return the fields of a request that ask for goals.
+ * @param {object[]} held goals that came with the model
  * @param {import('../types.js').Goals} [goals] rise, above, below [L]; found: K follows; edge: free edges keep their plan; boxes to keep clear
  * @returns {{goals?: object[], unknown?: string}}
  */
-export function asked({ rise = null, above = null, below = null, found = false, edge = false, boxes = [] } = {}) {
+export function asked(held, { rise = null, above = null, below = null, found = false, edge = false, boxes = [] } = {}) {
   /** @type {object[]} */
-  const list = [];
+  const list = [...held];
   if (rise !== null) list.push({ kind: 'rise', rise });
   if (above !== null) list.push({ kind: 'above', height: above });
   if (below !== null) list.push({ kind: 'below', height: below });

@@ -16,5 +16,5 @@ export async function meshed(api, { plan, name, data: old }) {
   for (const [k, vertex] of data.columns.entries()) if (vertex >= 0 && plan.columns[k].height) data = withHeight(data, [vertex], plan.columns[k].height);
   if (!old) return data;
   const alike = old.targets.length === data.targets.length;
-  return { ...data, goals: old.goals, method: old.method, settings: old.settings, ...(alike ? { targets: old.targets, names: old.names, colours: old.colours } : {}) };
+  return { ...data, wishes: old.wishes, method: old.method, settings: old.settings, ...(alike ? { targets: old.targets, names: old.names, colours: old.colours } : {}) };
 }
