@@ -1,45 +1,65 @@
-"""Lazy loading: names of a package that are looked up when they are first used, so that importing it costs nothing."""
+"""Lazy loading: names of a package are imported when they are first used, so that importing the package costs nothing."""
 
 from __future__ import annotations
 
+import ast
 import gc
-import sys
 from collections.abc import Callable
 from collections.abc import Iterator
-from collections.abc import Mapping
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 
 __all__ = ["attach"]
 
 
-def attach(package: str, homes: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """Return ``__getattr__`` and ``__dir__`` of a package.
+def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+    """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package, from the imports in its type stub.
 
     Parameters
     ----------
     package
         Name of the package.
-    homes
-        Modules, relative to the package, that names live in.
+    file
+        Its ``__init__.py``; the stub ``__init__.pyi`` lies beside it.
     """
+    homes = _imports(Path(file).with_suffix(".pyi"))
+    top = "." not in package
+
+    def subpackages() -> list[str]:
+        from pkgutil import iter_modules
+
+        found = iter_modules([str(Path(file).parent)]) if top else ()
+        return [part.name for part in found if part.ispkg and not part.name.startswith("_")]
 
     def look_up(name: str) -> object:
-        if name not in homes and not name.startswith("_") and "." not in package and find_spec(f"{package}.{name}"):
-            # Scripts need not import the parts of the package one by one.
+        if name in homes:
+            with _garbage_collector_off():
+                return getattr(import_module(homes[name], package), name)
+        # The import system and other tools ask for private names, such as ``__path__``, that most modules lack.
+        if name.startswith("_"):
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        if top and find_spec(f"{package}.{name}"):
             return import_module(f"{package}.{name}")
-        if name not in homes:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}{_meant(package, name, homes)}")
-        with _collecting_nothing():
-            return getattr(import_module(homes[name], package), name)
 
-    return look_up, lambda: sorted({*homes, *vars(sys.modules[package])})
+        from .errors import did_you_mean
+
+        raise AttributeError(f"module {package!r} has no attribute {name!r}{did_you_mean(name, [*homes, *subpackages()])}")
+
+    return look_up, lambda: sorted([*homes, *subpackages()]), sorted(homes)
+
+
+def _imports(stub: Path) -> dict[str, str]:
+    """Return the modules, relative to the package, that a stub imports names from."""
+    body = ast.parse(stub.read_text(encoding="utf-8")).body
+    imports = (own for own in body if isinstance(own, ast.ImportFrom))
+    return {alias.name: "." * own.level + (own.module or "") for own in imports for alias in own.names}
 
 
 @contextmanager
-def _collecting_nothing() -> Iterator[None]:
-    """Look for no garbage within a block: importing makes many objects that stay, and looking at them takes a tenth of its time."""
+def _garbage_collector_off() -> Iterator[None]:
+    """Disable the garbage collector within a block: it takes a tenth of the time of an import, whose objects stay."""
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -47,16 +67,3 @@ def _collecting_nothing() -> Iterator[None]:
     finally:
         if collects:
             gc.enable()
-
-
-def _meant(package: str, name: str, homes: Mapping[str, str]) -> str:
-    """Return the end of a sentence with the name that is most alike, if one is; tools that ask for ``_names`` are not told."""
-    # The import system itself asks modules for ``__path__``, which those that are no packages do not have.
-    if name.startswith("_"):
-        return ""
-    from pkgutil import iter_modules
-
-    from .errors import did_you_mean
-
-    parts = (part.name for part in iter_modules(vars(sys.modules[package]).get("__path__", [])) if part.ispkg)
-    return did_you_mean(name, [*homes, *parts])

@@ -6,30 +6,7 @@ machine or of others, and :class:`Results` reads what is there, of a study that 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from .._lazy import attach
 
-if TYPE_CHECKING:
-    from .pareto import pareto_figure
-    from .pareto import pareto_front
-    from .results import Results
-    from .run import run_study
-    from .sheet import contact_sheet
-    from .spec import Study
-    from .spec import read_study
-
-__all__ = ["Results", "Study", "contact_sheet", "pareto_figure", "pareto_front", "read_study", "run_study"]
-
-__getattr__, __dir__ = attach(
-    __name__,
-    {
-        "Results": ".results",
-        "Study": ".spec",
-        "contact_sheet": ".sheet",
-        "pareto_figure": ".pareto",
-        "pareto_front": ".pareto",
-        "read_study": ".spec",
-        "run_study": ".run",
-    },
-)
+# What is public is listed in __init__.pyi, for type checkers too.
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,10 @@ def test_chains_between_the_parts_are_short():
 def test_the_public_names_that_are_looked_up_are_those_that_are_declared():
     import compas_cgc
 
-    for name in compas_cgc.__all__:
-        assert getattr(compas_cgc, name) is not None
-    assert set(compas_cgc.__all__) - {"__version__"} <= set(dir(compas_cgc))
+    packages = {name for name in dir(compas_cgc) if name not in compas_cgc.__all__}
+    assert {"fabrication", "io", "solvers"} <= packages <= {path.parent.name for path in PACKAGE.glob("[!_]*/__init__.py")}
+    for stub in PACKAGE.rglob("__init__.pyi"):
+        package = import_module(".".join(("compas_cgc", *stub.parent.relative_to(PACKAGE).parts)))
+        names = [node.names[0].asname for node in ast.parse(stub.read_text(encoding="utf-8")).body]
+        assert sorted(names) == package.__all__ and set(names) <= set(dir(package))
+        assert all(getattr(package, name) is getattr(package, name) is not None for name in names)

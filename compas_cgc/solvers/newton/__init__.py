@@ -2,15 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..._lazy import attach
-from .method import METHOD
-from .settings import NewtonSettings
 
-if TYPE_CHECKING:
-    from .normal_newton import newton
-
-__all__ = ["METHOD", "NewtonSettings", "newton"]
-
-__getattr__, __dir__ = attach(__name__, {"newton": ".normal_newton"})
+# What is public is listed in __init__.pyi, for type checkers too.
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -5,16 +5,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ..._lazy import attach
-from .method import METHOD
-from .settings import ProjectionSettings
 
-if TYPE_CHECKING:
-    from .projector import Projector
-    from .projector import project
-
-__all__ = ["METHOD", "ProjectionSettings", "Projector", "project"]
-
-__getattr__, __dir__ = attach(__name__, {"Projector": ".projector", "project": ".projector"})
+# What is public is listed in __init__.pyi, for type checkers too.
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

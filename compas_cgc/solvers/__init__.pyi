@@ -1,0 +1,11 @@
+from ..datastructures import SolveResult as SolveResult
+from .method import Method as Method
+from .registry import METHODS as METHODS
+from .registry import method_names as method_names
+from .registry import options as options
+from .registry import register as register
+from .registry import settings_for as settings_for
+from .run import solve as solve
+from .settings import AutoSettings as AutoSettings
+from .settings import Option as Option
+from .settings import Settings as Settings
