@@ -92,7 +92,7 @@ def watch_compilation(watcher: Watcher) -> Iterator[None]:
 
 
 def is_stored(made: Any) -> bool:
-    """Tell whether a kernel has been compiled and stored by this or an earlier process."""
+    """Check whether a kernel has been compiled and stored by this or an earlier process."""
     try:
         return bool(made._cache._cache_file._load_index())
     except (AttributeError, OSError):  # Numba has no public way to ask

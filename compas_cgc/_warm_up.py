@@ -16,7 +16,7 @@ __all__ = ["is_warm", "warm_up"]
 
 
 def is_warm() -> bool:
-    """Tell whether there has been a warm-up, or a solve, of this version on this machine."""
+    """Check whether there has been a warm-up, or a solve, of this version on this machine."""
     from ._compiled import is_stored
     from .discrete._kernels import write_cross_vectors
 

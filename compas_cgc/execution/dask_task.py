@@ -35,7 +35,7 @@ class _Events:
         return self.stop.is_set() or self._is_abandoned()
 
     def _is_abandoned(self) -> bool:
-        """Tell whether Dask has let go of the task, as it does when the process that waits for it is gone."""
+        """Check whether Dask has let go of the task, as it does when the process that waits for it is gone."""
         try:
             state = self.worker.state.tasks.get(self.name)
         except AttributeError:  # as Dask names it today

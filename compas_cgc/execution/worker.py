@@ -31,7 +31,7 @@ class Channel(Protocol):
         """Send something to whoever waits."""
 
     def stop_wanted(self) -> bool:
-        """Tell whether the task should end early."""
+        """Check whether the task should end early."""
         ...
 
 
@@ -61,7 +61,7 @@ def report(progress: object) -> None:
 
 
 def stop_wanted() -> bool:
-    """Tell whether the running task should end early."""
+    """Check whether the running task should end early."""
     return _own.channel is not None and _own.channel.stop_wanted()
 
 

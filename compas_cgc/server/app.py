@@ -1,4 +1,4 @@
-"""Flask application: the parts of the server put together, and what is said when something is wrong."""
+"""Flask application: assembly of the server and its error responses."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ __all__ = ["create_app"]
 log = logging.getLogger(__name__)
 
 SENTENCES = {
-    404: "there is nothing at this address; GET /openapi.json lists what there is",
-    405: "this address does not take {method} requests; GET /openapi.json lists what there is",
-    413: "the request is larger than the server takes; use a coarser mesh",
+    404: "there is nothing at this address; GET /openapi.json lists the available addresses",
+    405: "this address does not support {method} requests; GET /openapi.json lists the available addresses",
+    413: "the request is larger than the server accepts; use a coarser mesh",
 }
 
 
@@ -62,25 +62,25 @@ def create_app(
     hosts: tuple[str, ...] = (),
     executor: Optional[AnyExecutor] = None,
 ) -> Flask:
-    """Make the application with its workers; ``app.extensions["jobs"].close()`` ends them.
+    """Create the application and start its workers; ``app.extensions["jobs"].close()`` ends them.
 
     Parameters
     ----------
     store
-        SQLite file that keeps the jobs, or ``":memory:"``.
+        SQLite file that stores the jobs, or ``":memory:"``.
     key
-        What clients have to send to have anything computed. Default: nothing. Of several each is a client of its own,
-        wherever it asks from.
+        Key that clients must send with every request, or several keys. Each key counts as one client,
+        whatever its address. Default: no key.
     workers
-        Number of worker processes for all solves. Default: one less than the processors, at least one. A further one
-        takes only those that somebody waits for.
+        Number of worker processes for all solves. Default: one less than the number of processors, at least
+        one. One additional worker runs blocking calls only.
     limits
-        What is refused.
+        Limits on the size and number of requests.
     hosts
-        Names under which the server may be addressed besides those of this machine itself.
+        Host names under which clients reach the server, besides those of the local machine.
     executor
-        Runs the solves instead of worker processes, see :mod:`compas_cgc.execution.protocol`. Any
-        :class:`concurrent.futures.Executor` does, but its jobs are not shown as running and cannot be stopped.
+        Executor of the solves instead of worker processes, see :mod:`compas_cgc.execution.protocol`. Any
+        :class:`concurrent.futures.Executor` is accepted, but its jobs report no progress and cannot be stopped.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def create_app(
     app.config.update(
         MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEYS=keys_of(key), HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8)
     )
-    # First, as it may be refused.
+    # First, as opening the store can fail.
     stored = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
     io_pool = WorkerPool(1, warm_up_io, limits.grace)
@@ -119,7 +119,7 @@ def create_app(
 
 
 def _root() -> Response:
-    """Return the page to a browser, and the list of functions to everybody else."""
+    """Return the page to a browser, and the list of functions to other clients."""
     response = index() if wants_page() else list_functions()
     response.vary.add("Accept")
     return response
@@ -128,7 +128,7 @@ def _root() -> Response:
 def _refuse_compressed() -> None:
     encoding = request.headers.get("Content-Encoding", "identity")
     if encoding.lower() not in ("", "identity"):
-        raise UnsupportedEncoding(f"the request is compressed ({encoding:.40}), which this server does not read; send it as it is")
+        raise UnsupportedEncoding(f"the request is compressed ({encoding:.40}), which this server does not support; send it uncompressed")
 
 
 def _finish(response: Response) -> Response:
@@ -155,15 +155,15 @@ def _http_error(error: HTTPException) -> Response:
 
 def _no_room(error: sqlite3.OperationalError) -> Response:
     log.error("%s %s failed: %s", request.method, request.path, error)
-    return _error("the server cannot keep jobs at the moment, its disk may be full; make room there and try again", 507)
+    return _error("the server cannot store jobs at the moment, probably because its disk is full; free disk space and try again", 507)
 
 
 def _bug(error: Exception) -> Response:
     log.exception("%s %s failed", request.method, request.path)
-    return _error("the server has a fault and could not answer; its log says more", 500)
+    return _error("the request failed because of an error in the server; see its log", 500)
 
 
 def _error(message: str, status: int, headers: Optional[dict] = None) -> Response:
-    # Whatever path is typed into Hops is read as that of a function.
+    # Hops takes every path for that of a function.
     asks_for_function = request.method in ("GET", "HEAD") and not request.path.startswith("/api/")
     return respond(error_body(message, **(no_function(message) if asks_for_function else {})), status, headers)

@@ -1,4 +1,4 @@
-"""How much the server takes on."""
+"""Limits of the server."""
 
 from __future__ import annotations
 
@@ -9,55 +9,55 @@ __all__ = ["Limits"]
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits that keep a server answering, each refused with a sentence of its own.
+    """Limits that keep a server responsive. A request beyond a limit is rejected with a message.
 
     Parameters
     ----------
     body
-        Largest request in bytes.
+        Largest request [bytes].
     json
-        Largest request in JSON in bytes, what is packed in it included.
+        Largest JSON request, packed arrays included [bytes].
     light
-        Largest request in JSON in bytes that is parsed by the server itself. Larger ones, and those of many values, are parsed by
-        a process that nobody else waits for.
+        Largest JSON request that the server process itself parses [bytes]. Larger requests, and those with many values, are
+        parsed by a worker.
     depth
         Deepest nesting of lists and objects in JSON.
     containers
-        Most lists and objects in JSON; each takes up to 70 times of its bytes in memory.
+        Largest number of lists and objects in JSON; each takes up to 70 times its size in memory.
     values
-        Most values in JSON, and half as many names of values.
+        Largest number of values in JSON. Names of values are limited to half this number.
     vertices, faces
-        Largest mesh.
+        Largest number of vertices and of faces of a mesh.
     steps
-        Most steps of a solve.
+        Largest number of steps of a solve.
     queue
-        Most jobs that wait or run.
+        Largest number of queued and running jobs.
     per_client
-        Most jobs of one client (an address, or a key where there are several) that wait or run.
+        Largest number of queued and running jobs of one client (an address, or a key if there are several).
     seconds
-        Longest running time of a job.
+        Longest running time of a job [s].
     blocking
-        Longest time that a request may wait for its solve. Hops gives up after 100 seconds.
+        Longest time that a request may wait for its solve [s]. Hops gives up after 100 s.
     grace
-        Seconds between being asked to stop and being killed.
+        Time between the request to stop a job and killing its worker [s].
     results
-        Most finished jobs that are kept.
+        Largest number of results that are kept.
     result_bytes
-        Most bytes of results that are kept.
+        Largest total size of the results that are kept [bytes].
     remembered
-        Most jobs that are remembered after their result is gone.
+        Largest number of jobs that stay listed after their result was deleted.
     streams
-        Most event streams and requests that wait for a job at once; each holds a thread.
+        Largest number of simultaneous event streams and requests that wait for a job; each holds a thread.
     calls
-        Most blocking solves at once; each holds a thread.
+        Largest number of simultaneous blocking solves; each holds a thread.
     reserved
-        Workers besides the others that take nothing but blocking solves, so that no job keeps these waiting.
+        Number of additional workers for blocking solves only, so that these do not wait for jobs.
     connections
-        Most connections of one address; of more those are closed that sent the least of a request.
+        Largest number of connections of one address; beyond it, the connections that have sent the least are closed.
     head_seconds
-        Longest time that the head of a request may take to arrive.
+        Longest time in which the headers of a request must arrive [s].
     conversions
-        Most files that are read or written at once; each holds a thread.
+        Largest number of files that are read or written simultaneously; each holds a thread.
 
     Examples
     --------
@@ -92,5 +92,5 @@ class Limits:
 
     @property
     def threads(self) -> int:
-        """Serving threads needed so that short requests are never kept waiting."""
+        """Number of serving threads that leaves one free for short requests at any time."""
         return self.streams + self.calls + self.conversions + 8

@@ -1,4 +1,4 @@
-"""Memory of the server: what large requests took is given back to the system."""
+"""Memory of the server: memory of large requests is returned to the operating system."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ import time
 
 __all__ = ["give_back", "set_loaded_aside"]
 
-# Of mallopt, in malloc.h of the GNU C library.
+# Parameters of mallopt, from malloc.h of the GNU C library.
 TRIM_THRESHOLD, MMAP_THRESHOLD, ARENA_MAX = -1, -3, -8
-LARGE = 2**21  # bytes; to fetch each block of a usual request from the system anew would take as long as to work on it
-LEFT = 2**23  # bytes that are free at the end of the heap, from which they go back
-PAUSE = 5.0  # seconds until what is free between blocks that are used goes back too, which takes milliseconds
+LARGE = 2**21  # size from which blocks are mapped separately [bytes]; mapping the blocks of usual requests would dominate their time
+LEFT = 2**23  # free space at the end of the heap from which it is returned [bytes]
+PAUSE = 5.0  # time between two trims of the free space within the heap [s]; a trim takes milliseconds
 
 
 def give_back() -> bool:
-    """Have large blocks given back as soon as they are free, and small ones from time to time; tell whether the system can be told so.
+    """Return freed memory to the system: large blocks at once, small ones periodically. Return whether the C library supports it.
 
-    Left to itself the GNU C library raises the size from which it does so to that of the largest block so far, and keeps what is
-    smaller for each of the threads that ever had one: a server of many threads would hold all that its largest requests took.
+    By default, the GNU C library raises this threshold to the size of the largest block so far, and keeps smaller blocks per
+    thread: a server with many threads would retain the memory of its largest requests.
     """
     if not sys.platform.startswith("linux"):
         return False
@@ -41,10 +41,10 @@ def give_back() -> bool:
 
 
 def set_loaded_aside() -> None:
-    """Have the garbage collector pass over what is there now, modules most of all, for as long as the process lives.
+    """Exclude all present objects, mostly modules, from garbage collection for the lifetime of the process.
 
-    It goes through everything only where a quarter of what there is is new: beside hundreds of thousands of objects of modules
-    the garbage of thousands of requests would wait for that.
+    A full collection runs only when a quarter of all objects is new. With the hundreds of thousands of objects of modules, the
+    garbage of thousands of requests would accumulate until then.
     """
     gc.collect()
     gc.freeze()

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 __all__ = ["HOST", "PORT", "default_store", "serve"]
 
 HOST, PORT = "127.0.0.1", 7331
-CONNECTIONS = 800  # at once; where there is no poll, no more than about a thousand files can be waited for
+CONNECTIONS = 800  # simultaneous connections; without poll, select is limited to about 1000 files
 
 
 def default_store(port: int) -> Path:
-    """Return where the jobs of a server are kept: one file per port in the user's folder for such things."""
+    """Return the default path of the job store: one file per port in the user's data folder."""
     if sys.platform == "win32":
         base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
@@ -58,33 +58,33 @@ def serve(
     trusted_proxy: Optional[str] = None,
     executor: Optional[str] = None,
 ) -> None:
-    """Serve until interrupted.
+    """Run the server until it is interrupted.
 
     Parameters
     ----------
     host
-        Address to listen on; any but this machine's own needs a key.
+        Address to listen on. Any address other than the local machine requires a key.
     port
-        0 for any free one.
+        Port to listen on, 0 for any free port.
     key
-        What clients have to send: one key, or several, each of which has limits of its own.
+        Key that clients must send, or several keys, each with its own limits.
     workers
         Number of worker processes.
     store
-        File that keeps the jobs. Default: one of the user's, by the port.
+        File that stores the jobs. Default: :func:`default_store` of the port.
     limits
-        What is refused.
+        Limits on the size and number of requests.
     names
         Host names under which clients reach the server.
     trusted_proxy
-        Address of the proxy in front of the server: the last address of its X-Forwarded-For is the client's.
+        Address of the proxy in front of the server; the last address in its X-Forwarded-For header is the client's.
     executor
-        Address of what runs the solves instead of worker processes, such as ``dask://scheduler:8786``.
+        Address of the executor of the solves instead of worker processes, such as ``dask://scheduler:8786``.
 
     Raises
     ------
     CGCError
-        If there is no key where one is needed, the port is taken, or there is no such kind of executor.
+        If a required key is missing, the port is in use or the kind of executor is unknown.
 
     Examples
     --------
@@ -92,14 +92,12 @@ def serve(
     """
     keys = keys_of(key)
     if not is_loopback(host) and not keys:
-        raise CGCError(
-            f"listening on {host} needs a key, or anybody on the network could use this machine; set one with --key or COMPAS_CGC_KEY"
-        )
+        raise CGCError(f"listening on {host} requires a key, or anyone on the network could use this machine; set --key or COMPAS_CGC_KEY")
     if any(len(own) < 8 or not own.isascii() or not own.isprintable() or " " in own for own in keys):
-        raise CGCError("the key must be 8 or more plain letters, digits and signs")
+        raise CGCError("the key must have at least 8 printable ASCII characters and no spaces")
     names = tuple(hostname(name.split("//")[-1]) for name in names)
     if not all(names):
-        raise CGCError("a name must be that of a host, such as studio-pc; give it with --name")
+        raise CGCError("--name must be a host name, such as studio-pc")
     limits = limits or Limits()
     remote = None if executor is None else executor_at(executor, limits.reserved)
     give_back()
@@ -110,7 +108,7 @@ def serve(
             remote.shutdown(cancel_futures=True)
         raise
     port = listener.getsockname()[1]
-    # Imported late: a refusal should not wait for it.
+    # Imported late, so that errors in the arguments are reported at once.
     from waitress.server import create_server
 
     from .app import create_app
@@ -126,12 +124,12 @@ def serve(
         threads=limits.threads,
         connection_limit=CONNECTIONS,
         asyncore_use_poll=True,
-        # A body too large is read on and dropped, so that the client hears why; beyond this the connection is broken.
+        # The rest of a too large body is read and dropped up to this size, so that the client receives the error.
         max_request_body_size=16 * limits.body,
         channel_request_lookahead=1,
-        # By large pieces a large body keeps the thread that looks after all connections less busy.
+        # Large pieces of a body reduce the load of the thread that serves all connections.
         recv_bytes=2**16,
-        # Who sends half a request keeps a connection for no longer.
+        # Closes connections with incomplete requests.
         channel_timeout=30,
         ident=None,
         clear_untrusted_proxy_headers=True,
@@ -143,7 +141,7 @@ def serve(
     print(f"compas_cgc {__version__} is at http://{shown}:{port} ({'with' if keys else 'without'} a key); Ctrl-C ends it")
     print(f"Grasshopper: put a Hops component and set its path to http://{shown}:{port}/cgc/dome", flush=True)
     if everywhere:
-        print(f"other machines reach it under {' or '.join(names) or 'no name yet: give those of this machine with --name'}", flush=True)
+        print(f"other machines can reach it under {' or '.join(names) or 'no name yet: set its names with --name'}", flush=True)
     jobs = app.extensions["jobs"]
     _end_on_signals(jobs)
     threading.Thread(target=_say_ready, args=(jobs.executor,), daemon=True).start()
@@ -167,7 +165,7 @@ def _say_ready(pool: TaskExecutor) -> None:
 
 def _end_on_signals(jobs: Jobs) -> None:
     def interrupt(number: int, frame: object) -> None:
-        # waitress waits for its threads, and these wait for their solves.
+        # End the solves first: waitress waits for its threads, and these wait for their solves.
         threading.Thread(target=jobs.close).start()
         raise KeyboardInterrupt
 
@@ -176,11 +174,11 @@ def _end_on_signals(jobs: Jobs) -> None:
 
 
 def _listen(host: str, port: int) -> socket.socket:
-    """Return a socket that listens, or say who does already."""
+    """Return a listening socket; raise an error that names the process using the port."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     listener = socket.socket(family, socket.SOCK_STREAM)
     if sys.platform != "win32":
-        # On Windows this would let two servers share the port.
+        # On Windows, this option would let two servers share the port.
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
@@ -197,6 +195,6 @@ def _who(host: str, port: int) -> str:
     try:
         with urllib.request.urlopen(f"http://{shown}:{port}/version", timeout=2.0) as answer:
             found = json.loads(answer.read(10_000))
-        return f": a server of {found['name']} {found['version']} runs there already"
+        return f": a server of {found['name']} {found['version']} is already running there"
     except (OSError, ValueError, KeyError, TypeError):
         return ""

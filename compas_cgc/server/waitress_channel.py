@@ -1,10 +1,9 @@
-"""How waitress reads requests, but for some things.
+"""Connections of waitress with stricter limits.
 
-The head of a request has to come within some seconds as a whole, and no address can have so many connections that others
-find none: the one that got the least far makes room for a new one. Of a body that is too large, or comes without the key,
-no more than its length is kept: left to itself waitress would break the connection of a client that is still sending, and
-nobody would read the sentence. A client that asks before it sends hears it at once. And what is no HTTP is answered in JSON
-too.
+The headers of a request must arrive within a few seconds, and the number of connections per address is limited: the one
+with the least progress is closed for a new one. A body that is too large or comes without the key is read and dropped, because
+waitress would close the connection while the client is still sending, and the client would not receive the error. A client
+that sends `Expect: 100-continue` receives the error at once. Errors in the HTTP syntax are also reported as JSON.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ __all__ = ["channel_class"]
 
 
 class _Counted(OverflowableBuffer):
-    """Keeps bytes up to a number and counts the rest; the length that it tells then has the request refused."""
+    """Buffer that keeps bytes up to a limit and counts the rest; its length then causes waitress to reject the request."""
 
     def __init__(self, overflow: int, most: int):
         super().__init__(overflow)
@@ -40,21 +39,21 @@ class _Counted(OverflowableBuffer):
         return self.size
 
     def append(self, s: bytes) -> None:
-        """Take more of the body."""
+        """Append a piece of the body."""
         self.size += len(s)
         if self.size <= self.most:
             super().append(s)
 
 
 class _JSONErrorTask(ErrorTask):
-    """Answers what never reaches the application."""
+    """Responds with JSON to requests that never reach the application."""
 
     def execute(self) -> None:
-        """Send the answer."""
+        """Send the response."""
         request: Any = self.request
         headers: Any = self.response_headers
         error = request.error
-        body = json.dumps(error_body(f"the request is not as HTTP wants it: {error.reason.lower()}, {error.body}")).encode()
+        body = json.dumps(error_body(f"the request is not valid HTTP: {error.reason.lower()}, {error.body}")).encode()
         self.status = f"{error.code} {error.reason}"
         headers.extend([("Content-Type", "application/json"), ("X-Content-Type-Options", "nosniff")])
         self.set_close_on_finish()
@@ -63,16 +62,16 @@ class _JSONErrorTask(ErrorTask):
 
 
 def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Sequence[str] = ()) -> type[HTTPChannel]:
-    """Return the class of connections that keep to the limits.
+    """Return a class of connections that enforces the limits.
 
     Parameters
     ----------
     limits
-        Of bodies, heads and connections.
+        Limits on bodies, headers and connections.
     trusted_proxy
-        Its address may have any number of connections, as they are other people's.
+        Address of the proxy, which may have any number of connections because they belong to different clients.
     keys
-        Of which a request that brings a body has to have one, where there are any.
+        Accepted keys; if there are any, a request with a body must carry one.
     """
 
     class Parser(HTTPRequestParser):
@@ -83,10 +82,10 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
             given = self.headers.get("RHINOCOMPUTEKEY", ""), self.headers.get("AUTHORIZATION", "")
             welcome = not keys or key_among(keys, *given) is not None
             if not welcome and getattr(self, "expect_continue", False):
-                # It has not sent anything yet, and is told what is missing without it.
+                # The client waits for permission to send the body: reject the request at once.
                 self.expect_continue = False
                 self.completed = True
-                # Else what it sends in spite of the answer would be read as its next request.
+                # Close the connection, or a body sent nevertheless would be read as the next request.
                 read: Any = self.headers
                 read["CONNECTION"] = "close"
             self.body_rcv.buf = _Counted(self.adj.inbuf_overflow, limits.body if welcome else 0)
@@ -96,7 +95,7 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
         error_task_class = _JSONErrorTask
 
         def __init__(self, server: Any, sock: socket, addr: Any, adj: Any, map: Optional[dict] = None):
-            # When the request began whose head is not here yet; a connection is made to send one.
+            # Start time of a request with incomplete headers; a new connection counts as one.
             self.head_since: Optional[float] = time.monotonic()
             super().__init__(server, sock, addr, adj, map=map)
             if trusted_proxy not in ("*", addr[0]):
@@ -109,7 +108,7 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
             return found
 
         def readable(self) -> bool:
-            # Asked in every round, whether anything comes or not.
+            # Called in every loop, with or without new data.
             if self.head_since is not None and time.monotonic() - self.head_since > limits.head_seconds:
                 self.will_close = True
             return super().readable()
@@ -118,15 +117,15 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
 
 
 def _make_room(newest: Any, channels: list, most: int) -> None:
-    """Close a connection of the address of the newest one if it has too many: that which waits for the least."""
+    """Close the connection with the least progress if the address of the newest one has too many."""
     others = [own for own in channels if own is not newest and own.addr[0] == newest.addr[0] and not own.will_close]
     if len(others) >= most:
-        # None whose request is being answered.
+        # Connections whose request is being answered are kept.
         min((own for own in others if not own.requests), key=_progress, default=newest).will_close = True
 
 
 def _progress(channel: Any) -> tuple[int, float]:
-    """Return how far a connection is whose request is not complete: in its head, between two requests, or in a body."""
+    """Return the progress of an incomplete request: in its headers, between two requests or in a body."""
     if channel.head_since is not None:
         return 0, channel.head_since
     return (1 if channel.request is None else 2), channel.last_activity

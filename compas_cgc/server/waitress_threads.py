@@ -1,4 +1,4 @@
-"""Threads that serve requests: as many as there are requests, each until there is none."""
+"""Threads that serve requests: started on demand, ended when no request is waiting."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ __all__ = ["Threads"]
 
 
 class Threads(ThreadedTaskDispatcher):
-    """In the place of waitress's threads, which live as long as the server.
+    """Thread dispatcher that replaces the permanent threads of waitress.
 
-    The C library keeps small blocks that a thread freed for that thread, hundreds of kilobytes each, until it ends: the memory
-    of a server of many threads would grow for minutes until all of them had had one of each size.
+    The C library keeps freed blocks (hundreds of kilobytes) for each thread until the thread ends, so the memory of a server with
+    many permanent threads would grow for minutes.
 
     Parameters
     ----------
     most
-        Threads at a time, at least 1; requests beyond wait.
+        Largest number of threads, at least 1; further requests wait.
     """
 
     def __init__(self, most: int):
@@ -27,7 +27,7 @@ class Threads(ThreadedTaskDispatcher):
         self._most = most
 
     def add_task(self, task: Any) -> None:
-        """Serve a request, or have it wait for a thread."""
+        """Serve a request in a thread, or queue it."""
         with self.lock:
             self.queue.append(task)
             if self.active_count == self._most:
@@ -36,7 +36,7 @@ class Threads(ThreadedTaskDispatcher):
         try:
             threading.Thread(target=self._serve, name="request", daemon=True).start()
         except RuntimeError:
-            # The system gives no more threads; the request is served after another, or after the next that gets one.
+            # The system cannot start a thread; the request stays queued for the next free thread.
             with self.lock:
                 self.active_count -= 1
             self.logger.exception("no thread for %r", task)
@@ -55,7 +55,7 @@ class Threads(ThreadedTaskDispatcher):
                 self.logger.exception("a request ended with %r", task)
 
     def shutdown(self, cancel_pending: bool = True, timeout: float = 5.0) -> bool:
-        """Drop what waits, and give what is being served some seconds; tell whether anything was dropped."""
+        """Drop queued requests and wait `timeout` seconds for those being served; return whether any were dropped."""
         with self.lock:
             dropped: list[Any] = list(self.queue) if cancel_pending else []
             if cancel_pending:

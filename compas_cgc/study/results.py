@@ -130,7 +130,7 @@ class Results:
         return dict(zip(self.columns, self.rows[variant]))
 
     def has_surface(self, variant: int) -> bool:
-        """Tell whether a variant has a surface."""
+        """Check whether a variant has a surface."""
         return bool(np.isfinite(self.surfaces[variant]).all())
 
     def problem(self, variant: int) -> CGCProblem:

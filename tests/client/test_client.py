@@ -147,7 +147,7 @@ def test_a_running_server_is_found_and_its_version_checked(server):
 def test_a_server_that_cannot_start_shows_its_log(tmp_path):
     log = tmp_path / "log.txt"
     url = f"http://127.0.0.1:{free_port()}"
-    with pytest.raises(ServerUnavailable, match="8 or more plain.*log.txt"):
+    with pytest.raises(ServerUnavailable, match="at least 8 printable.*log.txt"):
         ensure_server(url, key="short", log=log, say=lambda text: None)
     with pytest.raises(ServerUnavailable, match="cannot be run"):
         ensure_server(url, python=tmp_path / "no-python", log=log, say=lambda text: None)

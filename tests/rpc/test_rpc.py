@@ -57,7 +57,7 @@ def test_a_long_solve_is_followed_and_cancelled_while_others_are_answered(proxy)
     id = proxy.submit(roof(20), **ENDLESS)
     wait_for(lambda: proxy.status(id)["iteration"])
     assert proxy.version()["name"] == "compas_cgc"
-    with pytest.raises(RPCServerError, match="ask again"):
+    with pytest.raises(RPCServerError, match="request the result after it has succeeded"):
         proxy.result(id)
     proxy.cancel(id)
     wait_for(lambda: proxy.status(id)["state"] != "running")

@@ -53,7 +53,7 @@ def inner_archive(archive: Chunk) -> Chunk:
 
 
 def is_ours(data: bytes) -> bool:
-    """Tell whether the bytes of a file are a user object of this package."""
+    """Check whether the bytes of a file are a user object of this package."""
     try:
         archive = from_bytes(data)
     except FileError:

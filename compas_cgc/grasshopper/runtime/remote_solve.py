@@ -116,7 +116,7 @@ def _settings(settings: Optional[Settings]) -> dict[str, Any]:
 
 
 def _needs_compas(problem: CGCProblem) -> bool:
-    """Tell whether arrays cannot say it all: strategies of single creases, or roles that do not follow from places."""
+    """Check whether arrays cannot say it all: strategies of single creases, or roles that do not follow from places."""
     if np.isfinite(problem.s).any() or np.isfinite(problem.e).any():
         return True
     plain = CGCProblem(problem.vertices, problem.faces, creases=problem.creases)

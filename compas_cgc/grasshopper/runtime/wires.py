@@ -46,7 +46,7 @@ def _is_switch(value: Any) -> bool:
 
 
 def _is_geometry(value: Any) -> bool:
-    """Tell whether a value may be geometry of Rhino, of which there are too many classes to name."""
+    """Check whether a value may be geometry of Rhino, of which there are too many classes to name."""
     return not isinstance(value, (str, bytes, numbers.Number, CGCMesh, SolveResult, Settings, Constraint, Address))
 
 

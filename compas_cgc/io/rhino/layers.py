@@ -244,7 +244,7 @@ def _reach(item: Item) -> float:
 
 
 def _overlap(item: Item, other: Item) -> bool:
-    """Tell whether the boxes around two curves overlap in plan."""
+    """Check whether the boxes around two curves overlap in plan."""
     a, b = item.geometry.GetBoundingBox(), other.geometry.GetBoundingBox()
     return all(getattr(a.Min, k) < getattr(b.Max, k) and getattr(b.Min, k) < getattr(a.Max, k) for k in "XY")
 

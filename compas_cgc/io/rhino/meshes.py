@@ -40,7 +40,7 @@ class JoinedMesh(NamedTuple):
 
 
 def has_mesh(item: Item) -> bool:
-    """Tell whether an object is a mesh, or holds the one that Rhino draws it by."""
+    """Check whether an object is a mesh, or holds the one that Rhino draws it by."""
     return item.kind == "mesh" or _render_arrays(item.geometry) is not None
 
 

@@ -106,7 +106,7 @@ def outlined(
 
 
 def _is_beside(boundary: FloatArray, points: FloatArray) -> bool:
-    """Tell whether nothing of a curve (k, 3) lies within a boundary (k, 3) in plan."""
+    """Check whether nothing of a curve (k, 3) lies within a boundary (k, 3) in plan."""
     import shapely
 
     return not shapely.Polygon(boundary[:, :2]).intersects(shapely.LineString(points[:, :2]))

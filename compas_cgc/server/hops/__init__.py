@@ -1,1 +1,1 @@
-"""The protocol of Hops, Grasshopper's component for functions on a server, and the functions."""
+"""Hops: the protocol of this Grasshopper component for functions on a server, and the functions."""

@@ -1,4 +1,4 @@
-"""Functions behind the components that build from a solved surface, run in the workers."""
+"""Functions of the components for tasks on solved surfaces, run in the workers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .reply import spent
 
 __all__ = ["BUILD_FUNCTIONS"]
 
-# Inputs by the name of the option; zero and nothing stand for the default.
+# Options by name of the input; zero and an empty input select the default.
 MOULD = {"Count": "count", "Size": "size", "Along": "along", "Material": "material", "Thickness": "thickness"}
 UNROLL = {"Strain": "strain", "Spacing": "spacing", "Margin": "margin", "Allowance": "allowance", "Whole": "whole"}
 MEMBRANE = {"Pressure": "pressure", "Weight": "weight", "EdgeBeams": "edge_beams"}

@@ -1,4 +1,4 @@
-"""Cache of answers, least recently used first out."""
+"""Least recently used cache of responses."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ __all__ = ["Answers", "request_digest"]
 
 
 class Answers:
-    """Answers by the digest of their request; those not asked for the longest are dropped first.
+    """Responses by the digest of their request; the least recently used are dropped first.
 
     Parameters
     ----------
     largest
-        Bytes of all the answers that are kept.
+        Largest total size of the responses [bytes].
     """
 
     def __init__(self, largest: int):
@@ -27,7 +27,7 @@ class Answers:
         self._lock = threading.Lock()
 
     def get(self, digest: bytes) -> Optional[bytes]:
-        """Return an answer, None if there is none."""
+        """Return the response, None if it is not in the cache."""
         with self._lock:
             if digest not in self._kept:
                 return None
@@ -35,7 +35,7 @@ class Answers:
             return self._kept[digest]
 
     def put(self, digest: bytes, answer: bytes) -> None:
-        """Keep an answer, unless it alone is larger than all may be."""
+        """Store a response, unless it alone exceeds the size of the cache."""
         if len(answer) > self.largest:
             return
         with self._lock:
@@ -46,5 +46,5 @@ class Answers:
 
 
 def request_digest(uri: str, values: object, context: dict) -> bytes:
-    """Return the digest of all that an answer depends on: the function, the values, the units and the tolerance."""
+    """Return the digest of everything that determines a response: function, values, units and tolerance."""
     return hashlib.sha256(json.dumps([uri, values, context], sort_keys=True).encode()).digest()

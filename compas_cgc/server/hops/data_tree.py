@@ -1,4 +1,4 @@
-"""Data trees of Grasshopper as Hops sends and reads them."""
+"""Grasshopper data trees in the JSON of Hops."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ __all__ = ["format_number", "entry", "finite_items", "passed_over", "read_values
 
 
 def read_values(endpoint: Endpoint, values: object) -> dict:
-    """Return the inputs of a request by name; geometry stays as it came.
+    """Return the inputs of a request by name; geometry remains encoded.
 
     Raises
     ------
     Unprocessable
-        With a sentence that names the input.
+        If an input is empty, of the wrong type or out of range.
     """
     if not isinstance(values, list) or not all(isinstance(item, dict) for item in values):
         raise Unprocessable("'values' must be a list of inputs")
@@ -40,11 +40,11 @@ def read_values(endpoint: Endpoint, values: object) -> dict:
 
 
 def passed_over(endpoint: Endpoint, values: object) -> list[str]:
-    """Return a sentence on every input that takes one item and has more, of inputs that were read."""
+    """Return a warning for every input that takes one item but has several."""
     trees = {str(item.get("ParamName")).lower(): item.get("InnerTree") for item in values} if isinstance(values, list) else {}
     counts = {own.name: len(_items(own.name, trees.get(own.name.lower()))) for own in endpoint.inputs if not own.many}
     return [
-        f"input '{name}' takes one item and has {count}, of which the first was used; send the others in requests of their own"
+        f"input '{name}' takes one item but has {count}; only the first was used; send the others in separate requests"
         for name, count in counts.items()
         if count > 1
     ]
@@ -61,7 +61,7 @@ def _input(own: Input, tree: object) -> object:
     if not own.many:
         return _read(own, items[0])
     if len(items) > own.most:
-        raise TooLarge(f"input '{own.name}' has {len(items)} items, the server takes {own.most}; connect fewer")
+        raise TooLarge(f"input '{own.name}' has {len(items)} items; the server accepts at most {own.most}; connect fewer")
     return [_read(own, item) for item in items]
 
 
@@ -76,7 +76,7 @@ def _items(name: str, tree: object) -> list[dict]:
         raise Unprocessable(f"input '{name}' must hold items with 'data'")
     full = [item for item in items if item.get("data") is not None]
     if full and len(full) < len(items):
-        # Without it the others would belong to other points than they were drawn for.
+        # Skipping an empty item would shift the assignment of the others.
         raise Unprocessable(f"input '{name}' has {len(items) - len(full)} empty items (null); remove them with Clean Tree")
     return full
 
@@ -85,7 +85,7 @@ def _path(name: str, text: str) -> tuple[int, ...]:
     try:
         return tuple(int(part[:20]) for part in text.strip("{} ").split(";") if part.strip())
     except ValueError:
-        raise Unprocessable(f"input '{name}' has a branch {text!r:.40} that is no path") from None
+        raise Unprocessable(f"input '{name}' has a branch {text!r:.40} that is not a path") from None
 
 
 def _read(own: Input, item: dict) -> object:
@@ -129,7 +129,7 @@ def _text(data: object, what: str) -> str:
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise Unprocessable(f"{what} holds half a character, which is no text; write it anew") from None
+        raise Unprocessable(f"{what} holds half of a surrogate pair, which is not valid text; correct it") from None
     return text
 
 
@@ -143,16 +143,16 @@ def _point(data: Any, what: str) -> tuple[float, float, float]:
 
 
 def entry(name: str, kind: str, items: Iterable[object]) -> dict:
-    """Return an output: one branch of items, each a text that Hops reads right in every culture.
+    """Return an output with one branch of items, formatted independently of the culture of the client.
 
     Parameters
     ----------
     name
-        Of the output.
+        Name of the output.
     kind
         Grasshopper's name of the type.
     items
-        Numbers, truths, texts, or geometry as text.
+        Numbers, booleans, strings, or geometry as JSON strings.
     """
     write = _WRITERS.get(kind, str)
     data = [{"type": ITEM_TYPES.get(kind, RESULT_TYPES[kind]), "data": write(item)} for item in items]
@@ -160,7 +160,7 @@ def entry(name: str, kind: str, items: Iterable[object]) -> dict:
 
 
 def format_number(value: float) -> str:
-    """Return a finite number as text without a decimal point, which Hops would read by the user's culture: 0.25 is 25E-2."""
+    """Return a finite number as a string without a decimal point, which depends on the culture in Hops: 0.25 becomes 25E-2."""
     sign, digits, power = Decimal(repr(float(value))).as_tuple()
     exponent = int(power)
     text = "".join(map(str, digits))
@@ -174,7 +174,7 @@ def format_number(value: float) -> str:
 
 
 def format_text(value: str) -> str:
-    """Return a text as it is, in quotes when newer Hops would take it for a number, a truth or nothing."""
+    """Return a string, in quotes if recent Hops would read it as a number, boolean or null."""
     try:
         scalar = not isinstance(json.loads(value), (dict, list))
     except (ValueError, RecursionError):
@@ -183,13 +183,13 @@ def format_text(value: str) -> str:
 
 
 def finite_items(values: np.ndarray) -> tuple[list[float], Optional[str]]:
-    """Return all the numbers, or none of them and why when some are not finite: a shorter list would be out of step."""
+    """Return all numbers; if some are not finite, an empty list and a warning, since dropping single items would shift the others."""
     if np.isfinite(values).all() and (np.abs(values) <= LARGEST**3).all():
         return values.tolist(), None
-    return [], "some vertices have no finite curvature, so none are put out; check the mesh for degenerate faces"
+    return [], "the curvature is not finite at some vertices, so the output is empty; check the mesh for degenerate faces"
 
 
-# What is sent has the type of its class.
+# Type names of outputs that differ from the name of the input type.
 ITEM_TYPES = {"Curve": "Rhino.Geometry.PolylineCurve"}
 _WRITERS: dict[str, Callable] = {
     "Number": format_number,

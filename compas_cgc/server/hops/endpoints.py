@@ -1,4 +1,4 @@
-"""Endpoints: the functions that Hops finds on the server, with the methods and options that are registered."""
+"""Endpoints: the functions of the server for Hops, with all registered methods and options."""
 
 from __future__ import annotations
 
@@ -21,26 +21,33 @@ from .schema import icon
 __all__ = ["OPTION_INPUTS", "REPEATABLE", "endpoint", "endpoints"]
 
 
-REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS)  # the same request has the same answer
-MAX_ITEMS = 5000  # curves or points that are looked up on the mesh one by one
+REPEATABLE = ("cgc/dome", "cgc/solve", "cgc/goals", "cgc/flow", "cgc/analyse", *BUILDS)  # responses can be cached
+MAX_ITEMS = 5000  # largest number of curves or points that are located on the mesh one by one
 OPTION_INPUTS = {
     "S": ("S", "s"),
     "Delay": ("D", "delay"),
     "Tolerance": ("T", "tolerance"),
     "Measure": ("Ms", "measure"),
 }  # nickname and option
-MESH = Input("Mesh", "M", "Mesh", "Start mesh; its normals point to where a surface of positive K rises.")
-K = Input("K", "K", "Number", "Gaussian curvature asked for, in 1 / (model unit)².", low=-1e9, high=1e9)
+MESH = Input("Mesh", "M", "Mesh", "Start mesh. A surface of positive K rises to the side of its normals.")
+K = Input("K", "K", "Number", "Target Gaussian curvature in 1 / (model unit)².", low=-1e9, high=1e9)
 SURFACE = Output("Mesh", "M", "Mesh", "Surface, coloured by the error of K: blue too small, red too large.")
-INFO = Output("Info", "I", "Text", "How the solve ended, and what the server did to the input.")
-ERROR = Output("Error", "E", "Number", "Largest error of K, in 1 / (model unit)².")
+INFO = Output("Info", "I", "Text", "How the solve ended, and changes made to the input.")
+ERROR = Output("Error", "E", "Number", "Largest error of K in 1 / (model unit)².")
 
 DRAWN_INPUTS = (
     MESH,
-    Input("Supports", "P", "Point", "Points at the vertices that stay. Nothing: the whole edge stays.", many=True, optional=True),
+    Input("Supports", "P", "Point", "Points at the support vertices. If empty, the whole edge is supported.", many=True, optional=True),
     Input("Creases", "C", "Curve", "Curves along which the surface may fold.", many=True, most=MAX_ITEMS, optional=True),
     Input(
-        "K", "K", "Number", "Gaussian curvature asked for: one for all, or one per point At.", many=True, most=MAX_ITEMS, low=-1e9, high=1e9
+        "K",
+        "K",
+        "Number",
+        "Target Gaussian curvature: one for all regions, or one per point At.",
+        many=True,
+        most=MAX_ITEMS,
+        low=-1e9,
+        high=1e9,
     ),
     Input("At", "A", "Point", "A point in each region, in the order of K.", many=True, most=MAX_ITEMS, optional=True),
 )
@@ -57,12 +64,12 @@ def _option_input(name: str, nickname: str, option: str) -> Input:
     if own.kind is str:
         return Input(name, nickname, "Text", f"{own.summary} One of {', '.join(own.choices)}. Defaults to {default}.", default=default)
     kind = "Integer" if own.kind is int else "Number"
-    text = f"{own.summary} Defaults to {default:g}, which stands for the method's own."
+    text = f"{own.summary} Defaults to {default:g}: the default of the method."
     return Input(name, nickname, kind, text, default=default, low=own.low, high=own.high)
 
 
 def _default(option: Option) -> Union[float, int, str]:
-    """Return what Hops sends where nothing is connected, which it cannot leave out."""
+    """Return the value that Hops sends for an unconnected input."""
     if option.kind is str:
         return option.default
     common = option.name in AutoSettings.options()
@@ -84,7 +91,7 @@ def endpoints() -> dict[str, Endpoint]:
         Endpoint(
             "cgc/dome",
             "CGC Dome",
-            "Find the surface of constant Gaussian curvature over the edge of a mesh, which stays where it is.",
+            "Find the surface of constant Gaussian curvature over the fixed edge of a mesh.",
             icon("M3 18C3 8 21 8 21 18M3 18H21M12 10.5V18"),
             (MESH, K),
             (SURFACE, INFO, ERROR),
@@ -92,16 +99,16 @@ def endpoints() -> dict[str, Endpoint]:
         Endpoint(
             "cgc/solve",
             "CGC Solve",
-            "Find the surface whose Gaussian curvature is the number asked for in each region between creases.",
+            "Find the surface with the target Gaussian curvature in each region between creases.",
             icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V18"),
             _solve_inputs(),
             (SURFACE, INFO, ERROR),
         ),
-        # On their own, as Hops of Rhino 7 cannot leave inputs of lists unconnected.
+        # A separate component, as Hops in Rhino 7 requires list inputs to be connected.
         Endpoint(
             "cgc/goals",
             "CGC Goals",
-            "Find the surface that meets goals, such as a rise or a clear room, and where wanted the K for them.",
+            "Find the surface that meets goals such as a rise or a clearance, optionally with unknown K.",
             icon("M3 18C5 11 10 9 12 12C14 9 19 11 21 18M12 12V4M9 7L12 4L15 7"),
             (*_solve_inputs(), *GOAL_INPUTS),
             (SURFACE, INFO, ERROR),
@@ -109,24 +116,24 @@ def endpoints() -> dict[str, Endpoint]:
         Endpoint(
             "cgc/flow",
             "CGC Flow",
-            "Take some steps of the Gaussian curvature flow with the edge fixed; feed the result back to watch it move.",
+            "Run some steps of the Gaussian curvature flow with a fixed edge. Feed the result back to animate the flow.",
             icon("M3 19C8 19 8 13 12 13S16 7 21 7M17 4L21 7L18 11"),
-            (MESH, K, Input("Steps", "N", "Integer", "Steps to take. Defaults to 10.", default=10, low=1, high=10000)),
+            (MESH, K, Input("Steps", "N", "Integer", "Number of steps. Defaults to 10.", default=10, low=1, high=10000)),
             (SURFACE, INFO, ERROR),
         ),
         Endpoint(
             "cgc/analyse",
             "CGC Analyse",
-            "Measure the curvature of a mesh at its vertices, inside of its edge.",
+            "Measure the curvature of a mesh at its interior vertices.",
             icon("M4 20V10M10 20V4M16 20V13M21 20H3", "#2b7bba"),
             (
                 MESH,
-                Input("Target", "T", "Number", "K that the colours are measured against. Defaults to 0.", default=0.0, low=-1e9, high=1e9),
+                Input("Target", "T", "Number", "K at which the colour is neutral. Defaults to 0.", default=0.0, low=-1e9, high=1e9),
             ),
             (
                 Output("Mesh", "M", "Mesh", "The mesh, coloured by K - Target: blue too small, red too large, grey on the edge."),
-                Output("K", "K", "Number", "Gaussian curvature of every vertex, 0 on the edge, in 1 / (model unit)²."),
-                Output("H", "H", "Number", "Mean curvature of every vertex, 0 on the edge, in 1 / (model unit)."),
+                Output("K", "K", "Number", "Gaussian curvature at each vertex in 1 / (model unit)², 0 on the edge."),
+                Output("H", "H", "Number", "Mean curvature at each vertex in 1 / (model unit), 0 on the edge."),
                 Output("Info", "I", "Text", "Report."),
             ),
         ),
@@ -134,24 +141,30 @@ def endpoints() -> dict[str, Endpoint]:
         Endpoint(
             "cgc/submit",
             "CGC Submit",
-            "Start a solve that may take long and go on working; CGC Fetch brings the result.",
+            "Start a long solve in the background; CGC Fetch returns the result.",
             icon("M12 20V6M6 11L12 5L18 11"),
             _solve_inputs(),
-            (Output("Job", "J", "Text", "Name of the job, for CGC Fetch."),),
+            (Output("Job", "J", "Text", "Id of the job, for CGC Fetch."),),
         ),
         Endpoint(
             "cgc/fetch",
             "CGC Fetch",
-            "Bring the result of a job, or how far it is.",
+            "Return the result of a job, or its progress.",
             icon("M12 4V18M6 13L12 19L18 13"),
             (
-                Input("Job", "J", "Text", "Job of CGC Submit."),
-                Input("Tick", "T", "Integer", "Any number that changes, from a Timer or a slider, to ask again. Defaults to 0.", default=0),
+                Input("Job", "J", "Text", "Job from CGC Submit."),
+                Input(
+                    "Tick",
+                    "T",
+                    "Integer",
+                    "A changing number, from a Timer or a slider, that triggers an update. Defaults to 0.",
+                    default=0,
+                ),
             ),
             (
-                Output("Mesh", "M", "Mesh", "Surface, when it is done."),
-                Output("Done", "D", "Boolean", "Whether it is done."),
-                Output("Progress", "P", "Number", "Part of the steps taken, 0 to 1."),
+                Output("Mesh", "M", "Mesh", "Surface, when the job is finished."),
+                Output("Done", "D", "Boolean", "Whether the job is finished."),
+                Output("Progress", "P", "Number", "Completed fraction of the steps, 0 to 1."),
                 INFO,
             ),
         ),

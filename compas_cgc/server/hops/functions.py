@@ -1,4 +1,4 @@
-"""Functions behind the components, run in the workers."""
+"""Functions of the components, run in the workers."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from .reply import spent
 
 __all__ = ["run_function", "surface_values"]
 
-MAX_REGIONS = 20  # that the info tells of
+MAX_REGIONS = 20  # number of regions listed in the info
 GOOD_ENOUGH = ("converged", "step_limit", "stalled")
 
 
 def run_function(uri: str, values: object, context: dict, limits: Limits) -> Reply:
-    """Run a function on the values of a request; what is wrong with them is told in the reply."""
+    """Run a function on the values of a request; errors in the values are reported in the reply."""
     started = time.perf_counter()
     try:
         reply = FUNCTIONS[uri](read_values(endpoint(uri), values), context, limits, started)
@@ -81,7 +81,7 @@ def _flow(inputs: dict, context: dict, limits: Limits, started: float) -> Reply:
     settings = FlowSettings(steps=inputs["Steps"], finish=False)
     result = run_request(request._replace(method=method_of(settings), settings=settings))
     solved = time.perf_counter()
-    # Steps that were asked for and taken are no failure.
+    # Reaching the requested number of steps is not a failure.
     warnings = [] if result.status in ("converged", "step_limit") else [result.message]
     values = surface_values(result, "\n".join([result.message, *request.notes]))
     return Reply(200, values, [], warnings, spent(started, read, solved))
@@ -110,7 +110,7 @@ FUNCTIONS = {"cgc/dome": _dome, "cgc/solve": _solve, "cgc/goals": _solve, "cgc/f
 
 
 def surface_values(result: SolveResult, info: str) -> list[dict]:
-    """Return the outputs Mesh, Info and Error; the regions are told of at the end of the info."""
+    """Return the outputs Mesh, Info and Error; the info ends with a line per region."""
     problem = result.problem
     missed = result.curvature - problem.targets
     return [
@@ -121,7 +121,7 @@ def surface_values(result: SolveResult, info: str) -> list[dict]:
 
 
 def _regions(problem: CGCProblem, missed: FloatArray) -> list[str]:
-    """Return a line on each region: what is asked for there, and by how much it is missed."""
+    """Return a line per region with its target and the largest deviation."""
     label = problem.regions()
     region = vertex_labels(len(problem.vertices), problem.faces, label)
     count = int(label.max(initial=-1)) + 1
@@ -138,6 +138,6 @@ def _regions(problem: CGCProblem, missed: FloatArray) -> list[str]:
 
 
 def _coloured(vertices: FloatArray, faces: IntArray, missed: FloatArray, scale: Optional[float]) -> str:
-    """Return the mesh coloured by its error; errors that nobody can see stay white."""
+    """Return the mesh coloured by its error; negligible errors stay white."""
     size = np.abs(missed[np.isfinite(missed)]).max(initial=0.0)
     return mesh_text(vertices, faces, missed, max(float(size), 1e-3 * abs(scale or 0.0)) or 1.0)

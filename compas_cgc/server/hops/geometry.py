@@ -1,4 +1,4 @@
-"""Decoding of Rhino geometry; headers and limits are checked first."""
+"""Decoding of Rhino geometry, after a check of headers and limits."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ def read_mesh(data: dict, name: str, limits: Limits) -> Part:
     Raises
     ------
     Unprocessable, TooLarge
-        With a sentence that names the input.
+        If the mesh is damaged, of another type or too large.
     """
     head = read_head(data.get("data"))
-    # Before it is decoded: a few damaged bytes can ask for billions of faces, which takes long.
+    # Checked before decoding: a few damaged bytes can declare billions of faces.
     if head is not None and not (0 <= head.vertices <= limits.vertices and 0 <= head.faces <= limits.faces):
         raise TooLarge(
-            f"input '{name}' has {head.vertices} vertices and {head.faces} faces, "
-            f"the server takes {limits.vertices} and {limits.faces}; use a coarser mesh"
+            f"input '{name}' has {head.vertices} vertices and {head.faces} faces; "
+            f"the server accepts at most {limits.vertices} vertices and {limits.faces} faces; use a coarser mesh"
         )
     geometry = _decode(data, name, "mesh", ("Mesh",), "convert it with Mesh or QuadRemesh")
     if not len(geometry.Vertices) or not len(geometry.Faces):
-        raise Unprocessable(f"input '{name}' is a mesh without vertices or faces, or its data is damaged; mesh it again")
+        raise Unprocessable(f"input '{name}' is a mesh without vertices or faces, or its data are damaged; create the mesh again")
     vertices, faces = mesh_to_arrays(geometry)
     if not (np.abs(vertices) <= LARGEST).all():
-        raise Unprocessable(f"input '{name}' has vertices with coordinates that are no finite numbers; mesh it again")
+        raise Unprocessable(f"input '{name}' has vertices with coordinates that are not finite; create the mesh again")
     if faces.min() < 0 or faces.max() >= len(vertices):
-        raise Unprocessable(f"input '{name}' has faces with vertices that do not exist; mesh it again")
+        raise Unprocessable(f"input '{name}' has faces with vertices that do not exist; create the mesh again")
     rounding = rounding_of(vertices, geometry.Vertices.UseDoublePrecisionVertices)
     return Part(f"input '{name}'", vertices, faces, rounding, None, {})
 
 
 def read_curve(data: dict, name: str, tolerance: float) -> FloatArray:
-    """Return points (k, 3) along a curve, kept to within the tolerance [L]."""
+    """Return points (k, 3) along a curve, whose polyline is within the tolerance [L]."""
     own = {str(key).lower(): value for key, value in data.items()}
     if "from" in own and "to" in own:
         points = _ends(own, name)
@@ -62,7 +62,7 @@ def read_curve(data: dict, name: str, tolerance: float) -> FloatArray:
 
 
 def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], hint: str) -> Any:
-    """Return geometry of one of some classes; others are not even decoded, damaged ones can take minutes."""
+    """Return geometry of one of the given classes; others are not decoded, as damaged data can take minutes."""
     import rhino3dm
 
     head = read_head(data.get("data"))
@@ -71,7 +71,7 @@ def _decode(data: dict, name: str, kind: str, classes: tuple[str, ...], hint: st
     geometry: Any = None
     if head is not None:
         try:
-            # Some clients write the numbers as texts.
+            # Some clients send numbers as strings.
             numbers = {key: int(data[key]) for key in ("version", "archive3dm", "opennurbs")}
             geometry = rhino3dm.CommonObject.Decode({**numbers, "data": data["data"]})
         except Exception:
@@ -86,4 +86,4 @@ def _ends(own: dict, name: str) -> FloatArray:
         ends = [{str(key).lower(): value for key, value in own[end].items()} for end in ("from", "to")]
         return np.array([[float(end[axis]) for axis in "xyz"] for end in ends])
     except (AttributeError, KeyError, TypeError, ValueError):
-        raise Unprocessable(f"input '{name}' holds a line without ends") from None
+        raise Unprocessable(f"input '{name}' holds a line without end points") from None

@@ -1,4 +1,4 @@
-"""Inputs of a solve as drawn on the canvas, turned into a request."""
+"""Conversion of the inputs of a solve on the canvas to a request."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["dome_request", "read_hops_request", "solve_inputs_request", "surface
 
 
 def read_hops_request(options: dict, body: bytes, limits: Limits) -> SolveRequest:
-    """Return the request of ``cgc/submit``, whose values and context were stored as JSON."""
+    """Return the request of ``cgc/submit`` from its stored JSON."""
     request: Any = read_json(body, limits)
     return solve_inputs_request(read_values(endpoint("cgc/solve"), request["values"]), request["context"], limits)
 
@@ -45,16 +45,16 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
     Parameters
     ----------
     inputs
-        By name.
+        Inputs by name.
     context
         ``modelunits`` and ``absolutetolerance`` of the document [L].
     limits
-        Those of the server.
+        Limits of the server.
 
     Raises
     ------
     Unprocessable, CGCError
-        With a sentence that names the input.
+        If an input is invalid.
     """
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
@@ -62,12 +62,12 @@ def solve_inputs_request(inputs: dict, context: dict, limits: Limits) -> SolveRe
 
 
 def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem, list[str]]:
-    """Return a surface as it is, with the K that it is said to have, and notes on what was done to the input.
+    """Return a surface without solving, with the given K, and notes on changes made to the input.
 
     Raises
     ------
     Unprocessable, CGCError
-        With a sentence that names the input.
+        If an input is invalid.
     """
     _check_targets(inputs)
     read = _assembled(inputs, context, limits)
@@ -80,15 +80,15 @@ def surface_of(inputs: dict, context: dict, limits: Limits) -> tuple[CGCProblem,
 def _check_targets(inputs: Mapping[str, Any]) -> None:
     K, At = inputs["K"], inputs["At"]
     if At and len(At) != len(K):
-        raise Unprocessable(f"input 'At' has {len(At)} points for {len(K)} numbers of K; connect one point per number")
+        raise Unprocessable(f"input 'At' has {len(At)} points, but input 'K' has {len(K)} numbers; connect one point per number")
     if not At and len(K) != 1:
         raise Unprocessable(f"input 'K' has {len(K)} numbers; connect as many points At, one in each region, or one number for all")
 
 
 def _options(inputs: Mapping[str, Any]) -> dict:
-    """Return what is asked besides what is drawn, as options of a request."""
+    """Return the inputs that are not geometry as options of a request."""
     defaults = {own.name: own.default for own in endpoint("cgc/solve").inputs}
-    # Hops sends the defaults of its inputs too; they are nobody's wish.
+    # Hops also sends the defaults of unconnected inputs; they are not settings of the user.
     given = {option: inputs[name] for name, (_, option) in OPTION_INPUTS.items() if inputs[name] != defaults[name]}
     options: dict = {"method": inputs["Method"], "settings": given}
     if not inputs["Supports"]:
@@ -99,7 +99,7 @@ def _options(inputs: Mapping[str, Any]) -> dict:
 
 
 def _notes(read: ReadProblem) -> list[str]:
-    # What the mesh lacks is said by the check of the solve, in the words of the inputs.
+    # Missing supports are reported by the check of the solve, which names the inputs.
     return [note for note in read.notes if "no support" not in note]
 
 

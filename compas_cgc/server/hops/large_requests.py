@@ -1,4 +1,4 @@
-"""Large requests: parsed by the worker that answers them, as the server itself would keep everybody waiting."""
+"""Large requests, which are parsed in the worker so that they do not block the server."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ __all__ = ["Answered", "job_asked_for", "job_body", "run_request_body"]
 
 
 class Answered(NamedTuple):
-    """What a worker makes of a request."""
+    """Result of a large request in the worker."""
 
     uri: str
-    reply: Optional[Reply] = None  # of a function that was run
-    kept: bool = False  # the client wants the answer kept for the next time
-    job: Optional[bytes] = None  # the request of a job to be submitted
-    id: str = ""  # of a job that is asked for
-    warnings: Sequence[str] = ()  # on inputs of what is left to do
+    reply: Optional[Reply] = None  # reply of the function, if one was run
+    kept: bool = False  # whether to cache the response
+    job: Optional[bytes] = None  # request of a job to submit
+    id: str = ""  # id of a job to fetch
+    warnings: Sequence[str] = ()  # warnings on the inputs
 
 
 def run_request_body(content: bytes, limits: Limits) -> Answered:
@@ -38,7 +38,7 @@ def run_request_body(content: bytes, limits: Limits) -> Answered:
     Raises
     ------
     RequestError
-        If it is none.
+        If the request is malformed.
     """
     body = read_body(content, limits)
     uri, values, context = uri_of(body), body.get("values"), context_of(body)
@@ -50,11 +50,11 @@ def run_request_body(content: bytes, limits: Limits) -> Answered:
 
 
 def job_asked_for(values: object) -> str:
-    """Return the id that ``cgc/fetch`` is given."""
+    """Return the job id in the values of ``cgc/fetch``."""
     return str(read_values(endpoint("cgc/fetch"), values)["Job"])
 
 
 def job_body(values: object, context: dict) -> bytes:
-    """Return the inputs of ``cgc/submit``, checked, as the request of a job."""
+    """Return the checked inputs of ``cgc/submit`` as the request of a job."""
     read_values(endpoint("cgc/submit"), values)
     return json.dumps({"values": values, "context": context}).encode()

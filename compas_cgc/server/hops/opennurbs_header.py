@@ -1,4 +1,4 @@
-"""Header of an openNURBS archive: what an object is, read without decoding it."""
+"""Header of an openNURBS archive: the class of an object, read without decoding it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from uuid import UUID
 __all__ = ["CURVES", "Head", "read_head"]
 
 CURVES = ("ArcCurve", "LineCurve", "NurbsCurve", "PolyCurve", "PolylineCurve")
-_BEGIN = b"\xfa\x7f\x02\x00"  # begins an object, here and in every .3dm file
-_LENGTH = 88  # characters of base64 for the 65 bytes needed
+_BEGIN = b"\xfa\x7f\x02\x00"  # type code at the beginning of every object
+_LENGTH = 88  # base64 characters of the first 65 bytes
 _NAMES = {
     UUID("4ed7d4e4-e947-11d3-bfe5-0010830122f0"): "Mesh",
     UUID("60b5dbc5-e660-11d3-bfe4-0010830122f0"): "Brep",
@@ -32,23 +32,23 @@ _NAMES = {
 
 
 class Head(NamedTuple):
-    """What the archive of an object begins with."""
+    """Beginning of the archive of an object."""
 
-    name: str  # of the class, "object" for one of no use here
-    vertices: int  # of a mesh
-    faces: int  # of a mesh
+    name: str  # name of the class, "object" for unsupported classes
+    vertices: int  # number of vertices of a mesh
+    faces: int  # number of faces of a mesh
 
 
 def read_head(archive: Any) -> Optional[Head]:
-    """Return what an object in base64 says of itself, None if it is no archive of one."""
+    """Return the header of an object in base64, None if it is not a valid archive."""
     try:
         head = base64.b64decode(archive[:_LENGTH])
     except (TypeError, ValueError):
         return None
     if head[:4] != _BEGIN or len(head) < 40:
         return None
-    # In a chunk (type and length in 12 bytes) stand a chunk with the class, then one with the data:
-    # those of a mesh begin with a byte for the version and the numbers of vertices and faces.
+    # A chunk (12 bytes of type and length) contains a chunk with the class and one with the data.
+    # The data of a mesh begin with a version byte and the numbers of vertices and faces.
     name = _NAMES.get(UUID(bytes_le=head[24:40]), "object")
     counts = struct.unpack_from("<ii", head, 57) if name == "Mesh" and len(head) >= 65 else (0, 0)
     return Head(name, *counts)

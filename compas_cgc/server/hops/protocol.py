@@ -1,4 +1,4 @@
-"""Protocol of Hops: which function a request names and in what units, whatever client wrote it."""
+"""Protocol of Hops: function, values and units of a request from any client."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def read_body(content: bytes, limits: Limits) -> dict:
     Raises
     ------
     BadRequest
-        If it is no JSON object.
+        If the request is not a JSON object.
     """
     value = read_json(content, limits)
     if isinstance(value, list) and len(value) == 1:
@@ -33,12 +33,12 @@ def read_body(content: bytes, limits: Limits) -> dict:
 
 
 def uri_of(body: dict) -> str:
-    """Return the function that a request names; an address in it is taken apart, never followed.
+    """Return the path of the requested function; an address in the request is parsed, never opened.
 
     Raises
     ------
     NotFound
-        With what there is.
+        If the function does not exist; the message lists all functions.
     """
     pointer, algo = body.get("pointer"), body.get("algo")
     if pointer is None and isinstance(algo, str):
@@ -47,7 +47,7 @@ def uri_of(body: dict) -> str:
         except (binascii.Error, ValueError):
             pointer = None
     if not isinstance(pointer, str) or not pointer:
-        raise NotFound(f"the request names no function; there are {', '.join(endpoints())}")
+        raise NotFound(f"the request does not name a function; the functions are {', '.join(endpoints())}")
     return known(_path(pointer))
 
 
@@ -57,16 +57,16 @@ def known(path: str) -> str:
     Raises
     ------
     NotFound
-        With what there is.
+        If the function does not exist; the message lists all functions.
     """
     uri = path.strip("/").lower()
     if uri not in endpoints():
-        raise NotFound(f"there is no function {uri[:60]!r}; there are {', '.join(endpoints())}")
+        raise NotFound(f"there is no function {uri[:60]!r}; the functions are {', '.join(endpoints())}")
     return uri
 
 
 def context_of(body: dict) -> dict:
-    """Return units and tolerance of the document [L], ``""`` and 0 where they are unknown."""
+    """Return units and tolerance [L] of the document, ``""`` and 0 if unknown."""
     units: Any = body.get("modelunits")
     tolerance: Any = body.get("absolutetolerance")
     known = isinstance(tolerance, (int, float)) and not isinstance(tolerance, bool) and 0 < tolerance < 1e12

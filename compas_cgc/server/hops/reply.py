@@ -1,4 +1,4 @@
-"""What a function behind a component answers."""
+"""Reply of the function of a component."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ __all__ = ["Reply", "spent"]
 
 
 class Reply(NamedTuple):
-    """What a function answers."""
+    """Reply of a function."""
 
     status: int
     values: list[dict]
     errors: list[str]
     warnings: list[str]
-    spent: dict[str, float]  # seconds by part
+    spent: dict[str, float]  # time by stage [s]
 
 
 def spent(started: float, read: float, solved: float) -> dict[str, float]:
-    """Return the seconds of every part, of the times when it was over."""
+    """Return the time of every stage [s] from the times at their ends."""
     return {"decode": read - started, "solve": solved - read, "encode": time.perf_counter() - solved}

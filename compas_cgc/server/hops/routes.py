@@ -1,4 +1,4 @@
-"""Routes of Hops and McNeel's compute clients."""
+"""Routes for Hops and Rhino.Compute clients."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ from .reply import Reply
 
 __all__ = ["hops", "list_functions"]
 
-CACHE_SIZE = 64 * 2**20  # bytes of answers in the cache
-HINT = "use /cgc/submit and /cgc/fetch for long ones"
+CACHE_SIZE = 64 * 2**20  # size of the response cache [bytes]
+HINT = "use /cgc/submit and /cgc/fetch for long solves"
 
 hops = Blueprint("hops", __name__)
 
@@ -87,7 +87,7 @@ def solve(prefix: str = "") -> Response:
 
 
 def _solved_here(body: dict, limits: Limits) -> Response:
-    """Answer a request that is parsed."""
+    """Return the response to a parsed request."""
     uri = uri_of(body)
     values = body.get("values")
     context = context_of(body)
@@ -108,7 +108,7 @@ def _solved_here(body: dict, limits: Limits) -> Response:
 
 
 def _solved_there(content: bytes, limits: Limits) -> Response:
-    """Answer a request that the worker parses; one that is kept is known by its bytes."""
+    """Return the response to a request that the worker parses; the cache identifies it by its bytes."""
     digest = hashlib.sha256(content).digest()
     kept = _kept(digest)
     if kept is not None:
@@ -122,7 +122,7 @@ def _solved_there(content: bytes, limits: Limits) -> Response:
 
 
 def _kept(digest: Optional[bytes]) -> Optional[Response]:
-    """Return the answer to the same request of before, None if it was not kept."""
+    """Return the cached response to the same request, None if there is none."""
     kept = _answers().get(digest) if digest else None
     return None if kept is None else Response(kept, 200, {"Server-Timing": "cache;desc=hit"}, mimetype="application/json")
 
@@ -156,8 +156,8 @@ def _fetch(id: str) -> Reply:
     step, steps = job.progress.get("step", 0), job.progress.get("steps")
     if not job.over:
         error = job.progress.get("max_error")
-        told = job.state + (f", step {step}" if steps else "") + (f", largest error {error:.3g}" if error is not None else "")
-        return _state(202, [], False, step / steps if steps else 0.0, told)
+        text = job.state + (f", step {step}" if steps else "") + (f", largest error {error:.3g}" if error is not None else "")
+        return _state(202, [], False, step / steps if steps else 0.0, text)
     if job.state != "succeeded":
         raise Unprocessable(f"the job was {job.state}: {job.message}" if job.state == "cancelled" else str(job.message))
     result, report = unpack_result(jobs().result(job.id))
@@ -168,26 +168,26 @@ def _fetch(id: str) -> Reply:
     return reply._replace(values=[mesh, *reply.values[1:]], warnings=warnings)
 
 
-def _state(status: int, mesh: list, done: bool, progress: float, told: str) -> Reply:
+def _state(status: int, mesh: list, done: bool, progress: float, text: str) -> Reply:
     values = [
         entry("Mesh", "Mesh", mesh),
         entry("Done", "Boolean", [done]),
         entry("Progress", "Number", [round(progress, 4)]),
-        entry("Info", "Text", [told]),
+        entry("Info", "Text", [text]),
     ]
     return Reply(status, values, [], [], {})
 
 
 def _body() -> dict:
-    """Return the request, which names a function and nothing else."""
+    """Return a small request that only names a function."""
     content, limits = _content()
     if not is_light(content, limits):
-        raise TooLarge("the request is larger than a name is")
+        raise TooLarge("the request must only name a function, but is too large")
     return read_body(content, limits)
 
 
 def _content() -> tuple[bytes, Limits]:
-    """Return the bytes of the request, if they are not too many, and the limits."""
+    """Return the bytes of the request after checking their number, and the limits."""
     limits: Limits = current_app.config["LIMITS"]
     check_length(request.content_length, limits)
     return request.get_data(cache=False), limits

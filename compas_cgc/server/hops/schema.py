@@ -1,4 +1,4 @@
-"""Schema of a component: the inputs and outputs that Hops shows."""
+"""Schema of a component: the inputs and outputs shown by Hops."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RESULT_TYPES = {
 
 
 def icon(path: str, colour: str = "#b5482f") -> str:
-    """Return an icon with a path of 24 by 24 as SVG."""
+    """Return an SVG icon with a path in a 24 by 24 view box."""
     return (
         '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
         f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="2" stroke-linecap="round" stroke-linejoin="round"/></svg>'
@@ -60,13 +60,13 @@ class Input(Output):
     Parameters
     ----------
     default
-        Value when nothing is connected, a number, a truth or a text.
+        Value of an unconnected input: a number, boolean or string.
     many
-        Takes a list.
+        Whether the input takes a list.
     most
-        Longest list.
+        Largest number of items.
     optional
-        May stay empty; only newer Hops know that.
+        Whether the input may be empty; older versions of Hops ignore this.
     low, high
         Bounds of a number.
     """
@@ -92,11 +92,11 @@ class Endpoint:
     Parameters
     ----------
     uri
-        Such as ``cgc/dome``.
+        Path of the function, such as ``cgc/dome``.
     name, text, icon
         ``icon`` is SVG.
     inputs, outputs
-        In their order on the component.
+        Inputs and outputs in the order on the component.
     """
 
     uri: str
@@ -107,7 +107,7 @@ class Endpoint:
     outputs: tuple[Output, ...]
 
     def describe(self) -> dict:
-        """Return what ``GET`` of the address answers."""
+        """Return the description that ``GET`` returns."""
         return {
             "Uri": f"/{self.uri}",
             "Name": self.name,

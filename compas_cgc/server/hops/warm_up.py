@@ -1,4 +1,4 @@
-"""What a worker does before its first task."""
+"""Initialisation of a worker before its first task."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["warm_up"]
 
 
 def warm_up() -> None:
-    """Load the kernels and what a Hops component takes, so that the first does not wait for it."""
+    """Load the kernels and the modules for Hops, so that the first request is not delayed."""
     warm_up_kernels()
     try:
         mesh = mesh_text(*CGCMesh.from_meshgrid(dx=2, nx=2).arrays())
     except ImportError:
-        # Without rhino3dm the components are refused with a sentence of their own.
+        # Without rhino3dm, the components report their own error.
         return
     values = {"Mesh": mesh, "K": 0.01}
     asked = [{"ParamName": name, "InnerTree": {"{0}": [{"data": value}]}} for name, value in values.items()]

@@ -1,4 +1,4 @@
-"""The page for a browser: static files, and what they ask the server for besides the job API."""
+"""The browser page: static files and the routes they use besides the job API."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mesh of a drawing made on the page: closed lines, folds, columns and held sides in, a posed problem out."""
+"""Conversion of a drawing made on the page (outline, holes, creases, columns, supports) to a problem with a mesh."""
 
 from __future__ import annotations
 
@@ -31,67 +31,67 @@ from .preview import contents
 __all__ = ["Sketch", "mesh_of_sketch", "read_sketch"]
 
 FIELDS = ("name", "unit", "edge_length", "outline", "holes", "creases", "points", "held")
-CURVES = 500  # most of one drawing
-ENOUGH = 3  # supports; on fewer a roof tips over
-POINTS = 20_000  # most of all its curves
-TOLERANCE = 1e-6  # length below which two points are one
+MAX_CURVES = 500
+MIN_SUPPORTS = 3  # a roof on fewer supports is unstable
+MAX_POINTS = 20_000  # of all curves together
+TOLERANCE = 1e-6  # distance below which two points coincide [L]
 
 
 class Sketch(NamedTuple):
-    """What is drawn in plan [L]."""
+    """Drawing in plan [L]."""
 
     name: str
-    unit: str  # short name of a unit of length, empty for none
+    unit: str  # abbreviation of the unit of length, empty for none
     edge_length: float
-    outline: FloatArray  # (k, 2), the first point again at the end
+    outline: FloatArray  # (k, 2), closed: the last point equals the first
     holes: list[FloatArray]
     creases: list[FloatArray]
     points: FloatArray  # (k, 2) columns
-    held: list[FloatArray]  # lines whose vertices are held
+    held: list[FloatArray]  # lines whose vertices are supports
 
 
 def read_sketch(value: object, limits: Limits) -> Sketch:
-    """Return the drawing in plain data.
+    """Return the drawing in JSON data.
 
     Raises
     ------
     Unprocessable, TooLarge
-        With a sentence that names the field.
+        If a field is missing, invalid or too large.
     """
     if not isinstance(value, Mapping):
         raise Unprocessable("the drawing must be a JSON object with an 'outline' and an 'edge_length'")
     unknown = sorted(set(value) - set(FIELDS))
     if unknown:
-        raise Unprocessable(f"a drawing has no {unknown[0]!r:.60}; it has {', '.join(FIELDS)}")
+        raise Unprocessable(f"unknown field {unknown[0]!r:.60} in the drawing; the fields are {', '.join(FIELDS)}")
     name, unit = value.get("name", ""), value.get("unit", "")
     if not isinstance(name, str) or unit not in tuple(UNITS):
-        raise Unprocessable(f"'name' must be a text, and 'unit' one of {', '.join(filter(None, UNITS))}")
+        raise Unprocessable(f"'name' must be a string, and 'unit' one of {', '.join(filter(None, UNITS))}")
     edge_length = number(value.get("edge_length"), "'edge_length'")
     outline = _line(value.get("outline"), "'outline'", 3)
     groups = {key: _lines(value.get(key, []), key) for key in ("holes", "creases", "held")}
     points = _line(value.get("points", []), "'points'", 0)
-    if sum(map(len, (outline, points, *groups["holes"], *groups["creases"], *groups["held"]))) > POINTS:
-        raise TooLarge(f"the drawing has more than {POINTS} points; draw it with fewer")
+    if sum(map(len, (outline, points, *groups["holes"], *groups["creases"], *groups["held"]))) > MAX_POINTS:
+        raise TooLarge(f"the drawing has more than {MAX_POINTS} points; draw it with fewer")
     holes = [_closed(hole) for hole in groups["holes"]]
     sketch = Sketch(name[:100], unit, edge_length, _closed(outline), holes, groups["creases"], points, groups["held"])
     if not edge_length > 0:
-        raise Unprocessable("the edge length must be above zero")
-    # An equilateral triangle has half a vertex; the square of a tiny length would be zero.
+        raise Unprocessable("the edge length must be greater than zero")
+    # The mesh has half a vertex per equilateral triangle. Dividing twice avoids the underflow of a small squared length.
     count = _area(sketch.outline) / 0.866 / edge_length / edge_length
     if not count < limits.vertices:
         raise TooLarge(
-            f"with edges this short the mesh would have some {count:.2g} vertices, the server takes {limits.vertices}; make them longer"
+            f"the mesh would have about {count:.2g} vertices; the server accepts at most {limits.vertices}; increase the edge length"
         )
     return sketch
 
 
 def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
-    """Mesh a drawing; tell what it holds as JSON, with the vertices of its columns.
+    """Mesh a drawing; return the mesh and its data as JSON, with the vertices at the columns.
 
     Raises
     ------
     Unprocessable
-        With the sentence of the mesher.
+        If the drawing cannot be meshed.
     """
     try:
         holes, creases = [flattened(line) for line in sketch.holes], [flattened(line) for line in sketch.creases]
@@ -101,9 +101,9 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
         columns, held = _columns(problem, sketch), _on_lines(problem, sketch.held, sketch.edge_length)
         notes = []
         supports = {vertex for vertex in (*columns, *held) if vertex >= 0}
-        if len(supports) < ENOUGH:
-            # Not the edges of holes: an oculus is free.
-            notes.append(f"the {'outline is held too' if supports else 'whole outline is held'}, to begin with")
+        if len(supports) < MIN_SUPPORTS:
+            # The edges of holes remain free, as that of an oculus.
+            notes.append(f"the {'outline is also supported' if supports else 'whole outline is supported'} by default")
             supports.update(_on_lines(problem, [sketch.outline], sketch.edge_length))
         problem = problem.with_supports(sorted(supports))
         problem = replace(problem, drawing=Drawing(sketch.name or "Roof", units=UNITS[sketch.unit]))
@@ -114,7 +114,7 @@ def mesh_of_sketch(sketch: Sketch, limits: Limits) -> bytes:
 
 
 def _columns(problem: CGCProblem, sketch: Sketch) -> list[int]:
-    """Return the vertex at each column, of those that stand within the drawing."""
+    """Return the vertex at each column inside the drawing."""
     if not len(sketch.points):
         return []
     gap, at = cKDTree(problem.vertices[:, :2]).query(sketch.points)
@@ -138,18 +138,18 @@ def _area(ring: FloatArray) -> float:
 
 
 def _lines(value: object, key: str) -> list[FloatArray]:
-    if not isinstance(value, list) or len(value) > CURVES:
-        raise Unprocessable(f"'{key}' must be a list of at most {CURVES} lines, each a list of [x, y]")
+    if not isinstance(value, list) or len(value) > MAX_CURVES:
+        raise Unprocessable(f"'{key}' must be a list of at most {MAX_CURVES} lines, each a list of [x, y]")
     return [_line(line, f"line {i} of '{key}'", 3 if key == "holes" else 2) for i, line in enumerate(value)]
 
 
 def _line(value: object, what: str, least: int) -> FloatArray:
-    if not isinstance(value, list) or len(value) < least or len(value) > POINTS:
+    if not isinstance(value, list) or len(value) < least or len(value) > MAX_POINTS:
         raise Unprocessable(f"{what} must be a list of at least {least} points [x, y]")
     for point in value:
         if not isinstance(point, list) or len(point) != 2:
             raise Unprocessable(f"every point of {what} must be [x, y]")
         for x in point:
             if abs(number(x, f"a coordinate of {what}")) > LARGEST:
-                raise Unprocessable(f"a coordinate of {what} is larger than {LARGEST:g}; correct it")
+                raise Unprocessable(f"a coordinate of {what} exceeds {LARGEST:g}; correct it")
     return np.array(value, dtype=np.float64).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""The examples of the paper that the page offers, in words for designers."""
+"""Examples of the paper on the page, described for designers."""
 
 from __future__ import annotations
 
@@ -8,26 +8,26 @@ __all__ = ["GALLERY", "Entry"]
 
 
 class Entry(NamedTuple):
-    """One example on offer."""
+    """An example on the page."""
 
-    number: int  # of the paper
-    variant: str  # of the paper
+    number: int  # number in the paper
+    variant: str  # variant in the paper
     title: str
     text: str  # one sentence
 
     @property
     def name(self) -> str:
-        """Name of :attr:`compas_cgc.paper.examples.SurfaceExample.name`."""
+        """Name of the example, see :attr:`compas_cgc.paper.examples.SurfaceExample.name`."""
         return f"example{self.number}_{self.variant}" if self.variant else f"example{self.number}"
 
 
 _ENTRIES = (
-    Entry(4, "a", "Nine fields", "Four corners hold nine fields; the one in the centre curves four times as much."),
-    Entry(7, "a", "Curved creases", "Eight mirrored sectors fold along curved and straight creases and stand on four points."),
-    Entry(6, "", "Free-form plan", "A dome over a drawn outline, its whole edge held."),
-    Entry(3, "", "Sail on four corners", "A square held at its corners only; its edges find their own way."),
-    Entry(2, "", "Pillow on a square", "A flat square with its edge held rises to one curvature."),
-    Entry(5, "", "Developable cone", "A waisted ring straightens until it can be unrolled, K = 0."),
+    Entry(4, "a", "Nine fields", "Nine fields on four corner supports; the centre field has four times the curvature of the others."),
+    Entry(7, "a", "Curved creases", "Eight mirrored sectors with curved and straight creases on four point supports."),
+    Entry(6, "", "Free-form plan", "A dome over a drawn outline, supported along the whole edge."),
+    Entry(3, "", "Sail on four corners", "A square supported at its corners only, with free edges."),
+    Entry(2, "", "Pillow on a square", "A square with a fixed edge that rises to constant curvature."),
+    Entry(5, "", "Developable cone", "A ring with a waist becomes developable, K = 0."),
 )
 
 GALLERY = {entry.name: entry for entry in _ENTRIES}

@@ -1,4 +1,4 @@
-"""Preview of a file or an example: what it holds, as JSON for the page; made in the workers."""
+"""Contents of a file or an example as JSON for the page, computed in the workers."""
 
 from __future__ import annotations
 
@@ -27,25 +27,25 @@ __all__ = ["contents", "read_example", "read_model"]
 
 
 def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: Optional[float] = None) -> bytes:
-    """Tell what is in the bytes of a file, as JSON.
+    """Return the contents of a file as JSON.
 
     Parameters
     ----------
     kind
         ``"3dm"`` or ``"obj"``.
     body
-        The file.
+        Bytes of the file.
     name
-        What to call the mesh.
+        Name of the mesh.
     limits
-        Those of the server.
+        Limits of the server.
     edge_length
-        Of a mesh that is made of surfaces or curves [L].
+        Edge length of the mesh of surfaces or curves [L].
 
     Raises
     ------
     Unprocessable, TooLarge
-        With a sentence on the file.
+        If the file cannot be read or is too large.
     """
     try:
         read = read_upload(kind, body, edge_length=edge_length)
@@ -57,7 +57,7 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: O
 
 
 def read_example(name: str, title: str, text: str) -> bytes:
-    """Tell what is in an example of the paper, as JSON."""
+    """Return the contents of an example of the paper as JSON."""
     from ...paper.examples import CATALOGUE
     from ...paper.examples import SurfaceExample
 
@@ -67,23 +67,23 @@ def read_example(name: str, title: str, text: str) -> bytes:
 
 
 def contents(posed: PosesProblem, notes: Sequence[str], name: str = "") -> dict:
-    """Return a mesh with what is asked of it, as plain data.
+    """Return a mesh with its supports, targets and constraints as JSON data.
 
-    Supports and targets that are not there are suggested, which the notes say; the
-    problems are those of the mesh with these. Vertices and faces are numbered from 0 in
-    their order, without dummies.
+    Missing supports and targets are replaced by suggestions, which the notes list. The
+    problems are those of the mesh with these suggestions. Vertices and faces are numbered
+    from 0 in their order, without dummies.
     """
     own = posed.to_problem().without_dummies()
     notes = list(notes)
     chosen = "file" if len(own.supports) else "boundary"
     if chosen == "boundary":
-        notes.append("no supports are given: the whole edge is held, to begin with")
+        notes.append("the file has no supports: the whole edge is supported by default")
     problem, suggested = _with_targets(own if chosen == "file" else own.with_supports("boundary"))
     targets = problem.region_targets()
     if suggested:
-        notes.append(f"no curvature is given{_where(suggested, len(targets))}; a gentle one is set, to begin with")
+        notes.append(f"the file has no curvature{_where(suggested, len(targets))}: a small one is set by default")
     if np.isfinite(own.s).any() or np.isfinite(own.e).any():
-        notes.append("the file sets the strategies s and e along creases; here one of each holds for all")
+        notes.append("the file sets the strategies s and e along creases; this page uses one value of each for all")
     return {
         "name": name or own.drawing.name,
         "unit": unit_suffix(own.drawing.units or "").strip(),
@@ -107,7 +107,7 @@ def _supports(problem: CGCProblem, name: str) -> list[int]:
 
 
 def _with_targets(problem: CGCProblem) -> tuple[CGCProblem, list[int]]:
-    """Return the problem with a target in every region that has none, and the numbers of these regions."""
+    """Return the problem with a suggested target in every region without one, and the numbers of these regions."""
     regions, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
     suggested, targets = [], np.full(len(problem.vertices), np.nan)
     for region in range(int(regions.max(initial=-1)) + 1):
@@ -117,7 +117,7 @@ def _with_targets(problem: CGCProblem) -> tuple[CGCProblem, list[int]]:
         if np.isfinite(problem.targets[inside]).any():
             continue
         area = float(areas[regions == region].sum())
-        # A cap that turns through an eighth of what a hemisphere does.
+        # A cap with one eighth of the integral curvature of a hemisphere.
         targets[inside] = float(f"{math.pi / 4 / area:.1g}") if area > 0 else 0.0
         suggested.append(region)
     return problem.with_targets(targets), suggested

@@ -1,4 +1,4 @@
-"""The page, its files, and what is in models and examples."""
+"""Routes of the page, its files, models and examples."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ page = Blueprint("page", __name__)
 
 STATIC = Path(__file__).parent / "static"
 TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml", ".png": "image/png"}
-# Only these are ever opened, whatever is asked for.
+# Only these files are ever opened, whatever path is requested.
 FILES = {path.relative_to(STATIC).as_posix(): path for path in STATIC.rglob("*") if path.suffix in TYPES}
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
@@ -42,7 +42,7 @@ _examples: dict[str, bytes] = {}
 
 
 def wants_page() -> bool:
-    """Tell whether a client would rather have HTML than JSON; one that takes anything would not.
+    """Check whether a client prefers HTML to JSON; a client that accepts anything gets JSON.
 
     Returns
     -------
@@ -98,13 +98,13 @@ def _file(name: str) -> Response:
 
 @functools.lru_cache(maxsize=256)
 def _packed(path: Path, changed: int) -> bytes:
-    """Return a file as gzip, which over a network is a quarter; the same bytes for the same file."""
+    """Return a file compressed with gzip, about a quarter of its size; deterministic."""
     return gzip.compress(path.read_bytes(), mtime=0)
 
 
 @page.post("/api/v1/models")
 def model() -> Response:
-    """Tell what is in a file."""
+    """Return the contents of a file."""
     kind, name = request.args.get("kind", ""), request.args.get("name", "")[:100]
     if kind not in KINDS:
         raise Unprocessable(f"'kind' must be {' or '.join(KINDS)}; save the mesh in one of these formats")
@@ -116,7 +116,7 @@ def model() -> Response:
 
 
 def _edge_length() -> Optional[float]:
-    """Return the edge length that curves and surfaces shall be meshed with, None where none is given [L]."""
+    """Return the edge length for meshing curves and surfaces [L], None if not given."""
     text = request.args.get("edge_length")
     if text is None:
         return None
@@ -125,7 +125,7 @@ def _edge_length() -> Optional[float]:
     except ValueError:
         length = math.nan
     if not (math.isfinite(length) and length > 0):
-        raise Unprocessable(f"the edge length must be a number above zero, not {text!r:.40}")
+        raise Unprocessable(f"the edge length must be a number greater than zero, not {text!r:.40}")
     return length
 
 
@@ -146,9 +146,9 @@ def examples() -> Response:
 
 @page.get("/api/v1/examples/<name>")
 def example(name: str) -> Response:
-    """Tell what is in an example."""
+    """Return the contents of an example."""
     if name not in GALLERY:
-        raise NotFound(f"there is no example {name[:60]!r}; there are {', '.join(GALLERY)}")
+        raise NotFound(f"there is no example {name[:60]!r}; the examples are {', '.join(GALLERY)}")
     if name not in _examples:
         entry = GALLERY[name]
         _examples[name] = run_in_io_pool(read_example, name, entry.title, entry.text)

@@ -179,7 +179,7 @@ def test_items_that_are_not_used_are_told_of(server):
         status, body = plain(server, name, Mesh=items(mesh), **inputs)
         (several,) = (own for own, tree in inputs.items() if len(tree["0"]) == 2)
         assert status == 200 and len(body["warnings"]) == 1
-        assert body["warnings"][0].startswith(f"input '{several}' takes one item and has 2, of which the first was used")
+        assert body["warnings"][0].startswith(f"input '{several}' takes one item but has 2; only the first was used")
 
 
 def test_an_empty_item_in_a_list_is_no_item_to_leave_out(server):
@@ -213,11 +213,11 @@ def test_a_whole_number_may_be_written_as_a_fraction(server, steps):
         ("solve", "At", "[1, 2, 3]", "X, Y and Z"),
         ("solve", "At", {"X": 1, "Y": 2, "Z": "3"}, "z of a point of input 'At' must be a number"),
         ("solve", "Method", 5, "'method' must be one of"),
-        ("solve", "Method", '"\\ud800"', "input 'Method' holds half a character"),
-        ("fetch", "Job", '"\\udfff"', "input 'Job' holds half a character"),
+        ("solve", "Method", '"\\ud800"', "input 'Method' holds half of a surrogate pair"),
+        ("fetch", "Job", '"\\udfff"', "input 'Job' holds half of a surrogate pair"),
         ("solve", "Creases", 5, "input 'Creases' must be a curve"),
-        ("solve", "Creases", {"From": 1, "To": 2}, "line without ends"),
-        ("solve", "Creases", {"From": {"X": 0, "Y": 0, "Z": 0}, "To": {"X": 1, "Y": "a", "Z": 0}}, "line without ends"),
+        ("solve", "Creases", {"From": 1, "To": 2}, "line without end points"),
+        ("solve", "Creases", {"From": {"X": 0, "Y": 0, "Z": 0}, "To": {"X": 1, "Y": "a", "Z": 0}}, "line without end points"),
         ("solve", "Creases", {"From": {"X": 1e300, "Y": 0, "Z": 0}, "To": {"X": 1, "Y": 0, "Z": 0}}, "without finite points"),
         ("solve", "S", 1.5, "input 'S' must be between 0 and 1"),
     ],
@@ -462,7 +462,7 @@ def test_every_text_is_shown_as_it_is(text):
         (lambda body: body["values"][2]["InnerTree"]["{0}"][0].update(data="NaN"), "poisons"),
         (lambda body: body["values"][2]["InnerTree"]["{0}"][0].update(type="System.Int32"), "unknown type"),
         (lambda body: body["values"][0].update(InnerTree=None), "null"),
-        (lambda body: body["values"][0].update(InnerTree={"0": []}), "no path"),
+        (lambda body: body["values"][0].update(InnerTree={"0": []}), "not a path"),
         (lambda body: body.pop("message"), "message"),
     ],
 )

@@ -384,4 +384,4 @@ def test_what_is_no_http_is_answered_in_json(tidy, head, status):
         answer = http.client.HTTPResponse(line)
         answer.begin()
         found = json.loads(answer.read())
-    assert answer.status == status and "not as HTTP wants it" in found["message"] and found["values"] == []
+    assert answer.status == status and "not valid HTTP" in found["message"] and found["values"] == []

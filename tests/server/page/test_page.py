@@ -295,8 +295,8 @@ def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(make_client):
     client = make_client(limits=Limits(vertices=500))
     cases = (
         ({"edge_length": 0}, 422, "above zero"),
-        ({"edge_length": 0.01}, 413, "make them longer"),
-        ({"edge_length": 5e-324}, 413, "make them longer"),
+        ({"edge_length": 0.01}, 413, "increase the edge length"),
+        ({"edge_length": 5e-324}, 413, "increase the edge length"),
         ({"outline": [[0, 0], [1, 1]]}, 422, "outline"),
         ({"outline": [[0, 0], [4, 4], [4, 0], [0, 4]]}, 422, "area"),
         ({"outline": [[0, 0], [4, "x"], [4, 0]]}, 422, "number"),

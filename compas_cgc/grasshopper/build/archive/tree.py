@@ -84,7 +84,7 @@ class Chunk:
         object.__setattr__(self, "_chunks", _unique(self.name, self.chunks))
 
     def has(self, name: str, index: Optional[int] = None) -> bool:
-        """Tell whether there is an item of this name."""
+        """Check whether there is an item of this name."""
         return (name, index) in self._items
 
     def get(self, name: str, index: Optional[int] = None, default: Value = None) -> Value:
