@@ -1,4 +1,4 @@
-"""Analysis: how well a surface meets its targets, by more than one measure."""
+"""Analysis of surfaces: curvature errors by several measures, quadric fits, NURBS fits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spline surfaces whose own K is the one asked for: the curvature is fitted along with the points."""
+"""Spline surfaces fitted to points and to a prescribed K."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ._splines import shape_of
 
 __all__ = ["curvature_fitted"]
 
-STEPS = 8
-TRIALS = 4  # of a step, each damped more
-ENOUGH = 0.01  # part of the cost, below which a step is the last
-NEAR = 0.5  # of the distance allowed, which weighs as much as ...
-MOST = 0.7  # of it, from where on they do
-CLOSE = 0.005  # ... this error of K, against the K asked for
-FLAT = 0.02  # least K that errors are measured against, where the size is 1
-# How much looser points are held, and times `CLOSE` from which on errors of K count less and less: no smooth surface has some corners.
+STEPS = 8  # Gauss-Newton steps per stage
+TRIALS = 4  # tries of a step with increasing damping
+MIN_GAIN = 0.01  # a stage ends when a step reduces the cost by less than this fraction
+REFERENCE_DISTANCE = 0.5  # distance of a point, relative to the allowed one, that costs as much as REFERENCE_ERROR
+PENALTY_DISTANCE = 0.7  # distance relative to the allowed one beyond which the weight of a point grows
+REFERENCE_ERROR = 0.005  # error of K relative to its target
+CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a region of size 1
+# Factors on the distances, and errors of K in units of REFERENCE_ERROR beyond which they are outliers, such as at corners.
 STAGES = ((16.0, 40.0), (8.0, 20.0), (4.0, 10.0), (2.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 10.0), (1.0, 5.0), (1.0, 2.5), (1.0, 1.25))
-BEGUN = 4  # of these stages are left out where the surface has nearly that K
-STIFF = 1e-9  # weight of the bending
-DAMPED = 1e-6  # weight of a step, against the mean of the diagonal
+SKIPPED_STAGES = 4  # stages skipped if the start nearly has its K
+BENDING_WEIGHT = 1e-9  # weight of the bending energy
+MIN_DAMPING = 1e-6  # Levenberg-Marquardt damping relative to the mean of the diagonal
 
 
 def curvature_fitted(
@@ -40,27 +40,27 @@ def curvature_fitted(
     within: float,
     begun: bool = False,
 ) -> FloatArray:
-    """Return control points (a, b, 3) of a surface that is near the points and has nearly the K asked for, by Gauss and Newton.
+    """Return the control points (a, b, 3) of a spline near the points whose K is nearly prescribed, by damped Gauss-Newton.
 
-    A mesh knows its K to its edge length squared, and of a spline through its vertices K is no better than second
-    differences are. Within a hair's breadth of the vertices there is a surface that has it.
+    The K of a spline through the vertices of a mesh is only as accurate as second differences of the vertices. A spline with
+    an accurate K exists at a small distance from them, which this fit finds.
 
     Parameters
     ----------
     control
-        ``(a, b, 3)`` of a surface near the points.
+        ``(a, b, 3)`` control points of the initial surface.
     knots
-        Of both directions.
+        Knots in both directions.
     points, uv, weights
         ``(n, 3)`` points of a region of size 1, their parameters ``(n, 2)`` and weights ``(n,)``.
     places
-        ``(k, 2)`` parameters at which K is asked for.
+        ``(k, 2)`` parameters at which K is prescribed.
     K
-        The K asked for, where the size is 1.
+        Prescribed K for a region of size 1.
     within
-        Distance that the points may have from the surface; those that are farther count more and more.
+        Allowed distance of the points from the surface; points beyond it get increasing weights.
     begun
-        Whether the control points are those of a surface that has nearly this K already, with which the first stages are done.
+        Whether the initial surface nearly has this K, so that the first stages are skipped.
     """
     a, b, _ = control.shape
     size = a * b
@@ -69,24 +69,24 @@ def curvature_fitted(
     parts = [basis(places, knots, order) for order in orders]
     bends = bending(knots, (a, b))
     whole, own = sparse.identity(3, format="csr"), np.ones(len(points))
-    # The coordinates of a control point one after the other: neighbours are near in the normal equations, which are a band.
+    # Interleave the coordinates of control points, so that the normal equations are banded.
     by_control = np.arange(3 * size).reshape(3, -1).T.ravel()
-    scale = CLOSE * max(abs(K), FLAT)
-    x, damping = control.reshape(-1, 3), DAMPED
+    scale = REFERENCE_ERROR * max(abs(K), CURVATURE_FLOOR)
+    x, damping = control.reshape(-1, 3), MIN_DAMPING
 
     def cost(x: FloatArray, outlier: float, near_by: float) -> tuple[float, Shape]:
         shape = shape_of(*(part @ x for part in parts))
         off, error = points - near @ x, (shape.gaussian - K) / scale
         far = float((weights * own) @ (off**2).sum(axis=1)) / (weights.sum() * near_by**2)
-        bent = STIFF / near_by**2 * float(np.einsum("ij,ij->", x, bends @ x))
+        bent = BENDING_WEIGHT / near_by**2 * float(np.einsum("ij,ij->", x, bends @ x))
         return far + bent + outlier**2 * float(np.mean(np.log1p((error / outlier) ** 2))), shape
 
     best, least_off = x, np.inf
-    for looser, outlier in STAGES[BEGUN if begun else 0 :]:
-        near_by = looser * NEAR * within
-        stiff = STIFF / near_by**2 * bends
+    for looser, outlier in STAGES[SKIPPED_STAGES if begun else 0 :]:
+        near_by = looser * REFERENCE_DISTANCE * within
+        stiff = BENDING_WEIGHT / near_by**2 * bends
         far = np.linalg.norm(points - near @ x, axis=1)
-        own *= np.maximum(1.0, far / (looser * MOST * within)) ** 2
+        own *= np.maximum(1.0, far / (looser * PENALTY_DISTANCE * within)) ** 2
         weighted = near.multiply((weights * own / weights.sum())[:, None]).T.tocsr() / near_by**2
         by_points = weighted @ near
         least, shape = cost(x, outlier, near_by)
@@ -107,9 +107,9 @@ def curvature_fitted(
                 damping *= 10.0
             else:
                 break
-            damping = max(0.1 * damping, DAMPED)
+            damping = max(0.1 * damping, MIN_DAMPING)
             gained, least, x, shape = least - found, found, new, at
-            if gained < ENOUGH * least:
+            if gained < MIN_GAIN * least:
                 break
         if looser <= 1.0:
             far = np.linalg.norm(points - near @ x, axis=1)
@@ -119,7 +119,7 @@ def curvature_fitted(
 
 
 def _banded_solution(normal: sparse.csr_matrix, damping: float, right: FloatArray) -> FloatArray:
-    """Solve symmetric positive definite equations (n, n) that have a band, with a number added to their diagonal."""
+    """Return the solution of banded symmetric positive definite equations (n, n) with `damping` added to the diagonal."""
     lower = sparse.tril(normal, format="coo")
     below = lower.row - lower.col
     band = np.zeros((int(below.max(initial=0)) + 1, len(right)))
@@ -129,7 +129,7 @@ def _banded_solution(normal: sparse.csr_matrix, damping: float, right: FloatArra
 
 
 def _gradients(shape: Shape) -> tuple[FloatArray, ...]:
-    """Return the derivatives (k, 3) of K by each of the five derivatives of the surface."""
+    """Return the derivatives (k, 3) of K with respect to each of the five derivatives of the surface."""
     u, v, uu, uv, vv, n, K = shape
     q = np.maximum((n**2).sum(axis=1), 1e-300)
     e, f, g = ((second * n).sum(axis=1)[:, None] / (q**2)[:, None] for second in (uu, uv, vv))

@@ -1,4 +1,4 @@
-"""NURBS surfaces fitted to regions: cubic tensor-product splines, their distance from the mesh and the K of the splines themselves."""
+"""NURBS surfaces fitted to regions: cubic tensor-product splines with their distance from the mesh and their own K."""
 
 from __future__ import annotations
 
@@ -28,44 +28,44 @@ from ._splines import spline_points
 
 __all__ = ["FittedSurface", "fit_overhanging", "fit_region", "fit_surface", "has_four_sides"]
 
-LEAST, MOST = 8, 32  # control points along a side where K is fitted
-FINER = (1.0, 1.6, 2.5)  # times as many that a region may have, as far as it takes
-LOST = 2.0  # distances allowed, from which on the four sides do not suit a region: an L has more corners
-OVER = 1.3  # times as many control points for one that overhangs instead
-NEAR, OFF = 1.25, 0.01  # of the distance allowed, and of K: what is good enough
-FLAT = 0.02  # least K that errors are measured against, where the size is 1
-IN_FACE = (1.0 + 3.0 * np.eye(3)) / 6.0  # places where K is fitted in a face
-ON_CURVE = 8  # points of a cut for each edge of the mesh
-FREE = 6  # control points along a side at which vertices are met one by one, where it is not
-PER_EDGE = 0.5  # further ones for each edge along it
-CORNER = np.radians(30.0)  # turn of an edge, from which four of them are the corners of a patch
-UPRIGHT = 0.2  # least cosine between the normals of a region and their mean, where it is fitted over a plane
-RIM = 0.03  # of the size of a region, by which a patch overhangs
-STIFF = 1e-9  # weight of the bending of the spline against that of the points
-STEADY = 1e-13  # ... where the points are those of a spline themselves
-SAMPLES = 3  # places along a side for each control point, by which a surface gets other knots
-CORRECTIONS = 6  # rounds in which the points' parameters follow the surface
-ON_EDGE = 4.0  # weight of the vertices on the edge of a region, where others begin
-MARGIN = 0.75  # edges of the mesh
-WITHIN = 4e-5  # of the size, that vertices may be off for the sake of K
+MIN_CONTROL, MAX_CONTROL = 8, 32  # control points along a side if K is fitted
+REFINEMENTS = (1.0, 1.6, 2.5)  # factors on the number of control points, tried in this order
+MAX_MISFIT = 2.0  # distance over the allowed one above which refinement stops: a region such as an L has no four sides
+OVERHANG_REFINEMENT = 1.3  # factor on the number of control points of an overhanging patch tried instead
+GOOD_DISTANCE, GOOD_ERROR = 1.25, 0.01  # distance over the allowed one, and relative error of K, that end the refinement
+CURVATURE_FLOOR = 0.02  # smallest reference for errors of K, for a region of size 1
+FACE_WEIGHTS = (1.0 + 3.0 * np.eye(3)) / 6.0  # barycentric coordinates of the points of a face at which K is fitted
+POINTS_PER_EDGE = 8  # points of a trimming curve per mesh edge
+BASE_CONTROL = 6  # control points along a side if K is not fitted ...
+CONTROL_PER_EDGE = 0.5  # ... and further ones per mesh edge
+CORNER = np.radians(30.0)  # least turn of the boundary at the corner of a patch
+MIN_COSINE = 0.2  # least cosine between the face normals and their mean for a fit over a plane
+OVERHANG = 0.03  # overhang of a patch relative to the size of the region
+SMOOTHING = 1e-9  # weight of the bending energy relative to that of the points
+RESAMPLING_SMOOTHING = 1e-13  # the same if the points are samples of a spline
+SAMPLES_PER_CONTROL = 3  # samples along a side per control point when the knots change
+CORRECTIONS = 6  # rounds of parameter correction
+BOUNDARY_WEIGHT = 4.0  # weight of the vertices on the boundary of a region, which neighbouring patches share
+MARGIN = 0.75  # margin along the boundary without K, in mesh edges
+DEFAULT_DISTANCE = 4e-5  # default allowed distance of vertices when K is fitted, relative to the size
 
 
 class FittedSurface(NamedTuple):
-    """A cubic spline surface, not rational."""
+    """A non-rational cubic spline surface fitted to a region."""
 
     control: FloatArray  # (a, b, 3) control points [L]
-    knots_u: FloatArray  # (a + 4,) with the ends four times
+    knots_u: FloatArray  # (a + 4,) knots with fourfold ends
     knots_v: FloatArray  # (b + 4,)
-    deviation: float  # largest distance of a vertex of the mesh from it [L]
-    gaussian: FloatArray  # (k,) K of the surface itself at middles of faces that do not reach the region's edge [1/L^2]
-    edges: tuple[FloatArray, ...] = ()  # (k, 3) closed lines along which it is to be cut, where it overhangs [L]
+    deviation: float  # largest distance of a mesh vertex from the surface [L]
+    gaussian: FloatArray  # (k,) K of the spline at the centres of inner faces [1/L^2]
+    edges: tuple[FloatArray, ...] = ()  # (k, 3) closed trimming curves of an overhanging patch [L]
 
 
 def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None, within: Optional[float] = None) -> FittedSurface:
-    """Fit a spline surface to a region in the way that suits it, with as many control points as it takes.
+    """Fit a spline surface to a region, with as many control points as needed.
 
-    With four sides the surface is laid between them, otherwise it overhangs. Control points are added to the surface found so far
-    until it is near the vertices and has K to a hundredth; of what was tried the best is returned.
+    A region with four sides gets a patch between these, any other an overhanging patch with trimming curves. Control points are
+    added until the surface is near the vertices and its K is accurate to 1 %; the best surface is returned.
 
     Parameters
     ----------
@@ -75,29 +75,29 @@ def fit_region(vertices: FloatArray, faces: IntArray, K: Optional[float] = None,
     Raises
     ------
     MeshError
-        If the region is closed, or has no four sides and turns away from its mean plane.
+        If the region is closed, or has no four sides and cannot be projected to its mean plane.
     """
     region = _normalised(vertices, faces)
-    reach = NEAR * (WITHIN * region.scale if within is None else within)
+    reach = GOOD_DISTANCE * (DEFAULT_DISTANCE * region.scale if within is None else within)
 
     def lacks(fit: FittedSurface) -> float:
-        error = 0.0 if K is None else float(np.median(np.abs(fit.gaussian - K))) / max(abs(K), FLAT / region.scale**2)
-        return max(fit.deviation / reach, 1.0) ** 2 * max(error / OFF, 1.0)
+        error = 0.0 if K is None else float(np.median(np.abs(fit.gaussian - K))) / max(abs(K), CURVATURE_FLOOR / region.scale**2)
+        return max(fit.deviation / reach, 1.0) ** 2 * max(error / GOOD_ERROR, 1.0)
 
     four = has_four_sides(vertices, faces)
     start: Optional[FittedSurface] = None
     tried: list[FittedSurface] = []
-    for finer in FINER:
+    for finer in REFINEMENTS:
         start = (fit_surface if four else fit_overhanging)(vertices, faces, K=K, within=within, finer=finer, start=start)
         tried.append(start)
-        stuck = len(tried) > 1 and start.deviation > LOST * reach
-        if lacks(start) <= 1.0 or stuck or min(start.control.shape[:2]) >= MOST:
+        stuck = len(tried) > 1 and start.deviation > MAX_MISFIT * reach
+        if lacks(start) <= 1.0 or stuck or min(start.control.shape[:2]) >= MAX_CONTROL:
             break
     best = min(tried, key=lacks)
     if four and best.deviation > reach:
-        # An L has more corners than four, and may lie over a plane better.
+        # A region with more corners, such as an L, may fit better over a plane.
         with suppress(MeshError):
-            best = min(best, fit_overhanging(vertices, faces, K=K, within=within, finer=OVER), key=lacks)
+            best = min(best, fit_overhanging(vertices, faces, K=K, within=within, finer=OVERHANG_REFINEMENT), key=lacks)
     return best
 
 
@@ -112,8 +112,8 @@ def fit_surface(
 ) -> FittedSurface:
     """Fit a spline surface to a region of a mesh that has one boundary loop.
 
-    The boundary is laid out on the sides of a square by its four sharpest corners and the rest by a harmonic map; a smoothing
-    spline is fitted, and the parameters of the points are moved to their closest points on it, over and over.
+    The four sharpest corners map the boundary to the sides of a unit square, and a harmonic map parametrises the interior. A
+    smoothing spline is fitted and the parameters are moved to the closest points, in alternation (parameter correction).
 
     Parameters
     ----------
@@ -122,20 +122,20 @@ def fit_surface(
     faces
         ``(m, 3)`` triangles of the region.
     size
-        Control points in both directions. Default: by the vertices along the sides.
+        Numbers of control points in both directions. Default: from the numbers of vertices along the sides.
     K
-        The K asked for, which is fitted too [1/L^2]. Default: only the points are.
+        Prescribed K, which is fitted too [1/L^2]. Default: only the points are fitted.
     within
-        Distance of the vertices that this may cost [L]. Default: 0.00004 of the region's size.
+        Allowed distance of the vertices when K is fitted [L]. Default: 4e-5 of the size of the region.
     finer
-        Times as many control points along the sides as by default.
+        Factor on the default number of control points.
     start
-        Surface fitted to the region with fewer control points, from which the fit to K sets out. Default: it begins anew.
+        Initial surface for the fit to K, with fewer control points. Default: the surface fitted to the points.
 
     Raises
     ------
     MeshError
-        If the region is no disc.
+        If the region is not a topological disc.
 
     References
     ----------
@@ -143,7 +143,9 @@ def fit_surface(
     """
     region = _normalised(vertices, faces)
     if len(region.loops) != 1 or region.euler != 1:
-        raise MeshError("a region with holes, or a closed one, has no four sides; cut it by a crease to fit a NURBS surface")
+        raise MeshError(
+            "a region with holes, or a closed one, cannot be fitted between four sides; divide it by a crease to fit NURBS surfaces"
+        )
     K = K if K is not None and np.isfinite(K) else None
     P, F, loop = region.points, region.faces, region.loops[0]
     uv, sides = _square(P, F, loop)
@@ -155,7 +157,7 @@ def fit_surface(
     fit = _scaled(region, control, knots, uv, uv[inner].mean(axis=1))
     if K is None:
         return fit
-    # At its edge a surface may have no K at all: along a straight support none above zero.
+    # K is not fitted at the boundary, where the exact surface may be singular (K > 0 along a straight support).
     margin = (MARGIN / sides[0], MARGIN / sides[1])
     control, uv = _curved(region, uv, control, knots, _places(2 * max(a, b), margin), loop, K, within, start is not None)
     return _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
@@ -169,7 +171,7 @@ def fit_overhanging(
     finer: float = 1.0,
     start: Optional[FittedSurface] = None,
 ) -> FittedSurface:
-    """Fit a spline surface over a rectangle in the mean plane of a region, which overhangs its edges: for discs, triangles and holes.
+    """Fit an overhanging spline surface over a rectangle in the mean plane of a region, for regions without four sides.
 
     Parameters
     ----------
@@ -179,12 +181,12 @@ def fit_overhanging(
     Returns
     -------
     FittedSurface
-        With the edges along which it is to be cut.
+        With the trimming curves in `edges`.
 
     Raises
     ------
     MeshError
-        If the region is closed, or turns away from its mean plane.
+        If the region is closed, or cannot be projected to its mean plane.
     """
     region = _normalised(vertices, faces)
     K = K if K is not None and np.isfinite(K) else None
@@ -192,12 +194,12 @@ def fit_overhanging(
     normals = face_normals(P, F)
     mean = (normals * face_areas(P, F)[:, None]).sum(axis=0)
     mean /= max(float(np.linalg.norm(mean)), 1e-300)
-    if not region.loops or (normals @ mean).min() < UPRIGHT:
-        raise MeshError("a region that is closed or turns over is no surface over a plane; cut it by a crease to fit a NURBS surface")
+    if not region.loops or (normals @ mean).min() < MIN_COSINE:
+        raise MeshError("a region that is closed or folds over cannot be fitted over a plane; divide it by a crease to fit NURBS surfaces")
     flat = P - np.outer(P @ mean, mean)
     axes = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][:2]
     plan = P @ axes.T
-    low, high = plan.min(axis=0) - RIM, plan.max(axis=0) + RIM
+    low, high = plan.min(axis=0) - OVERHANG, plan.max(axis=0) + OVERHANG
     uv = (plan - low) / (high - low)
     edge = float(np.linalg.norm(P[F[:, 1]] - P[F[:, 0]], axis=1).mean())
     a, b = (_count(own, K is not None, finer) for own in ((high - low) / edge).tolist())
@@ -207,8 +209,8 @@ def fit_overhanging(
     inner = _inner_faces(region)
     fit, on = _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), uv
     if K is not None:
-        # K is read off at the middles of faces, so it is fitted at other places in them.
-        places = np.einsum("pc,fcx->fpx", IN_FACE, uv[inner]).reshape(-1, 2)
+        # K is evaluated at face centres, so it is fitted at other points.
+        places = np.einsum("pc,fcx->fpx", FACE_WEIGHTS, uv[inner]).reshape(-1, 2)
         control, uv = _curved(region, uv, control, knots, places, free, K, within, start is not None)
         curved = _better(fit, _scaled(region, control, knots, uv, uv[inner].mean(axis=1)), K)
         fit, on = (fit, on) if curved is fit else (curved, uv)
@@ -216,7 +218,7 @@ def fit_overhanging(
 
 
 def _cut(fit: FittedSurface, uv: FloatArray, turn: FloatArray) -> FloatArray:
-    """Return points (k, 3) on a surface along the smooth curve through parameters (n, 2), which bends sharply where it turns much (n,)."""
+    """Return points (k, 3) on the smooth curve through parameters (n, 2), with corners where `turn` (n,) exceeds CORNER."""
     corners = np.flatnonzero(turn > CORNER)
     first = int(corners[0]) if len(corners) else 0
     ring = np.roll(uv, -first, axis=0)
@@ -227,14 +229,14 @@ def _cut(fit: FittedSurface, uv: FloatArray, turn: FloatArray) -> FloatArray:
     for begin, end in zip(stops[:-1], stops[1:]):
         own = slice(begin, end + 1)
         curve = CubicSpline(along[own], ring[own], bc_type="natural" if len(corners) else "periodic")
-        places = np.interp(np.arange(ON_CURVE * (end - begin)) / ON_CURVE, np.arange(end - begin + 1), along[own])
+        places = np.interp(np.arange(POINTS_PER_EDGE * (end - begin)) / POINTS_PER_EDGE, np.arange(end - begin + 1), along[own])
         parts.append(curve(places))
     on = np.concatenate([*parts, ring[-1:]])
     return spline_points(fit.control, (fit.knots_u, fit.knots_v), on)
 
 
 def has_four_sides(vertices: FloatArray, faces: IntArray) -> bool:
-    """Tell whether a region is a disc whose edge turns sharply at four places at least."""
+    """Check whether a region is a disc whose boundary has at least four corners."""
     region = _normalised(vertices, faces)
     if len(region.loops) != 1 or region.euler != 1:
         return False
@@ -243,13 +245,13 @@ def has_four_sides(vertices: FloatArray, faces: IntArray) -> bool:
 
 
 class _Region(NamedTuple):
-    """A region of size 1 around the origin."""
+    """A region scaled to size 1 about the origin."""
 
     points: FloatArray  # (n, 3)
     faces: IntArray  # (m, 3)
-    loops: list[IntArray]  # vertices around its edges
-    euler: int  # number: 1 for a disc
-    used: IntArray  # (n,) vertices of the mesh
+    loops: list[IntArray]  # vertices of the boundary loops
+    euler: int  # Euler characteristic: 1 for a disc
+    used: IntArray  # (n,) indices of the vertices in the mesh
     centre: FloatArray  # (3,) [L]
     scale: float  # [L]
 
@@ -264,7 +266,7 @@ def _normalised(vertices: FloatArray, faces: IntArray) -> _Region:
 
 
 def _inner_faces(region: _Region) -> IntArray:
-    """Return the faces (k, 3) that do not reach the edge of a region, where a surface may have no K at all; of a few faces all."""
+    """Return the faces (k, 3) without boundary vertices, where K may be singular; all faces of a small region."""
     rim = np.zeros(len(region.points), bool)
     rim[np.concatenate(region.loops)] = True
     inner = region.faces[~rim[region.faces].any(axis=1)]
@@ -272,13 +274,13 @@ def _inner_faces(region: _Region) -> IntArray:
 
 
 def _better(plain: FittedSurface, curved: FittedSurface, K: float) -> FittedSurface:
-    """Return the surface that was fitted to K too, unless it is farther from the mesh and from K than the one that was not."""
+    """Return the surface fitted to K, unless both its distance and its error of K are larger."""
     lost = plain.deviation < curved.deviation and np.median(np.abs(plain.gaussian - K)) < np.median(np.abs(curved.gaussian - K))
     return plain if lost else curved
 
 
 def _settled(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], loop: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the control points of a smoothing spline, and the parameters (n, 2) of the points on it."""
+    """Return the control points (a, b, 3) of a smoothing spline, and the parameters (n, 2) of the points."""
     control = _fitted(P, uv, knots, shape)
     for _ in range(CORRECTIONS):
         uv = _closest(P, uv, control, knots, loop)
@@ -289,10 +291,10 @@ def _settled(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int]
 def _refined(
     region: _Region, start: FittedSurface, uv: FloatArray, knots: Knots, shape: tuple[int, int], loop: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the control points of a surface with other knots that is nearly the same, and the parameters (n, 2) of the points on it."""
-    places = _places(SAMPLES * max(shape), (0.0, 0.0))
+    """Return a surface resampled on other knots: its control points (a, b, 3), and the parameters (n, 2) of the points."""
+    places = _places(SAMPLES_PER_CONTROL * max(shape), (0.0, 0.0))
     on = spline_points((start.control - region.centre) / region.scale, (start.knots_u, start.knots_v), places)
-    control = _fitted(on, places, knots, shape, STEADY)
+    control = _fitted(on, places, knots, shape, RESAMPLING_SMOOTHING)
     for _ in range(CORRECTIONS):
         uv = _closest(region.points, uv, control, knots, loop)
     return control, uv
@@ -309,29 +311,29 @@ def _curved(
     within: Optional[float],
     begun: bool,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the control points of a surface with the K asked for, and the parameters (n, 2) of the points on it."""
+    """Return the control points (a, b, 3) of a surface fitted to K, and the parameters (n, 2) of the points."""
     weights = np.ones(len(uv))
-    weights[np.concatenate(region.loops)] = ON_EDGE
-    reach = WITHIN if within is None else within / region.scale
+    weights[np.concatenate(region.loops)] = BOUNDARY_WEIGHT
+    reach = DEFAULT_DISTANCE if within is None else within / region.scale
     control = curvature_fitted(control, knots, region.points, uv, weights, places, K * region.scale**2, reach, begun)
     return control, _closest(region.points, uv, control, knots, loop)
 
 
 def _scaled(region: _Region, control: FloatArray, knots: Knots, uv: FloatArray, places: FloatArray) -> FittedSurface:
-    """Return a fit in the lengths of the model, its K read off at places (k, 2)."""
+    """Return a fit in model units, with its K at parameters (k, 2)."""
     gap = float(np.linalg.norm(spline_points(control, knots, uv) - region.points, axis=1).max())
     K = gaussian(control, knots, places) / region.scale**2
     return FittedSurface(control * region.scale + region.centre, *knots, gap * region.scale, K)
 
 
 def _count(edges: float, fits_K: bool, finer: float) -> int:
-    """Return how many control points a side of so many edges gets; without K more of them would only ripple."""
-    count = edges + 1 if fits_K else min(edges + 1, FREE + PER_EDGE * max(0.0, edges + 1 - FREE))
-    return int(np.clip(round(finer * count), LEAST if fits_K else DEGREE + 1, MOST))
+    """Return the number of control points for a side of `edges` mesh edges; without K, more of them would only cause ripples."""
+    count = edges + 1 if fits_K else min(edges + 1, BASE_CONTROL + CONTROL_PER_EDGE * max(0.0, edges + 1 - BASE_CONTROL))
+    return int(np.clip(round(finer * count), MIN_CONTROL if fits_K else DEGREE + 1, MAX_CONTROL))
 
 
 def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tuple[float, float]]:
-    """Return parameters (n, 2) in the unit square, and the mean numbers of vertices along its two pairs of sides."""
+    """Return parameters (n, 2) in the unit square, and the mean numbers of vertices along its pairs of sides."""
     rim = P[loop]
     turn = _turns(rim)
     corners: list[int] = []
@@ -341,7 +343,7 @@ def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tup
         if len(corners) == 4:
             break
     if len(corners) < 4:
-        raise MeshError("a region with so few vertices on its boundary cannot be fitted; refine the mesh")
+        raise MeshError("a region with fewer than four corners of its boundary cannot be fitted; refine the mesh")
     order = np.roll(np.arange(len(loop)), -min(corners))
     starts = sorted((k - min(corners)) % len(loop) for k in corners)
     length = np.linalg.norm(np.roll(rim[order], -1, axis=0) - rim[order], axis=1)
@@ -360,12 +362,12 @@ def _square(P: FloatArray, F: IntArray, loop: IntArray) -> tuple[FloatArray, tup
 
 
 def _turns(rim: FloatArray) -> FloatArray:
-    """Return the angles (k,) by which a closed line turns at its points [rad]."""
+    """Return the turning angles of a closed polyline at its points (k,) [rad]."""
     ahead, behind = np.roll(rim, -1, axis=0) - rim, rim - np.roll(rim, 1, axis=0)
     return np.arctan2(np.linalg.norm(np.cross(behind, ahead), axis=1), np.einsum("ij,ij->i", behind, ahead))
 
 
-def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], stiff: float = STIFF) -> FloatArray:
+def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int], stiff: float = SMOOTHING) -> FloatArray:
     """Return the control points (a, b, 3) of the smoothing spline."""
     B = basis(uv, knots)
     normal = B.T @ B / len(P) + stiff * bending(knots, shape)
@@ -373,7 +375,7 @@ def _fitted(P: FloatArray, uv: FloatArray, knots: Knots, shape: tuple[int, int],
 
 
 def _closest(P: FloatArray, uv: FloatArray, control: FloatArray, knots: Knots, loop: IntArray) -> FloatArray:
-    """Return parameters (n, 2) moved to the closest points; those on the boundary stay on their side."""
+    """Return parameters (n, 2) of the closest points after one Newton step; boundary points stay on their side."""
     off = P - spline_points(control, knots, uv)
     a, b = spline_points(control, knots, uv, (1, 0)), spline_points(control, knots, uv, (0, 1))
     aa, ab, bb = ((x * y).sum(axis=1) for x, y in ((a, a), (a, b), (b, b)))
@@ -387,7 +389,7 @@ def _closest(P: FloatArray, uv: FloatArray, control: FloatArray, knots: Knots, l
 
 
 def _places(count: int, margin: tuple[float, float]) -> FloatArray:
-    """Return parameters (k, 2) spread over the square, none of them in a margin along its sides."""
+    """Return a grid of parameters (k, 2) in the unit square without a margin."""
     t = (np.arange(count) + 0.5) / count
     grid = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
     return np.array(margin) + (1.0 - 2.0 * np.array(margin)) * grid

@@ -1,4 +1,4 @@
-"""Quadric fitting: curvatures by local least squares, a second measure beside the angle defect."""
+"""Curvatures of quadrics fitted by local least squares, a second measure besides the angle defect."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from ..errors import names_what_was_meant
 
 __all__ = ["QuadricCurvatures", "quadric_curvatures"]
 
-LIFT = 1e-14  # of the diagonal, against the trace: rings on a conic do not determine a quadric
+REGULARISATION = 1e-14  # added to the diagonal, relative to the trace; points on a conic do not determine a quadric
 
 
 class QuadricCurvatures(NamedTuple):
-    """Curvatures of fitted quadrics, NaN where no fit was made."""
+    """Curvatures of fitted quadrics, NaN without a fit."""
 
     gaussian: PerVertex  # (n,) [1/L^2]
-    mean: PerVertex  # (n,) positive where convex towards the normal [1/L]
+    mean: PerVertex  # (n,) positive if convex towards the normal [1/L]
     largest: PerVertex  # (n,) larger principal curvature [1/L]
     smallest: PerVertex  # (n,) smaller principal curvature [1/L]
 
 
 @kernel()
 def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
-    """Return the cross product of a vector with the axis that it leans to least."""
+    """Return the cross product of a vector with the coordinate axis of its smallest component."""
     a0, a1, a2 = abs(n0), abs(n1), abs(n2)
     if a0 <= a1 and a0 <= a2:
         return 0.0, n2, -n1
@@ -52,10 +52,10 @@ def across(n0: float, n1: float, n2: float) -> tuple[float, float, float]:
 
 @kernel()
 def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, wanted: Mask) -> FloatArray:
-    """Return K and H (n, 2) of the quadric through each wanted vertex that is nearest to its two rings.
+    """Return K and H (n, 2) of the least-squares quadric through each wanted vertex, fitted to its two rings.
 
-    The second ring is reached through vertices of `through` only, so that a fit does
-    not look across a crease.
+    The second ring is collected through vertices of `through` only, so that fits do not
+    reach across creases.
     """
     out = np.full((V.shape[0], 2), np.nan)
     ring = np.empty(512, np.int64)
@@ -80,7 +80,7 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
                         count += 1
         if count < 5:
             continue
-        # A frame with the normal as its third axis.
+        # Local frame with the normal as third axis.
         n0, n1, n2 = N[i]
         x0, x1, x2 = across(n0, n1, n2)
         length = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
@@ -106,7 +106,7 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
                 r[k] += weight * row[k] * w
                 for m in range(k + 1):
                     M[k, m] += weight * row[k] * row[m]
-        solve_in_place(M, r, len(r), LIFT)
+        solve_in_place(M, r, len(r), REGULARISATION)
         p, q, uu, uv, vv = r
         g = 1.0 + p * p + q * q
         out[i, 0] = (uu * vv - uv * uv) / (g * g) / (scale * scale)
@@ -116,7 +116,7 @@ def fit(V: Vertices, N: Vectors, start: Indices, near: Indices, through: Mask, w
 
 @remembered
 def _neighbours(F: Faces, n: int) -> tuple[IntArray, IntArray]:
-    """Return where the neighbours of every vertex begin (n + 1,), and these, in order."""
+    """Return the offsets (n + 1,) and the sorted neighbours of all vertices."""
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
     graph = sparse.csr_matrix((np.ones(2 * len(u)), (np.r_[u, v], np.r_[v, u])), shape=(n, n))
     graph.sort_indices()
@@ -127,22 +127,22 @@ def _neighbours(F: Faces, n: int) -> tuple[IntArray, IntArray]:
 def quadric_curvatures(
     vertices: ArrayLike, faces: ArrayLike, wanted: Optional[ArrayLike] = None, through: Optional[ArrayLike] = None
 ) -> QuadricCurvatures:
-    """Fit a quadric to the two rings around vertices and return its curvatures.
+    """Return the curvatures of quadrics fitted to the two rings around vertices.
 
-    On meshes of any valence these converge to the curvatures of a smooth surface, which
-    the angle defect does only at vertices of valence 6 or 4; in exchange they are not
-    exact for the polyhedron at hand.
+    They converge to the curvatures of a smooth surface at any valence, while the angle defect
+    does so only at vertices of valence 6 or 4. Unlike the angle defect they are not an exact
+    property of the polyhedron.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     wanted
-        ``(n,)`` bool: where to fit. Default: everywhere.
+        ``(n,)`` bool: vertices to fit at. Default: all.
     through
-        ``(n,)`` bool: vertices that the second ring may be reached through. Default: all.
+        ``(n,)`` bool: vertices through which the second ring is collected. Default: all.
 
     Returns
     -------

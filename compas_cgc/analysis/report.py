@@ -1,4 +1,4 @@
-"""Analysis report: curvature errors region by region, the quality of the mesh, and the rounding floor."""
+"""Analysis report: curvature errors by region, mesh quality and rounding floor."""
 
 from __future__ import annotations
 
@@ -37,28 +37,28 @@ __all__ = ["MeshQuality", "RegionReport", "SurfaceReport", "analyse"]
 
 @dataclass(frozen=True)
 class RegionReport:
-    """One region; figures are ``None`` where K is asked at no vertex.
+    """Report on one region; figures are ``None`` without internal vertices.
 
     Parameters
     ----------
     region
-        Its number.
+        Number of the region.
     faces
-        How many.
+        Number of faces.
     area
-        [L^2].
+        Area [L^2].
     asked
-        Vertices where K is asked.
+        Number of internal vertices.
     target
-        K̄, None where it is not one number [1/L^2].
+        K̄, None if it is not one number [1/L^2].
     max_error
         Largest |K - K̄| [1/L^2].
     rms_error
-        Root of the mean square of K - K̄ [1/L^2].
+        Root mean square of K - K̄ [1/L^2].
     total_curvature
-        Sum of defects over sum of cells [1/L^2].
+        Sum of angle defects over sum of vertex areas [1/L^2].
     quadric_median
-        K of local quadric fits [1/L^2].
+        Median K of local quadric fits [1/L^2].
     quadric_low
         First decile of the same [1/L^2].
     quadric_high
@@ -68,7 +68,7 @@ class RegionReport:
     principal_min
         Smallest principal curvature of the fits [1/L].
     concave_edges
-        Edges inside the region that fold inwards.
+        Number of edges inside the region that fold inwards.
 
     Examples
     --------
@@ -81,41 +81,41 @@ class RegionReport:
     region: int
     faces: int
     area: float  # [L^2]
-    asked: int  # vertices where K is asked
-    target: Optional[float]  # K̄, None where it is not one number [1/L^2]
+    asked: int  # number of internal vertices
+    target: Optional[float]  # K̄, None if it is not one number [1/L^2]
     max_error: Optional[float]  # largest |K - K̄| [1/L^2]
-    rms_error: Optional[float]  # root of the mean square of K - K̄ [1/L^2]
-    total_curvature: Optional[float]  # sum of defects over sum of cells [1/L^2]
-    quadric_median: Optional[float]  # K of local quadric fits [1/L^2]
+    rms_error: Optional[float]  # root mean square of K - K̄ [1/L^2]
+    total_curvature: Optional[float]  # sum of angle defects over sum of vertex areas [1/L^2]
+    quadric_median: Optional[float]  # median K of local quadric fits [1/L^2]
     quadric_low: Optional[float]  # first decile of the same [1/L^2]
     quadric_high: Optional[float]  # last decile of the same [1/L^2]
     principal_max: Optional[float]  # largest principal curvature of the fits [1/L]
     principal_min: Optional[float]  # smallest principal curvature of the fits [1/L]
-    concave_edges: int  # edges inside the region that fold inwards
+    concave_edges: int  # number of edges inside the region that fold inwards
 
 
 @dataclass(frozen=True)
 class MeshQuality:
-    """The mesh that all this was measured on.
+    """Quality of the mesh of a surface.
 
     Parameters
     ----------
     vertices
-        How many.
+        Number of vertices.
     faces
-        How many.
+        Number of faces.
     regular
-        Part of the inner vertices with valence 6.
+        Share of the inner vertices with valence 6.
     smallest_angle
-        [degree].
+        Smallest angle of a triangle [degree].
     largest_angle
-        [degree].
+        Largest angle of a triangle [degree].
     shortest_edge
-        [L].
+        Length of the shortest edge [L].
     longest_edge
-        [L].
+        Length of the longest edge [L].
     rounding_floor
-        Machine epsilon over the smallest cell: K cannot be known better [1/L^2].
+        Accuracy limit of K due to rounding: machine epsilon over the smallest vertex area [1/L^2].
 
     Examples
     --------
@@ -127,36 +127,36 @@ class MeshQuality:
 
     vertices: int
     faces: int
-    regular: float  # part of the inner vertices with valence 6
+    regular: float  # share of the inner vertices with valence 6
     smallest_angle: float  # [degree]
     largest_angle: float  # [degree]
     shortest_edge: float  # [L]
     longest_edge: float  # [L]
-    rounding_floor: float  # machine epsilon over the smallest cell: K cannot be known better [1/L^2]
+    rounding_floor: float  # machine epsilon over the smallest vertex area [1/L^2]
 
 
 @dataclass(frozen=True)
 class SurfaceReport:
-    """A surface beside what was asked of it.
+    """Report on a surface and its targets.
 
     Parameters
     ----------
     verdict
-        Whether it is fair or rough.
+        Whether the surface is fair or rough.
     measure
-        Of K, by which the errors are told.
+        Measure of K in the errors.
     other_measures
         Largest |K - K̄| by other measures [1/L^2].
     regions
-        Of every region, in their order.
+        Reports on the regions, in their order.
     quality
-        Of the mesh.
+        Quality of the mesh.
     max_error
         Largest |K - K̄| of all regions [1/L^2].
     moved_max
-        Farthest that a vertex moved from the input [L].
+        Largest displacement of a vertex from the reference [L].
     moved_mean
-        [L].
+        Mean displacement [L].
 
     Examples
     --------
@@ -167,16 +167,16 @@ class SurfaceReport:
     """
 
     verdict: Verdict  # whether it is fair or rough
-    measure: str  # of K, by which the errors are told
+    measure: str  # measure of K in the errors
     other_measures: dict[str, float]  # largest |K - K̄| by other measures [1/L^2]
     regions: list[RegionReport]
     quality: MeshQuality
     max_error: float  # largest |K - K̄| of all regions [1/L^2]
-    moved_max: Optional[float]  # farthest that a vertex moved from the input [L]
-    moved_mean: Optional[float]  # [L]
+    moved_max: Optional[float]  # largest displacement from the reference [L]
+    moved_mean: Optional[float]  # mean displacement [L]
 
     def to_dict(self) -> dict:
-        """Return plain lists and dicts, ready for JSON."""
+        """Return a dict that can be written as JSON."""
         return {**asdict(self), "verdict": self.verdict.to_dict()}
 
     def __str__(self) -> str:
@@ -202,37 +202,37 @@ class SurfaceReport:
             *_columns([heads, *rows]),
             f"mesh: {q.vertices} vertices, {q.faces} faces, {100 * q.regular:.0f} % of the inner vertices regular, "
             f"angles {q.smallest_angle:.1f} to {q.largest_angle:.1f} degrees, edges {q.shortest_edge:.4g} to {q.longest_edge:.4g}",
-            f"K by the {self.measure} measure" + (f"; largest error by the others: {others}" if others else ""),
-            f"curvature cannot be known better than {q.rounding_floor:.1e} on this mesh",
+            f"K by the measure {self.measure}" + (f"; largest error by other measures: {others}" if others else ""),
+            f"rounding limits the accuracy of K on this mesh to {q.rounding_floor:.1e}",
         ]
         if self.moved_max is not None:
-            lines.append(f"moved by {self.moved_max:.4g} at most, {self.moved_mean:.4g} on average")
+            lines.append(f"vertices moved by {self.moved_mean:.4g} on average, {self.moved_max:.4g} at most")
         return "\n".join(lines)
 
 
 @names_what_was_meant()
 def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, others: bool = True) -> SurfaceReport:
-    """Measure a surface against its targets.
+    """Return a report on the curvature errors and the mesh of a surface.
 
     Parameters
     ----------
     surface
-        A result, mesh or problem with targets. Dummies are left out. A result is read in the measure of its solve, the others by
-        angle defects.
+        A result, mesh or problem with targets; dummies are ignored. Results use the measure of their solve, others angle
+        defects.
     reference
-        What it was made from, to tell how far it moved.
+        The input of the solve, for displacements.
     others
-        Tell the errors by other measures too, which takes as long as all the rest.
+        Whether to compute errors by other measures too, which doubles the run time.
 
     Returns
     -------
     SurfaceReport
-        Its text is meant to be read; ``to_dict`` gives the same as plain data.
+        ``str(report)`` is a readable table; ``to_dict`` returns plain data.
 
     Raises
     ------
     ValueError
-        If the reference has another number of vertices.
+        If the reference has a different number of vertices.
 
     Examples
     --------
@@ -246,7 +246,7 @@ def analyse(surface: PosesProblem, reference: Optional[PosesProblem] = None, *, 
     V, F = problem.vertices, problem.faces
     before = None if reference is None else problem_of(reference, "is a reference").without_dummies().vertices
     if before is not None and before.shape != V.shape:
-        raise ValueError(f"the reference has {len(before)} vertices, the mesh {len(V)}; give the mesh that it was made from")
+        raise ValueError(f"the reference has {len(before)} vertices, but the surface has {len(V)}; give the input of the solve")
     moved = None if before is None else np.linalg.norm(V - before, axis=1)
     regions = _regions(problem, problem.regions(), problem.creases, measured_curvature(problem, measure))
     errors = {

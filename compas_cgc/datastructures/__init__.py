@@ -1,4 +1,4 @@
-"""The mesh that designers work with, and what a solve makes of it."""
+"""CGCMesh and the result of a solve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a designer asks of a result first: fair or not, how high, how curved, and held where."""
+"""Summary of a result in one sentence: verdict, heights, K and supports."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..model.verdict import Verdict
 
 __all__ = ["summary"]
 
-NOTHING = 1e-9  # of the size of a surface, that is no height
-SUNK = 1e-3  # of it, by which a roof lies under its supports
-FACING = 0.5  # part of the area of a drawing that faces one way from which it has a plan
-KEPT = (0.8, 1.25)  # parts of its plan that a surface may cover and still be taken for what was drawn
+ZERO_HEIGHT = 1e-9  # height relative to the size of a surface that is written as 0
+MIN_SAG = 1e-3  # depth below the supports, relative to the size, that is reported
+MIN_PLAN_SHARE = 0.5  # share of the area of a drawing that must face one way for its plan area to make sense
+PLAN_RANGE = (0.8, 1.25)  # ratios of plan area to drawn plan area that are not reported
 
 
 def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judged: Optional[Verdict], max_error: float) -> str:
@@ -29,20 +29,20 @@ def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judge
     Parameters
     ----------
     problem
-        With its vertices on the surface.
+        Problem with its vertices on the surface.
     drawn
-        ``(n, 3)`` where they were drawn [L]; None where that is not known.
+        ``(n, 3)`` drawn vertices [L]; None if unknown.
     status
-        Of the solve.
+        Status of the solve.
     judged
-        The verdict; None where there is no surface.
+        Verdict; None if there is no surface.
     max_error
         Largest |K - K̄| [1/L^2].
     """
     if judged is None:
-        return "no surface: what was drawn is left as it is"
+        return "no surface found: the drawing is unchanged"
     surface = f"{_heights(problem)}{_covered(problem, drawn)}, {_curvature(problem, status, max_error)}, {_held(problem)}"
-    return f"not as asked: {surface}" if status != "converged" else f"{judged}{':' if judged.fair else ';'} {surface}"
+    return f"target not met: {surface}" if status != "converged" else f"{judged}{':' if judged.fair else ';'} {surface}"
 
 
 def _heights(problem: CGCProblem) -> str:
@@ -52,7 +52,7 @@ def _heights(problem: CGCProblem) -> str:
 
 
 def _sunk(problem: CGCProblem, size: float) -> str:
-    """Return how far a roof of K > 0 dips under the edge that it is held along: between domes, where water would stay."""
+    """Return how far a roof of K > 0 sags below its supported boundary, where water would collect between domes."""
     z, fixed = problem.vertices[:, 2], problem.roles == FIXED
     held = fixed[boundary_vertices(problem.vertices, problem.faces)]
     bulges = (problem.targets[problem.asked] > 0.0).all() and face_normals(problem.vertices, problem.faces)[:, 2].mean() > 0.0
@@ -61,48 +61,50 @@ def _sunk(problem: CGCProblem, size: float) -> str:
     lowest = float(z[fixed].min())
     under = lowest - float(z.min())
     return (
-        f", inside {_number(under, size)} under its edge (goals=[Above({_number(lowest, size)})] keeps it up)"
-        if under > SUNK * size
+        f", sagging {_number(under, size)} below its boundary (goals=[Above({_number(lowest, size)})] prevents this)"
+        if under > MIN_SAG * size
         else ""
     )
 
 
 def _covered(problem: CGCProblem, drawn: Optional[FloatArray]) -> str:
-    """Return how much of the plan that was drawn a surface covers, where that is far from all of it: with K < 0 free edges draw in."""
+    """Return the share of the drawn plan that a surface covers if it is far from 1; with K < 0 free edges move inwards."""
     if drawn is None:
         return ""
     faces = problem.faces[problem.real_faces]
     before, after = (np.cross(V[faces[:, 1]] - V[faces[:, 0]], V[faces[:, 2]] - V[faces[:, 0]]) for V in (drawn, problem.vertices))
     plan = before.sum(axis=0)
-    if np.linalg.norm(plan) <= FACING * np.linalg.norm(before, axis=1).sum():
+    if np.linalg.norm(plan) <= MIN_PLAN_SHARE * np.linalg.norm(before, axis=1).sum():
         return ""
     share = float(after.sum(axis=0) @ plan / (plan @ plan))
-    return "" if KEPT[0] <= share <= KEPT[1] else f", over {100 * share:.0f} % of the plan that was drawn (a K nearer to 0 keeps more)"
+    return (
+        "" if PLAN_RANGE[0] <= share <= PLAN_RANGE[1] else f", covering {100 * share:.0f} % of the drawn plan (a K nearer to 0 covers more)"
+    )
 
 
 def _curvature(problem: CGCProblem, status: str, max_error: float) -> str:
     targets = problem.targets[problem.asked]
     targets = targets[np.isfinite(targets)]
     if not len(targets):
-        return "K asked nowhere"
+        return "no K prescribed"
     low, high = f"{targets.min():.4g}", f"{targets.max():.4g}"
     count = len(problem.region_targets())
     text = f"K = {low}" if low == high else f"K from {low} to {high}"
     text += f" in {count} regions" if count > 1 else ""
     if status != "converged":
-        return f"{text} missed by up to {max_error:.2g}"
+        return f"{text} with errors up to {max_error:.2g}"
     found = any(isinstance(own, Unknown) for own in problem.goals)
-    return f"{text}, found" if found else f"{text} as asked"
+    return f"{text} (solved for)" if found else f"{text} as prescribed"
 
 
 def _held(problem: CGCProblem) -> str:
     rim, fixed = boundary_vertices(problem.vertices, problem.faces), problem.roles == FIXED
     if rim.any() and np.array_equal(rim, fixed):
-        return "held along its whole edge"
+        return "supported along its whole boundary"
     count = int(fixed.sum())
-    loose = " only, about which it can turn" if turns_about(problem) else ""
-    return f"held at {count} of {len(fixed)} vertices{loose}"
+    loose = " only, about which it can rotate" if turns_about(problem) else ""
+    return f"supported at {count} of {len(fixed)} vertices{loose}"
 
 
 def _number(value: float, size: float) -> str:
-    return "0" if abs(value) <= NOTHING * size else f"{value:.4g}"
+    return "0" if abs(value) <= ZERO_HEIGHT * size else f"{value:.4g}"

@@ -1,4 +1,4 @@
-"""CGCMesh: a COMPAS mesh that knows its supports, creases, regions and targets."""
+"""CGCMesh: a COMPAS mesh with supports, creases, regions, targets and constraints."""
 
 from __future__ import annotations
 
@@ -66,32 +66,32 @@ __all__ = ["CGCMesh"]
 
 
 class CGCMesh(Mesh):
-    """A triangle mesh with what is asked of it.
+    """A triangle mesh with supports, creases, target curvatures and constraints.
 
     Every vertex has a ``role``:
 
     ========  ==========================================================
-    internal  K is asked for here
-    fixed     a support, it stays where it is
-    crease    on an internal boundary: it moves, no K is asked
-    free      on a free edge of the mesh: it moves, no K is asked
+    internal  movable, K is prescribed
+    fixed     support, does not move
+    crease    on an internal boundary: movable, no K prescribed
+    free      on a free edge of the mesh: movable, no K prescribed
     dummy     outside the real mesh, never part of a result
     ========  ==========================================================
 
-    and a ``target`` K̄ [1/L^2], read at internal vertices. Along creases, ``s`` and ``e``
-    override the settings of the flow. The normals of the faces point to the side to
-    which a surface of positive K rises from a flat drawing; :meth:`flip` turns them.
+    and a ``target`` K̄ [1/L^2], used at internal vertices. Along creases, ``s`` and ``e``
+    override the settings of the flow. From a flat drawing, a surface of K > 0 rises to the
+    side to which the face normals point; :meth:`flip` reverses them.
 
     Parameters
     ----------
     default_vertex_attributes
-        Beyond role, target, s and e.
+        Defaults of vertex attributes besides role, target, s and e.
     default_edge_attributes
-        Beyond ``is_crease``.
+        Defaults of edge attributes besides ``is_crease``.
     default_face_attributes
-        As of a COMPAS mesh.
+        Defaults of face attributes.
     name
-        Of the mesh.
+        Name of the mesh.
 
     Examples
     --------
@@ -104,7 +104,7 @@ class CGCMesh(Mesh):
 
     VERTEX_DEFAULTS = {"role": "internal", "target": None, "s": None, "e": None}
     EDGE_DEFAULTS = {"is_crease": False}
-    origin: Optional[Origin] = None  # of the mesh of a result: what its surface was found for
+    origin: Optional[Origin] = None  # for the mesh of a result: the problem that its surface solves
 
     def __init__(
         self,
@@ -159,7 +159,7 @@ class CGCMesh(Mesh):
             return find_attribute(self, name, _as_a_function)
 
     def __str__(self) -> str:
-        """Say what the mesh is, and what is asked of it."""
+        """Return a summary of the mesh, its supports, creases, constraints and regions."""
         V = self.arrays()[0]
         size = " x ".join(f"{side:.4g}" for side in (np.ptp(V, axis=0) if len(V) else ()))
         regions = self.regions()
@@ -169,10 +169,10 @@ class CGCMesh(Mesh):
         ]
         for number, faces in enumerate(regions[:12]):
             K = self.region_target(number)
-            asked = "no one K is asked for" if K is None else f"K = {K:g}"
+            asked = "no single K" if K is None else f"K = {K:g}"
             lines.append(f"  region {number}: {len(faces)} faces, {asked}")
         if len(regions) > 12:
-            lines.append(f"  and {len(regions) - 12} regions more")
+            lines.append(f"  and {len(regions) - 12} more regions")
         return "\n".join(lines)
 
     # ------------------------------------------------------------------
@@ -181,15 +181,15 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_vertices_and_faces(cls, vertices: Any, faces: Any) -> CGCMesh:
-        """Make a mesh from vertices and faces; quads and n-gons are triangulated.
+        """Return a mesh of vertices and faces; quads and n-gons are triangulated.
 
         Parameters
         ----------
         vertices
-            ``(n, 3)`` coordinates [L], or a dict of them by key.
+            ``(n, 3)`` coordinates [L], or a dict from keys to coordinates.
         faces
-            Lists of vertex keys, of any length, or a dict of them by key. The keys of
-            faces are kept where none has to be split.
+            Lists of three or more vertex keys, or a dict from keys to lists. The face keys are kept
+            if no face has to be split.
 
         Raises
         ------
@@ -205,17 +205,17 @@ class CGCMesh(Mesh):
         mesh = super().from_vertices_and_faces(points, dict(zip(names, triangles.tolist())))
         dropped = np.setdiff1d(np.arange(len(keys)), owner)
         if len(dropped):
-            # COMPAS leaves such faces out without a word; check() says it.
+            # COMPAS drops such faces silently; check() reports them.
             mesh.attributes["dropped_faces"] = [[keys[k], named[keys[k]]] for k in dropped]
         mesh.update_roles()
         return mesh
 
     @classmethod
     def from_mesh(cls, mesh: Mesh) -> CGCMesh:
-        """Make a mesh from a COMPAS mesh, with its keys, attributes and name where they apply."""
+        """Return a mesh with the keys, attributes and name of a COMPAS mesh."""
         if isinstance(mesh, type) or not hasattr(mesh, "vertex_coordinates"):
-            mend = "read a file with compas_cgc.read(path), make arrays one with CGCMesh.from_vertices_and_faces(vertices, faces)"
-            raise MeshError(f"from_mesh() takes a mesh of COMPAS, not {mesh!r:.60}; {mend}")
+            mend = "read a file with compas_cgc.read(path), or convert arrays with CGCMesh.from_vertices_and_faces(vertices, faces)"
+            raise MeshError(f"from_mesh() takes a COMPAS mesh, not {mesh!r:.60}; {mend}")
         keys = list(mesh.vertices())
         result = cls.from_vertices_and_faces(
             {key: mesh.vertex_coordinates(key) for key in keys}, {face: mesh.face_vertices(face) for face in mesh.faces()}
@@ -233,21 +233,21 @@ class CGCMesh(Mesh):
     @classmethod
     @names_what_was_meant(said_of_the_mesh)
     def from_meshgrid(cls, dx: float, nx: int, dy: Optional[float] = None, ny: Optional[int] = None) -> CGCMesh:
-        """Make a plane grid of nx by ny squares, each split along the same diagonal.
+        """Return a plane grid of nx by ny cells, each split along the same diagonal.
 
         Parameters
         ----------
         dx, dy
             Widths of the grid [L].
         nx, ny
-            Numbers of squares.
+            Numbers of cells.
         """
         for name, count in (("nx", nx), ("ny", ny)):
             if count is not None and (not isinstance(count, (int, np.integer)) or count < 1):
-                raise ValueError(f"{name} is the number of squares and must be a whole number from 1 up, not {count!r}")
+                raise ValueError(f"{name}, the number of cells, must be a whole number of at least 1, not {count!r}")
         for name, width in (("dx", dx), ("dy", dy)):
             if width is not None and checked_number(width, f"{name}, the width of the grid,") == 0.0:
-                raise ValueError(f"{name} is the width of the grid and must not be 0")
+                raise ValueError(f"{name}, the width of the grid, must not be 0")
         grid = Mesh.from_meshgrid(dx, nx, dy, ny)
         mesh = cls.from_mesh(grid)
         if sum(mesh.face_normal(next(iter(mesh.faces())))[2:]) < 0:
@@ -270,31 +270,31 @@ class CGCMesh(Mesh):
         points: Optional[ArrayLike] = None,
         tolerance: float = 1e-6,
     ) -> CGCMesh:
-        """Make a mesh of near-equilateral triangles within an outline in plan, with the creases set.
+        """Return a mesh of near-equilateral triangles within an outline in plan, with creases.
 
-        There is a vertex at every kink, end and crossing of the curves and at every point; edges are shorter at small features.
-        Heights are those of the curves, and a thin plate's between them; points over curves that are level are heads of columns,
-        which lift nothing but themselves before a solve. Takes the extra ``mesher``.
+        The mesh has a vertex at every kink, end and crossing of the curves and at every point; edges are shorter at small features.
+        Heights follow the curves, with a thin-plate interpolation between them. Points above level curves count as column heads,
+        which do not raise the mesh around them before a solve. Requires the extra ``mesher``.
 
         Parameters
         ----------
         outline
-            ``(k, 3)`` points around the boundary, or ``(k, 2)`` in plan, the first again at the end or not [L].
+            ``(k, 3)`` points around the boundary, or ``(k, 2)`` in plan; the first may be repeated at the end [L].
         edge_length
-            Length of edges aimed at [L].
+            Target edge length [L].
         holes
-            The same for holes.
+            Outlines of holes, in the same form.
         creases
-            ``(k, 3)`` points along each crease; what lies outside of the outline is left out.
+            ``(k, 3)`` points along each crease [L]; parts outside the outline are ignored.
         points
-            ``(k, 3)`` places that become vertices, such as columns, or ``(k, 2)`` in plan.
+            ``(k, 3)`` points that become vertices, such as columns, or ``(k, 2)`` in plan [L].
         tolerance
-            Length below which two points are one [L].
+            Distance below which two points coincide [L].
 
         Raises
         ------
         MeshError
-            If the mesher is not installed, the curves do not bound an area, or a point lies outside of it.
+            If the mesher is not installed, the curves do not enclose an area, or a point lies outside it.
 
         Examples
         --------
@@ -310,15 +310,15 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_surface(cls, surface: Any, edge_length: float) -> CGCMesh:
-        """Make a mesh of even triangles on a surface, with creases where it bends sharply. Takes the extra ``mesher``.
+        """Return a mesh of near-equilateral triangles on a surface, with creases at its kinks. Requires the extra ``mesher``.
 
         Parameters
         ----------
         surface
-            An untrimmed one of COMPAS (``point_at``, ``domain_u``, ``domain_v``), of rhino3dm or RhinoCommon (``PointAt``,
-            ``Domain``); or a Brep, an extrusion or a SubD of rhino3dm.
+            Untrimmed surface of COMPAS (``point_at``, ``domain_u``, ``domain_v``), rhino3dm or RhinoCommon (``PointAt``,
+            ``Domain``), or a Brep, extrusion or SubD of rhino3dm.
         edge_length
-            Length of edges aimed at [L].
+            Target edge length [L].
 
         Raises
         ------
@@ -341,9 +341,9 @@ class CGCMesh(Mesh):
         Parameters
         ----------
         path
-            The .3dm file; an older one is replaced when the new one is complete.
+            Path of the .3dm file; an existing file is replaced once the new one is complete.
         version
-            Of Rhino: 7 or 8.
+            Rhino version: 7 or 8.
         """
         mesh_to_3dm(self, path, version)
 
@@ -358,11 +358,11 @@ class CGCMesh(Mesh):
                     self.add_face(triangle)
 
     def flip(self) -> None:
-        """Turn all faces over, so that the other side is the outside."""
+        """Flip all faces, which reverses the normals."""
         self.flip_cycles()
 
     def unify(self) -> None:
-        """Turn the faces that run against the first face of their piece."""
+        """Orient all faces like the first face of their connected piece."""
         self.unify_cycles()
 
     # ------------------------------------------------------------------
@@ -375,7 +375,7 @@ class CGCMesh(Mesh):
         Parameters
         ----------
         dummies
-            Keep the dummy mesh.
+            Include the dummy mesh.
         """
         points = [(own["x"], own["y"], own["z"]) for own in self.vertex.values()]
         vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
@@ -386,12 +386,12 @@ class CGCMesh(Mesh):
         return vertices[~dummy], (np.cumsum(~dummy) - 1)[faces[~dummy[faces].any(axis=1)]]
 
     def to_problem(self) -> CGCProblem:
-        """Return the problem that the mesh poses, with any dummy mesh, in the order of its vertices.
+        """Return the mesh as a problem, including any dummy mesh, in the order of its vertices.
 
         Raises
         ------
         ProblemError
-            If it holds what arrays cannot: coordinates that are no numbers, polygons, creases between lost vertices.
+            If arrays cannot represent the mesh: non-finite coordinates, polygons, creases between deleted vertices.
         """
         refuse(diagnostics_of_keys(self))
         vertices, faces = self.arrays(dummies=True)
@@ -414,7 +414,7 @@ class CGCMesh(Mesh):
 
     @classmethod
     def from_problem(cls, problem: CGCProblem) -> CGCMesh:
-        """Make the mesh of a problem, by the user's names."""
+        """Return the mesh of a problem, with the keys in its `names`."""
         keys = problem.names.vertices.tolist()
         faces = problem.names.vertices[problem.faces].tolist()
         mesh = Mesh.from_vertices_and_faces.__func__(
@@ -439,7 +439,7 @@ class CGCMesh(Mesh):
         return np.fromiter((np.nan if value is None else value for value in values), np.float64, len(self.vertex))
 
     def _positions(self, keys: IntArray) -> IntArray:
-        """Return the positions of vertices in the order of the mesh."""
+        """Return the indices of vertex keys in the order of the mesh."""
         known = np.array(list(self.vertex), dtype=np.int64)
         if np.array_equal(known, np.arange(len(known))):
             return keys
@@ -454,7 +454,7 @@ class CGCMesh(Mesh):
         return mesh
 
     def with_coordinates(self, vertices: FloatArray) -> CGCMesh:
-        """Return a copy without dummies whose vertices are at `vertices` (n, 3)."""
+        """Return a copy without dummies and with the coordinates `vertices` (n, 3) [L]."""
         mesh = self.without_dummies()
         for key, (x, y, z) in zip(list(mesh.vertices()), np.asarray(vertices, dtype=np.float64).tolist()):
             mesh.vertex[key].update(x=x, y=y, z=z)
@@ -478,11 +478,11 @@ class CGCMesh(Mesh):
         return [self.vertex_attribute(key, "role") for key in (self.vertices() if keys is None else keys)]
 
     def vertices_where_role(self, role: str) -> list[int]:
-        """Return the vertices of a role."""
+        """Return the vertices with a role."""
         return [key for key in self.vertices() if self.vertex_role(key) == role]
 
     def is_dummy(self, key: int) -> bool:
-        """Tell whether a vertex belongs to the dummy mesh."""
+        """Check whether a vertex belongs to the dummy mesh."""
         return self.vertex[key].get("role") == "dummy"
 
     def supports(self) -> list[int]:
@@ -490,23 +490,23 @@ class CGCMesh(Mesh):
         return self.vertices_where_role("fixed")
 
     def set_supports(self, vertices: Union[str, Iterable[int]], add: bool = False) -> None:
-        """Fix vertices.
+        """Make vertices supports.
 
         Parameters
         ----------
         vertices
-            Keys, ``"boundary"`` for every vertex on an open edge, ``"outline"`` for those around the mesh and not around
-            its holes, or ``"corners"`` for those where an open edge turns by more than 30 degrees.
+            Vertex keys, ``"boundary"`` for all boundary vertices, ``"outline"`` for those of the outer boundary without holes,
+            or ``"corners"`` for boundary vertices where the boundary turns by more than 30 degrees.
         add
-            Keep the supports set before.
+            Keep the present supports.
         """
         if isinstance(vertices, str):
             keys = self._real_keys()
             chosen = [keys[v] for v in named_supports(*self.arrays(), vertices)]
             if not chosen and self.vertex and not self.face:
-                raise ValueError(f"the mesh has no faces, so it has no {vertices}; make it with faces of three different vertices or more")
+                raise ValueError(f"the mesh has no faces and so no {vertices}; add faces of three or more different vertices")
             if not chosen and self.vertex and not self.boundary_loops():
-                raise ValueError(f"the mesh is closed, it has no {vertices}; name vertices to hold it at: mesh.set_supports([...])")
+                raise ValueError(f"the mesh is closed and has no {vertices}; name the support vertices: mesh.set_supports([...])")
         else:
             chosen = vertex_names(vertices, "supports")
             lost = [key for key in chosen if key not in self.vertex]
@@ -520,17 +520,17 @@ class CGCMesh(Mesh):
         self.update_roles()
 
     def vertices_near(self, points: ArrayLike) -> list[int]:
-        """Return the vertex nearest to each of some places.
+        """Return the nearest vertex to each point.
 
         Parameters
         ----------
         points
-            ``(k, 3)`` places [L], or ``(k, 2)`` places in plan.
+            ``(k, 3)`` points [L], or ``(k, 2)`` points in plan.
 
         Returns
         -------
         list of int
-            Keys of vertices, one for every place.
+            Vertex keys, one per point.
 
         Examples
         --------
@@ -539,15 +539,15 @@ class CGCMesh(Mesh):
         >>> len(mesh.supports())
         3
         """
-        places = point_array(points, "places")
+        places = point_array(points, "points")
         if places.ndim != 2 or places.shape[1] not in (2, 3):
-            raise ValueError(f"places must be a list of points with two or three coordinates, not of shape {places.shape}")
+            raise ValueError(f"points must be a list of points with two or three coordinates, not an array of shape {places.shape}")
         keys = np.array(self._real_keys(), dtype=np.int64)
         width = places.shape[1]
         return keys[cKDTree(self.arrays()[0][:, :width]).query(places)[1]].tolist()
 
     def boundary_loops(self) -> list[list[int]]:
-        """Return the loops of vertices around the open edges of the real mesh, the longest first."""
+        """Return the boundary loops of the real mesh as vertex keys, the longest first."""
         keys = self._real_keys()
         return [[keys[v] for v in loop] for loop in boundary_loops(self.arrays()[1])]
 
@@ -555,9 +555,9 @@ class CGCMesh(Mesh):
         return [key for key in self.vertices() if not self.is_dummy(key)]
 
     def update_roles(self) -> None:
-        """Give every vertex that is neither fixed nor dummy the role that its place calls for.
+        """Set the role of every vertex that is neither fixed nor dummy: crease, free or internal.
 
-        ``set_supports``, ``set_creases`` and ``add_dummy_ring`` do so; call it after
+        ``set_supports``, ``set_creases`` and ``add_dummy_ring`` call this; call it after
         changing the mesh by hand.
         """
         on_crease = {v for edge in self.crease_edges() for v in edge}
@@ -571,24 +571,24 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def set_creases(self, creases: Iterable[Sequence[int]], add: bool = False) -> None:
-        """Let the surface fold along edges.
+        """Make edges creases, along which the surface may fold.
 
         Parameters
         ----------
         creases
             Edges ``(u, v)`` or paths of vertices ``[u, v, w, ...]``.
         add
-            Keep the creases set before.
+            Keep the present creases.
 
         Raises
         ------
         ValueError
-            If two vertices that follow each other are not joined by an edge.
+            If two consecutive vertices are not joined by an edge.
         """
         edges = path_edges([[self._known(key) for key in path] for path in vertex_paths(creases)])
         for u, v in edges:
             if v not in self.halfedge[u] and u not in self.halfedge[v]:
-                raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
+                raise ValueError(f"the crease from vertex {u} to {v} does not follow an edge of the mesh; define creases along edges")
         if not add:
             for edge in self.crease_edges():
                 self.unset_edge_attribute(edge, "is_crease")
@@ -597,16 +597,16 @@ class CGCMesh(Mesh):
         self.update_roles()
 
     def crease_edges(self) -> list[tuple[int, int]]:
-        """Return the crease edges."""
+        """Return the crease edges as pairs of vertex keys."""
         edges = (_edge_ends(name) for name, values in self.edgedata.items() if values.get("is_crease"))
         return sorted((u, v) for u, v in edges if u in self.vertex and v in self.vertex)
 
     def creases(self) -> list[list[int]]:
-        """Return the creases as paths of vertices between ends and branchings, in a stable order."""
+        """Return the creases as paths of vertex keys between ends and junctions, in a stable order."""
         return crease_paths(self.crease_edges())
 
     def regions(self) -> list[list[int]]:
-        """Return the faces of every region, numbered by their first face."""
+        """Return the face keys of every region; regions are ordered by their first face."""
         faces = [f for f, corners in self.face.items() if not any(self.is_dummy(v) for v in corners)]
         if not faces:
             return []
@@ -619,7 +619,7 @@ class CGCMesh(Mesh):
         return regions
 
     def region_vertices(self, region: int) -> list[int]:
-        """Return the vertices of a region where K can be asked: not on creases."""
+        """Return the vertices of a region that are not on creases."""
         regions = self.regions()
         if isinstance(region, bool) or not isinstance(region, (int, np.integer)) or not 0 <= region < len(regions):
             raise ValueError(no_region(region, len(regions), bool(self.crease_edges())))
@@ -631,16 +631,16 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def set_target(self, K: float, region: Optional[int] = None, vertices: Optional[Iterable[int]] = None) -> None:
-        """Ask for a Gaussian curvature, everywhere, in a region or at vertices.
+        """Set the target Gaussian curvature everywhere, in a region or at vertices.
 
         Parameters
         ----------
         K
-            Target [1/L^2].
+            Target curvature [1/L^2].
         region
             Number of a region, see :meth:`regions`.
         vertices
-            Keys of vertices.
+            Vertex keys.
         """
         given: Any = K
         if isinstance(given, (Mapping, Sequence, np.ndarray)) and not isinstance(given, str):
@@ -666,7 +666,7 @@ class CGCMesh(Mesh):
         return [self.vertex_target(key) for key in (self.vertices() if keys is None else keys)]
 
     def region_target(self, region: int) -> Optional[float]:
-        """Return the target of a region [1/L^2], or None where it is not one number."""
+        """Return the target of a region [1/L^2], None if it is not one number."""
         keys = self.region_vertices(region)
         values = {self.vertex_target(v) for v in keys if self.vertex_role(v) == "internal"} or {self.vertex_target(v) for v in keys}
         return values.pop() if len(values) == 1 else None
@@ -678,14 +678,14 @@ class CGCMesh(Mesh):
         crease: Optional[int] = None,
         vertices: Optional[Iterable[int]] = None,
     ) -> None:
-        """Override the settings' strategies S1 (factor s) and S2 (delay e) along creases.
+        """Override the strategies S1 (factor s) and S2 (delay e) of the settings along creases.
 
         Parameters
         ----------
         s
-            Factor on the moves, 0 <= s <= 1.
+            Factor on displacements, 0 <= s <= 1.
         e
-            First steps in which the vertices wait.
+            Number of first steps in which the vertices do not move.
         crease
             Number of a crease, see :meth:`creases`; default: all of them.
         vertices
@@ -694,10 +694,10 @@ class CGCMesh(Mesh):
         if s is not None and not 0 <= _number(s, "s") <= 1:
             raise ValueError(f"s must be between 0 and 1, not {s!r}")
         if e is not None and (int(_number(e, "e")) != e or e < 0):
-            raise ValueError(f"e must be a whole number from 0 up, not {e!r}")
+            raise ValueError(f"e must be a whole number of at least 0, not {e!r}")
         paths = self.creases()
         if vertices is None and not paths:
-            raise ValueError("there is no crease to set a strategy along; set creases first (mesh.set_creases)")
+            raise ValueError("the mesh has no crease to set a strategy for; set creases first (mesh.set_creases)")
         if vertices is not None:
             keys = [self._known(key) for key in vertex_names(vertices, "vertices")]
         elif crease is None:
@@ -705,7 +705,7 @@ class CGCMesh(Mesh):
         elif crease in range(len(paths)):
             keys = paths[crease]
         else:
-            raise ValueError(f"there is no crease {crease!r}; the mesh has {len(paths)}, from 0 on")
+            raise ValueError(f"there is no crease {crease!r}; the mesh has creases 0 to {len(paths) - 1}")
         for key in keys:
             if s is not None:
                 self.vertex_attribute(key, "s", float(s))
@@ -713,14 +713,14 @@ class CGCMesh(Mesh):
                 self.vertex_attribute(key, "e", int(e))
 
     def vertex_s(self, key: int, s: Optional[float] = None) -> Optional[float]:
-        """Get or set the factor s of a crease vertex; None where the settings hold."""
+        """Get or set the factor s of a crease vertex; None means the value in the settings."""
         if s is None:
             return self.vertex_attribute(key, "s")
         self.set_strategy(s=s, vertices=[key])
         return None
 
     def vertex_e(self, key: int, e: Optional[int] = None) -> Optional[int]:
-        """Get or set the delay e of a crease vertex; None where the settings hold."""
+        """Get or set the delay e of a crease vertex; None means the value in the settings."""
         if e is None:
             return self.vertex_attribute(key, "e")
         self.set_strategy(e=e, vertices=[key])
@@ -731,18 +731,18 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def goals(self) -> tuple[Constraint, ...]:
-        """Return what is asked of vertices besides K; they are counted in the order of :meth:`vertices`."""
+        """Return the goals; they refer to vertices by index in the order of :meth:`vertices`."""
         return as_goals(self.attributes.get("goals"))
 
     def set_goals(self, goals: Iterable[Union[Constraint, Mapping]], add: bool = False) -> None:
-        """Ask for something besides K.
+        """Set the goals.
 
         Parameters
         ----------
         goals
-            Goals such as :class:`Height`, or their plain data; they count vertices in the order of :meth:`vertices`.
+            Goals such as :class:`Height`, or their plain data; they refer to vertices by index in the order of :meth:`vertices`.
         add
-            Keep the goals set before.
+            Keep the present goals.
         """
         kept = self.goals() if add else ()
         data = [constraint_data(constraint) for constraint in (*kept, *as_goals(goals))]
@@ -756,7 +756,7 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def add_dummy_ring(self) -> list[int]:
-        """Add a ring of dummy faces along the open edges, so that K is asked for on free ones too.
+        """Add a ring of dummy faces along the boundary, so that K can be prescribed on free edges.
 
         Returns
         -------
@@ -774,7 +774,7 @@ class CGCMesh(Mesh):
         return added
 
     def without_dummies(self) -> CGCMesh:
-        """Return a copy without the dummy mesh; its free edges are free again."""
+        """Return a copy without the dummy mesh; its free edges get the role free again."""
         mesh = self._duplicate()
         dummies = [v for v in mesh.vertices() if mesh.is_dummy(v)]
         for key in dummies:
@@ -784,7 +784,7 @@ class CGCMesh(Mesh):
         return mesh
 
     def _duplicate(self) -> CGCMesh:
-        """Return a copy, ten times faster than through the data of COMPAS."""
+        """Return a copy; ten times faster than serialisation through the COMPAS data."""
         mesh = type(self)(self.default_vertex_attributes, self.default_edge_attributes, self.default_face_attributes)
         mesh._name = self._name
         mesh.attributes = deepcopy(self.attributes)
@@ -800,12 +800,12 @@ class CGCMesh(Mesh):
     # ------------------------------------------------------------------
 
     def check(self) -> list[Diagnostic]:
-        """List what keeps the mesh from being solved, in readable sentences.
+        """Return everything that prevents a solve or may surprise, see :func:`compas_cgc.check`.
 
         Returns
         -------
         list of Diagnostic
-            Strings; those with ``fatal`` set make a solve refuse with the same text.
+            Sentences; a solve refuses a mesh with a ``fatal`` one, with the same text.
         """
         return check(self)
 
@@ -816,11 +816,11 @@ class CGCMesh(Mesh):
 
 
 def _as_a_function(name: str) -> str:
-    """Return how to do with a function what is no method."""
+    """Return the function to call instead of a method that does not exist."""
     if name in ("solve", "analyse", "sensitivity"):
-        return f"it is a function: compas_cgc.{name}(mesh)"
+        return f"use the function compas_cgc.{name}(mesh)"
     if name in ("write", "save", "to_file"):
-        return 'it is a function: compas_cgc.write("roof.3dm", mesh)'
+        return 'use the function compas_cgc.write("roof.3dm", mesh)'
     return ""
 
 

@@ -1,4 +1,4 @@
-"""What of a CGCMesh arrays cannot hold."""
+"""Checks of mesh data that arrays cannot represent."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ __all__ = ["diagnostics_of_keys"]
 
 
 def diagnostics_of_keys(mesh: Mesh) -> list[Diagnostic]:
-    """List what arrays cannot hold: numbers that are none, lost faces, polygons, creases between lost vertices."""
+    """Return diagnostics for data that arrays cannot represent: non-finite numbers, dropped faces, polygons, stale creases."""
     problems = []
     broken = [v for v, own in mesh.vertex.items() if not all(math.isfinite(own[axis]) for axis in "xyz")]
     if broken:
-        problems.append(Diagnostic(f"vertices {listed(broken)} have coordinates that are no finite numbers; correct them"))
+        problems.append(Diagnostic(f"vertices {listed(broken)} have coordinates that are not finite numbers; correct them"))
     dropped = mesh.attributes.get("dropped_faces") or []
     if dropped:
         problems.append(dropped_faces([key for key, _ in dropped]))
     large = [face for face, corners in mesh.face.items() if len(corners) > 3]
     if large:
-        problems.append(Diagnostic(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate() does)"))
+        problems.append(Diagnostic(f"faces {listed(large)} have more than three corners; triangulate them (mesh.triangulate())"))
     lost = [tuple(int(v) for v in name.strip("()").split(",")) for name, values in mesh.edgedata.items() if values.get("is_crease")]
     lost = [(u, v) for u, v in lost if u not in mesh.vertex or v not in mesh.vertex]
     if lost:
@@ -33,7 +33,7 @@ def diagnostics_of_keys(mesh: Mesh) -> list[Diagnostic]:
     wrong = {v: own["target"] for v, own in mesh.vertex.items() if not _is_target(own.get("target")) and own.get("role") == "internal"}
     if wrong:
         values = listed([repr(value) for value in list(wrong.values())[:3]])
-        problems.append(Diagnostic(f"the targets of vertices {listed(list(wrong))} are not finite numbers ({values}); set numbers"))
+        problems.append(Diagnostic(f"the targets of vertices {listed(list(wrong))} are not finite numbers ({values}); set finite targets"))
     return problems
 
 

@@ -1,4 +1,4 @@
-"""What a mesh is made from: faces by name, an outline in plan, a surface of COMPAS or Rhino; checked and meshed."""
+"""Construction of meshes from faces, outlines in plan, and surfaces of COMPAS or Rhino."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ON_THE_MESH", "checked_faces", "evaluated", "meshed_outline", "said_of_the_mesh"]
 
-# Natural as arguments, and said of a mesh.
+# Arguments that users try when constructing a mesh, and the call to make afterwards.
 ON_THE_MESH = {
     **dict.fromkeys(("target", "targets", "K", "k", "curvature"), "set_target(0.005)"),
     **dict.fromkeys(("supports", "support", "fixed", "boundary"), 'set_supports("boundary")'),
@@ -32,26 +32,26 @@ ON_THE_MESH = {
 }
 
 
-EVALUATED = 360  # stretches of a curve of COMPAS
+CURVE_SEGMENTS = 360  # segments of the polyline that samples a COMPAS curve
 
 
 class Evaluated(NamedTuple):
-    """A surface that can be evaluated, and where."""
+    """A parametric surface."""
 
-    at: Callable[[FloatArray], FloatArray]  # (k, 2) parameters to (k, 3) points [L]
+    at: Callable[[FloatArray], FloatArray]  # from (k, 2) parameters to (k, 3) points [L]
     domain: tuple[tuple[float, float], tuple[float, float]]
-    spans: tuple[Sequence[float], Sequence[float]]  # knots along u and v
+    spans: tuple[Sequence[float], Sequence[float]]  # knots in u and v
 
 
 def said_of_the_mesh(name: str) -> str:
-    """Return what to write in the place of an argument that making a mesh does not take."""
+    """Return what to write instead of an argument that mesh construction does not take."""
     if name in ("columns", "column", "supports_at"):
-        return "columns are points: from_outline(outline, edge_length, points=[[x, y], ...])"
-    return f"it is said of the mesh when it is made: mesh.{ON_THE_MESH[name]}" if name in ON_THE_MESH else ""
+        return "give columns as points: from_outline(outline, edge_length, points=[[x, y], ...])"
+    return f"set it on the mesh afterwards: mesh.{ON_THE_MESH[name]}" if name in ON_THE_MESH else ""
 
 
 def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]:
-    """Return vertices as plain numbers, and faces by their keys, where every vertex that they name exists.
+    """Return vertices as plain numbers and faces as a dict, after checking that the faces name existing vertices.
 
     Raises
     ------
@@ -62,15 +62,15 @@ def checked_faces(vertices: Any, faces: Any) -> tuple[Any, dict[int, list[int]]]
     polygons = _plain(faces, int, "faces must be lists of vertices, such as [[0, 1, 2], [2, 1, 3]]")
     flat = next((place for place in (points.values() if isinstance(points, Mapping) else points) if len(place) != 3), None)
     if flat is not None:
-        raise MeshError(f"vertices must have three coordinates, not {len(flat)} as {flat}; add z, 0 for a plan")
+        raise MeshError(f"vertices must have three coordinates, not {len(flat)} as in {flat}; add z = 0 for a plan")
     known = points if isinstance(points, Mapping) else range(len(points))
     named = polygons if isinstance(polygons, Mapping) else dict(enumerate(polygons))
     lost = set(chain.from_iterable(named.values())).difference(known)
     if lost:
         key, v = next((key, v) for key, polygon in named.items() for v in polygon if v in lost)
         ones = not isinstance(points, Mapping) and v == len(points) and all(min(polygon) > 0 for polygon in named.values())
-        mend = "they count vertices from 1, and here it is from 0: subtract 1" if ones else "correct the face"
-        raise MeshError(f"face {key} names the vertex {v}, which does not exist; {mend}")
+        mend = "the faces count vertices from 1 instead of 0: subtract 1" if ones else "correct the face"
+        raise MeshError(f"face {key} names vertex {v}, which does not exist; {mend}")
     return points, dict(named)
 
 
@@ -82,7 +82,7 @@ def meshed_outline(
     points: Optional[ArrayLike],
     tolerance: float,
 ) -> Outlined:
-    """Return the triangles within an outline, none of the points passed over."""
+    """Return the mesh of an outline, after checking that every point became a vertex."""
     from ..meshing.outline import mesh_from_outline
     from ..meshing.outline import refuse_outside
     from ..meshing.outline import refuse_passed_over
@@ -99,7 +99,7 @@ def meshed_outline(
 
 
 def evaluated(surface: Any) -> Optional[Evaluated]:
-    """Return an untrimmed surface of COMPAS, rhino3dm or RhinoCommon as one that is evaluated; None where it is none."""
+    """Return an untrimmed surface of COMPAS, rhino3dm or RhinoCommon as :class:`Evaluated`, None for other objects."""
     if hasattr(surface, "PointAt") and hasattr(surface, "Domain") and type(surface).__name__ != "Extrusion":
         spans = (surface.Domain(0), surface.Domain(1))
         u, v = ((float(span.T0), float(span.T1)) for span in spans)
@@ -121,7 +121,7 @@ def _points_of(at: Callable[[float, float], Any], axes: str) -> Callable[[FloatA
 
 
 def _listed(curves: Any, name: str) -> list[Any]:
-    """Return some curves, none of None; one of COMPAS alone is no list."""
+    """Return curves as a list, empty for None."""
     if curves is None:
         return []
     if isinstance(curves, (str, bytes)) or not isinstance(curves, Iterable):
@@ -130,24 +130,24 @@ def _listed(curves: Any, name: str) -> list[Any]:
 
 
 def _as_curve(curve: ArrayLike, name: str) -> FloatArray:
-    """Return a curve (k, 3), one of COMPAS evaluated; a plan is at the height 0."""
+    """Return the points of a curve (k, 3); COMPAS curves are sampled, and points in plan get z = 0."""
     given: Any = curve
     if hasattr(given, "point_at") and hasattr(given, "domain") and not hasattr(given, "__len__"):
-        given = [list(given.point_at(t)) for t in np.linspace(given.domain[0], given.domain[1], EVALUATED + 1)]
+        given = [list(given.point_at(t)) for t in np.linspace(given.domain[0], given.domain[1], CURVE_SEGMENTS + 1)]
     if name == "outline" and _are_curves(given):
-        raise ValueError("there is one outline to a mesh; give the curves inside of it as holes=[...], and mesh others one by one")
+        raise ValueError("a mesh has one outline; give curves inside it as holes=[...], and mesh other outlines separately")
     try:
         points = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be points of two or three numbers, such as [[0, 0], [6, 0], [6, 4]], not {given!r:.60}") from None
     if points.ndim == 1 and len(points) and name not in ("outline", "points"):
-        raise ValueError(f"{name} must be a list of curves; put the one curve into a list: {name}=[curve]")
+        raise ValueError(f"{name} must be a list of curves; put the single curve into a list: {name}=[curve]")
     if points.size == 0 and points.ndim < 2:
         points = points.reshape(0, 3)
     if points.ndim == 1 and len(points) in (2, 3):
-        raise ValueError(f"{name} must be a list of points; put the one point into a list: {name}=[{points.tolist()}]")
+        raise ValueError(f"{name} must be a list of points; put the single point into a list: {name}=[{points.tolist()}]")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
-        raise ValueError(f"{name} must be points with two or three coordinates, not of shape {points.shape}")
+        raise ValueError(f"{name} must be points with two or three coordinates, not an array of shape {points.shape}")
     return points if points.shape[1] == 3 else flattened(points)
 
 
@@ -156,7 +156,7 @@ def _are_curves(given: Any) -> bool:
 
 
 def _plain(items: Any, kind: type, wanted: str) -> Any:
-    """Return arrays as lists of Python numbers: numpy's own do not survive JSON."""
+    """Return arrays as lists of Python numbers, because NumPy numbers cannot be written as JSON."""
     if isinstance(items, np.ndarray):
         return items.tolist()
     try:

@@ -1,4 +1,4 @@
-"""Pluggables: what a CGCMesh can do where other parts of the package are there to do it."""
+"""Pluggables of CGCMesh that other parts of the package implement."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def mesh_to_3dm(mesh: Mesh, path: Union[str, os.PathLike[str]], version: int = 7
 
 
 def _plugin(name: str) -> Callable[..., Any]:
-    """Return an implementation that COMPAS has not found: it looks on the path only, where an editable install is not."""
+    """Return an implementation from the package itself; COMPAS does not find plugins of editable installs."""
     package = sys.modules[__name__.partition(".")[0]]
     for module in package.__all_plugins__:
         found: Optional[Callable[..., Any]] = getattr(import_module(module), name, None)

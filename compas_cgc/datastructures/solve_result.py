@@ -1,4 +1,4 @@
-"""The result of a solve, as users see it."""
+"""SolveResult: the result of a solve."""
 
 from __future__ import annotations
 
@@ -35,19 +35,19 @@ __all__ = ["SolveResult"]
 
 
 INSTEAD = {
-    **dict.fromkeys(("K", "k", "gaussian_curvature"), "it is result.curvature, and of regions result.problem.region_targets()"),
-    **dict.fromkeys(("save", "write", "to_file"), 'it is a function: compas_cgc.write("roof.3dm", result)'),
-    **dict.fromkeys(("show", "plot", "draw", "picture"), "a picture is drawn by compas_cgc.plot.studio, see 'A picture' in the recipes"),
-    **dict.fromkeys(("height", "heights", "rise"), "they are in result.vertices[:, 2], and in words in result.summary"),
+    **dict.fromkeys(("K", "k", "gaussian_curvature"), "use result.curvature, or result.problem.region_targets() for regions"),
+    **dict.fromkeys(("save", "write", "to_file"), 'use the function compas_cgc.write("roof.3dm", result)'),
+    **dict.fromkeys(("show", "plot", "draw", "picture"), "draw pictures with compas_cgc.plot.studio, see 'A picture' in the recipes"),
+    **dict.fromkeys(("height", "heights", "rise"), "use result.vertices[:, 2], or result.summary for a sentence"),
 }
 
 
 def _of_the_mesh(name: str) -> str:
-    """Return where an attribute is that a result has not, but its mesh has."""
-    return INSTEAD.get(name) or (f"its mesh has: result.mesh.{name}" if hasattr(CGCMesh, name) else "")
+    """Return what to use instead of an attribute that a result does not have."""
+    return INSTEAD.get(name) or (f"use result.mesh.{name}" if hasattr(CGCMesh, name) else "")
 
 
-AGAIN = 1e-6  # of the largest |K̄|, by which K may be off when its part of the layout is read once more
+MAX_MEASURE_DRIFT = 1e-6  # error of K relative to the largest |K̄| that is reported when the smooth measure is evaluated again on the result
 
 
 class _Settings(Protocol):
@@ -57,38 +57,38 @@ class _Settings(Protocol):
 @names_what_was_meant()
 @dataclass(frozen=True, eq=False, repr=False)
 class SolveResult:
-    """What :func:`compas_cgc.solve` returns.
+    """Result of :func:`compas_cgc.solve`.
 
     Parameters
     ----------
     problem
-        The problem with its vertices on the surface that was found, without dummies.
+        Problem with its vertices on the surface, without dummies.
     status
         ``converged``, ``step_limit``, ``stalled``, ``diverged``, ``infeasible`` or ``cancelled``.
     ending
-        One sentence that says how the method ended, and what to do if it did not end well.
+        One sentence on how the method ended, with advice if it did not converge.
     iterations
-        Steps taken.
+        Number of steps.
     seconds
-        Wall time of the solve.
+        Wall time of the solve [s].
     max_error
-        Largest |K - K̄| over the vertices where K is asked for [1/L^2].
+        Largest |K - K̄| over the internal vertices [1/L^2].
     history
-        Energy, error norm, max error, step length and trials of every step.
+        Energy, error norm, largest error, step length and trials of every step.
     method
-        The method that was used.
+        Name of the method.
     settings
-        What was set of it by the user; None where nothing was.
+        Settings given by the user; None if there were none.
     drawn
-        The mesh that was solved, where one was given.
+        The input mesh, if a mesh was given.
     remarks
-        What the check found that does not keep the problem from being solved.
+        Warnings of the check before the solve.
     start
-        ``(n, 3)`` where the vertices were before [L]; None where that is not known.
+        ``(n, 3)`` vertices before the solve [L]; None if unknown.
     measure
-        How K is read off the mesh in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
+        Measure of K in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
     turned
-        How many faces are not those of the mesh that was given: edges of triangles too stretched or too slender for K < 0 were turned.
+        Number of faces that differ from the input: edges of triangles too slender for K < 0 were flipped.
 
     Examples
     --------
@@ -122,13 +122,13 @@ class SolveResult:
         drawn: Optional[CGCMesh] = None,
         remarks: Iterable[Diagnostic] = (),
     ) -> SolveResult:
-        """Return the result of a solution of a problem."""
+        """Return the result for a solution of a problem."""
         if solution.targets is not None:
             problem = problem.with_targets(solution.targets)
         turned = 0
         if solution.faces is not None:
             turned = int(np.count_nonzero((solution.faces != problem.faces).any(axis=1)))
-            # The mesh that was given has other faces, so that the one of the result is made anew.
+            # The input mesh has other faces, so that the mesh of the result is built from the problem.
             problem, drawn = replace(problem, faces=solution.faces), None
         before = problem.without_dummies()
         surface = solution.vertices[problem.roles != DUMMY]
@@ -144,7 +144,7 @@ class SolveResult:
             turned=turned,
         )
         if solution.verdict is not None:
-            # Judged already, when the method was chosen.
+            # The choice of the method has judged it already.
             made.__dict__["verdict"] = solution.verdict
         return made
 
@@ -155,48 +155,50 @@ class SolveResult:
 
     @property
     def converged(self) -> bool:
-        """Whether every curvature asked for was reached to the tolerance."""
+        """Whether all target curvatures are met within the tolerance."""
         return self.status == "converged"
 
     @cached_property
     def verdict(self) -> Optional[Verdict]:
-        """Whether the surface is fair or rough, and why: a status speaks of equations alone; None where none was found."""
+        """Verdict on the surface, fair or rough with reasons; None if no surface was found."""
         return None if self.status in ("infeasible", "diverged") else verdict(self.problem, self.start)
 
     @cached_property
     def summary(self) -> str:
-        """The verdict and the surface in one sentence: its heights, its K, and what is held."""
+        """One sentence: verdict, heights, K and supports."""
         return summary(self.problem, self.start, self.status, self.verdict, self.max_error)
 
     @cached_property
     def message(self) -> str:
-        """What came of it: the summary, then how the method ended; where K was not reached, why."""
+        """The summary and how the method ended, or why K was not reached."""
         return f"{self.summary}; {self.ending}{self._read_again()}" if self.converged else self.ending
 
     def _read_again(self) -> str:
-        """Return how far K is off where the layout's part of it, read off the surface that was found, is not that which was solved for."""
+        """Return the error of K with the layout correction of the smooth measure evaluated on the result, if it is not negligible."""
         if self.measure != "smooth":
             return ""
         asked = self.problem.asked
         off = np.abs(self.curvature - self.problem.targets)[asked]
-        if not off.max(initial=0.0) > AGAIN * self.problem.target_scale:
+        if not off.max(initial=0.0) > MAX_MEASURE_DRIFT * self.problem.target_scale:
             return ""
         middle, most = float(np.median(off)), float(off.max())
-        return f"; with the layout's part read off this surface again, K is {middle:.2g} off in the middle and {most:.2g} at most"
+        return (
+            f"; with the mesh-layout correction evaluated on this surface, the error of K is {middle:.2g} (median) and {most:.2g} (largest)"
+        )
 
     @cached_property
     def curvature(self) -> PerVertex:
-        """K (n,) in the measure of the solve, NaN where none is asked [1/L^2]."""
+        """Gaussian curvature at each vertex in the measure of the solve, NaN where none is prescribed (n,) [1/L^2]."""
         return measured_curvature(self.problem, self.measure)
 
     @property
     def vertices(self) -> FloatArray:
-        """The surface (n, 3) [L]."""
+        """Vertices of the surface (n, 3) [L]."""
         return self.problem.vertices
 
     @property
     def faces(self) -> IntArray:
-        """Its faces (m, 3)."""
+        """Faces of the surface (m, 3)."""
         return self.problem.faces
 
     def __repr__(self) -> str:
@@ -204,12 +206,12 @@ class SolveResult:
 
     def __post_init__(self) -> None:
         if self.drawn is not None:
-            # Made at once: the mesh that was solved is the user's, who may change it.
+            # Copied at once, because the user may change the input mesh.
             self.__dict__["mesh"] = self._redrawn(self.drawn)
 
     @cached_property
     def mesh(self) -> CGCMesh:
-        """A copy of the mesh that was solved, with the new coordinates and all constraints, without dummies."""
+        """The solved mesh: a copy of the input with new coordinates and all constraints, without dummies."""
         return CGCMesh.from_problem(self.problem)
 
     def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
@@ -223,11 +225,11 @@ class SolveResult:
         return mesh
 
     def to_problem(self) -> CGCProblem:
-        """Return the problem on the surface that was found."""
+        """Return the problem with its vertices on the surface."""
         return self.problem
 
     def to_dict(self, history: bool = True) -> dict:
-        """Return how the solve went, ready for JSON; numbers that are none are None."""
+        """Return the report of the solve as a dict that can be written as JSON; non-finite numbers are None."""
         words = {
             "method": self.method,
             "measure": self.measure,

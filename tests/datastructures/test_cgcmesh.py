@@ -101,7 +101,7 @@ def test_from_mesh_keeps_keys_attributes_and_name():
 
 
 def test_a_face_that_names_no_vertex_is_refused_in_words():
-    with pytest.raises(ValueError, match="face 1 names the vertex 9, which does not exist"):
+    with pytest.raises(ValueError, match="face 1 names vertex 9, which does not exist"):
         CGCMesh.from_vertices_and_faces([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 9]])
 
 
@@ -359,14 +359,14 @@ REFUSED = [
     (touching, "at vertices 0 parts of the mesh touch in a point, it is not manifold"),
     (moebius, "the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"),
     (against, "faces 3 run against their neighbours; unify them (mesh.unify() does)"),
-    (nan, "vertices 12 have coordinates that are no finite numbers"),
+    (nan, "vertices 12 have coordinates that are not finite numbers"),
     (lambda: with_faces([0, 1, 2], [1, 3, 2]), "vertices 4, 5 belong to no face; remove them"),
     (quads, "faces 32 have more than three corners; triangulate them"),
     (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "the mesh has no supports; fix vertices"),
     (lambda: CGCMesh.from_meshgrid(dx=2, nx=2), "no target curvature is set; set one"),
     (lambda: ready(CGCMesh.from_meshgrid(dx=1, nx=1)), "the mesh has no internal vertex at which K could be prescribed"),
     (no_target, "vertices 12 have no target curvature; set one for their region"),
-    (text_target, "the targets of vertices 12 are not finite numbers ('one'); set numbers"),
+    (text_target, "the targets of vertices 12 are not finite numbers ('one'); set finite targets"),
     (stale_crease, "creases 6-7, 7-8 do not follow edges of the mesh; set the creases again"),
     (lambda: ready(CGCMesh.from_meshgrid(dx=4, nx=4), 0.3), "the target 0.3 is more than this boundary can carry"),
 ]

@@ -86,7 +86,7 @@ def test_points_outside_are_refused_by_their_places():
         CGCMesh.from_outline(SQUARE, 1.5, points=[(3, 3), (12.5, 3), (-9, 3)])
     with pytest.raises(MeshError, match=r"points\[0\] at \(6, 6\) does not lie"):
         CGCMesh.from_outline(SQUARE, 1.5, [ring((5, 5), (7, 5), (7, 7), (5, 7))], points=[(6, 6, 0)])
-    with pytest.raises(ValueError, match="put the one point into a list: points="):
+    with pytest.raises(ValueError, match="put the single point into a list: points="):
         CGCMesh.from_outline(SQUARE, 1.5, points=[3, 3, 0])
     assert CGCMesh.from_outline(SQUARE, 3.0, points=[]).number_of_vertices() > 16
 

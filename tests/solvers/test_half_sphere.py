@@ -45,4 +45,4 @@ def test_a_cap_of_the_rise_is_told_where_edges_are_free():
 
 @pytest.mark.parametrize("supports, loose", [([0], True), ([0, 80], True), ([0, 4, 8], True), ([0, 40, 80], True), ([0, 8, 80], False)])
 def test_what_hangs_on_one_line_is_said_to_turn(supports, loose):
-    assert (f"held at {len(supports)} of 81 vertices only, about which it can turn" in solve(plan(0.01, supports)).message) == loose
+    assert (f"supported at {len(supports)} of 81 vertices only, about which it can rotate" in solve(plan(0.01, supports)).message) == loose

@@ -247,7 +247,7 @@ def test_what_the_smooth_measure_reads_once_more_is_said():
     other = replace(found, problem=found.problem.with_vertices(moved))
     off = np.abs(other.curvature - other.problem.targets)[other.problem.asked]
     assert off.max() > 1e-3
-    assert f"K is {np.median(off):.2g} off in the middle and {off.max():.2g} at most" in other.message
+    assert f"the error of K is {np.median(off):.2g} (median) and {off.max():.2g} (largest)" in other.message
 
 
 def test_all_methods_find_the_same_dome():
@@ -363,6 +363,6 @@ def test_a_free_edge_that_draws_in_is_told_with_the_part_of_the_plan_that_is_kep
     drawn = disc.to_problem()
     before, after = (shapes.plan_area(V, drawn.faces) for V in (drawn.vertices, curled.vertices))
     share = after / before
-    assert share < 0.75 and f"over {100 * share:.0f} % of the plan that was drawn" in curled.message
+    assert share < 0.75 and f"covering {100 * share:.0f} % of the drawn plan" in curled.message
     disc.set_target(-0.001)
-    assert "of the plan" not in solve(disc).message
+    assert "of the drawn plan" not in solve(disc).message

@@ -123,7 +123,7 @@ MISTAKES = {
     "a word in a list": (lambda: plan().set_supports(["corners"]), "write 'corners' without list brackets"),
     "one place as supports": (lambda: plan().set_supports((0.0, 0.0, 0.0)), "must be keys of vertices, not coordinates such as"),
     "a goal without its kind": (lambda: compas_cgc.solve(posed(), goals=[{"rise": 2}]), r"write \{'kind': 'rise', 'rise': 2\}"),
-    "two outlines": (lambda: CGCMesh.from_outline([SQUARE, SQUARE], 1.0), "there is one outline to a mesh"),
+    "two outlines": (lambda: CGCMesh.from_outline([SQUARE, SQUARE], 1.0), "a mesh has one outline"),
     "an outline on a line": (lambda: CGCMesh.from_outline([[0, 0], [4, 0], [8, 0]], 1.0), "lie on one line"),
     "an outline without a number": (
         lambda: CGCMesh.from_outline([[0, 0], [4, 0], [4, np.nan]], 1.0),
@@ -132,7 +132,7 @@ MISTAKES = {
     "a crease beside the outline": (lambda: CGCMesh.from_outline(SQUARE, 1.0, creases=[[[9, 0], [9, 4]]]), "lies outside of the outline"),
     "a support that is not there": (lambda: plan().set_supports([999]), "there is no vertex 999"),
     "two supports that are not there": (lambda: plan().set_supports([0, 999, -7]), "there are no vertices 999, -7 in the mesh"),
-    "the boundary of a closed solid": (lambda: ball().set_supports("boundary"), "is closed, it has no boundary; name vertices"),
+    "the boundary of a closed solid": (lambda: ball().set_supports("boundary"), "is closed and has no boundary; name the support vertices"),
     "a closed solid that nothing holds": (lambda: solve(ball()), r"the mesh is closed and has no boundary.*set_supports\(\[...\]\)"),
     "a flat list for a crease": (lambda: plan().set_creases([0, 1, 2]), r"write \[\[0, 1, 2\]\]"),
     "a crease as coordinates": (lambda: plan().set_creases([SQUARE]), "of a crease must be keys of vertices, not coordinates"),
@@ -185,19 +185,22 @@ MISTAKES = {
     "faces half turned": (lambda: solve(half_flipped()), r"and 5 more run against their neighbours; unify them \(mesh.unify\(\)"),
     "faces from one": (
         lambda: CGCMesh.from_vertices_and_faces(arrays()[0].tolist(), (arrays()[1] + 1).tolist()),
-        "count vertices from 1, and here it is from 0: subtract 1",
+        "the faces count vertices from 1 instead of 0: subtract 1",
     ),
     "triangles that share no vertices": (lambda: solve(loose()), r"its faces share no vertices: weld it \(mesh.weld\(\)\)"),
     "the boundary of no faces": (
         lambda: CGCMesh.from_vertices_and_faces(SQUARE, [[0, 1, 1]]).set_supports("boundary"),
-        "the mesh has no faces, so it has no boundary; make it with faces of three different vertices",
+        "the mesh has no faces and so no boundary; add faces of three or more different vertices",
     ),
-    "vertices in plan": (lambda: CGCMesh.from_vertices_and_faces(arrays()[0][:, :2].tolist(), arrays()[1].tolist()), "add z, 0 for a plan"),
+    "vertices in plan": (
+        lambda: CGCMesh.from_vertices_and_faces(arrays()[0][:, :2].tolist(), arrays()[1].tolist()),
+        "add z = 0 for a plan",
+    ),
     "arrays in plan": (lambda: CGCProblem(arrays()[0][:, :2], arrays()[1]), r"must have the shape \(n, 3\), not \(49, 2\)"),
     "quads as arrays": (lambda: CGCProblem(SQUARE[:4], [[0, 1, 2, 3]]), "triangulate quads and n-gons first"),
     "arrays swapped": (lambda: CGCProblem(arrays()[1], arrays()[0]), "faces must hold integers"),
-    "half a square": (lambda: CGCMesh.from_meshgrid(dx=15, nx=15.5), "nx is the number of squares"),
-    "no squares": (lambda: CGCMesh.from_meshgrid(dx=15, nx=0), "nx is the number of squares"),
+    "half a square": (lambda: CGCMesh.from_meshgrid(dx=15, nx=15.5), "nx, the number of cells, must be"),
+    "no squares": (lambda: CGCMesh.from_meshgrid(dx=15, nx=0), "nx, the number of cells, must be"),
     "one hole without a list": (
         lambda: CGCMesh.from_outline(SQUARE, 1.0, holes=[[2, 2, 0], [3, 2, 0], [3, 3, 0], [2, 2, 0]]),
         r"holes=\[curve\]",
@@ -212,7 +215,7 @@ MISTAKES = {
     "a folder": (lambda: read("."), "is a folder; name a file in it"),
     "a kind of file that is not known": (lambda: write("roof.dwg", posed()), r"use .3dm, .json"),
     "write the wrong way round": (lambda: write(posed(), "roof.3dm"), r"write\('roof.3dm', mesh\)"),
-    "a strategy without creases": (lambda: posed().set_strategy(s=0.5), "no crease to set a strategy along; set creases first"),
+    "a strategy without creases": (lambda: posed().set_strategy(s=0.5), "no crease to set a strategy for; set creases first"),
     "no target, with one that is gentle": (
         lambda: solve(read(compas_cgc.get("curved_crease.3dm"))),
         r"no target curvature is set; .*mesh.set_target\(K\).* K = 0.005 gives this mesh a gentle curvature",
@@ -229,8 +232,8 @@ MISTAKES = {
     "a callback that takes nothing": (lambda: solve(posed(), callback=lambda: None), "callback must be a function of one argument"),
     "a class": (lambda: solve(CGCMesh), "CGCMesh is a class; create an instance first"),
     "options in a list": (lambda: settings_for("newton", [3]), "settings are options by their names"),
-    "a mesh of nothing": (lambda: CGCMesh.from_mesh(None), r"takes a mesh of COMPAS, not None; read a file with compas_cgc.read"),
-    "a mesh of arrays": (lambda: CGCMesh.from_mesh(arrays()), r"make arrays one with CGCMesh.from_vertices_and_faces"),
+    "a mesh of nothing": (lambda: CGCMesh.from_mesh(None), r"takes a COMPAS mesh, not None; read a file with compas_cgc.read"),
+    "a mesh of arrays": (lambda: CGCMesh.from_mesh(arrays()), r"convert arrays with CGCMesh.from_vertices_and_faces"),
     "a width as a word": (lambda: CGCMesh.from_meshgrid("10", 5), "dx, the width of the grid, must be a number, not '10'"),
     "an outline by its file": (
         lambda: CGCMesh.from_outline("plan.3dm", 1.0),
@@ -249,7 +252,7 @@ MISTAKES = {
     "the target of a vertex that is not there": (lambda: plan().vertex_target(999), "there is no vertex 999 in the mesh"),
     "a word for a delay": (lambda: posed().set_strategy(e="two"), "e must be a number, not 'two'"),
     "a crease by its name": (lambda: creased(range(21, 28)).set_strategy(s=0.5, crease="left"), "there is no crease 'left'"),
-    "places as a word": (lambda: plan().vertices_near("corner"), "places must be numbers x, y, z, not 'corner'"),
+    "places as a word": (lambda: plan().vertices_near("corner"), "points must be numbers x, y, z, not 'corner'"),
     "an axis by its name": (lambda: solve(posed(), goals=Mirror([0, 0, 0], "x")), "must be numbers x, y, z, not 'x'"),
     "vertices of a constraint as a word": (lambda: solve(posed(), goals=Fixed("corners")), "must be a list of vertices, not 'corners'"),
     "a circle for a polyline": (lambda: OnCurve([0], Circle(1.0)), "points of a curve must be numbers x, y, z, not Circle"),
@@ -296,7 +299,7 @@ def test_a_mistake_gets_its_sentence(mistake, tmp_path, monkeypatch):
 ARGUMENTS = {
     "columns of an outline": (
         lambda: CGCMesh.from_outline(SQUARE, 1.0, columns=[[3, 3]]),
-        "no argument 'columns'; columns are points: .*points=",
+        "no argument 'columns'; give columns as points: .*points=",
     ),
     "supports of an outline": (lambda: CGCMesh.from_outline(SQUARE, 1.0, supports="boundary"), r"mesh.set_supports\(\"boundary\"\)"),
     "an outline without a length": (

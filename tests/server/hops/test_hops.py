@@ -107,7 +107,7 @@ def test_two_regions_with_a_crease_and_free_edges(hops):
     assert re.fullmatch(rf"converged in \d+ steps: largest \|K - K̄\| {outputs['Error'][0]:.3g} \(\d+\.\d\d s\)", told[1])
     assert (
         told[0].startswith("fair: heights from ")
-        and told[0].endswith(" K from 0.01 to 0.02 in 2 regions as asked, held at 4 of 81 vertices")
+        and told[0].endswith(" K from 0.01 to 0.02 in 2 regions as prescribed, supported at 4 of 81 vertices")
         and told[2:]
         == [
             "the mesh has 81 vertices and 128 triangles in 1 piece, 9 x 9 x 0 m",

@@ -463,7 +463,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     page.solve()
     solved = page.at_rest()
     assert page.one(".verdict h2").text == "As asked" and "10⁻" in page.one(".verdict dl").text
-    assert "in 9 regions as asked, held at 4 of 256 vertices." in page.one(".verdict p").text
+    assert "in 9 regions as prescribed, supported at 4 of 256 vertices." in page.one(".verdict p").text
     assert changed(flat, solved) > 0.1
     slider = page.one("[aria-label='K of Region 4'][type=range]")
     for _ in range(20):

@@ -175,9 +175,9 @@ def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them
     star.set_supports("boundary")
     star.set_target(0.008)
     dipping = solve(star)
-    assert "under its edge (goals=[Above(0)] keeps it up)" in dipping.message
+    assert "below its boundary (goals=[Above(0)] prevents this)" in dipping.message
     kept = solve(star, goals=[Above(0)])
-    assert kept.converged and kept.verdict.fair and "under its edge" not in kept.message
+    assert kept.converged and kept.verdict.fair and "below its boundary" not in kept.message
     assert kept.vertices[:, 2].min() > -1e-9
 
 

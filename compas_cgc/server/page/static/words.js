@@ -4,10 +4,10 @@
 /** @type {[RegExp, string][]} */
 const SAID = [
   [/ ?\((?:mesh\.|--|CGCMesh|compas)[^()]*(?:\([^()]*\)[^()]*)*\)/g, ''],
-  [/supports "boundary" fixes the whole edge/g, 'choose “Whole edge” under Supports'],
-  [/mesh\.set_supports\('boundary'\) or --supports boundary fixes the whole edge/g, 'choose “Whole edge” under Supports'],
+  [/supports "boundary" fixes the whole boundary/g, 'choose “Whole edge” under Supports'],
+  [/mesh\.set_supports\('boundary'\) or --supports boundary fixes the whole boundary/g, 'choose “Whole edge” under Supports'],
   [/a list of vertices as supports/g, 'with the tools Point and Side'],
-  [/\(goals=\[Above\([^()]*\)\] keeps it up\)/g, '(“Nothing lower than” keeps it up)'],
+  [/\(goals=\[Above\([^()]*\)\] prevents this\)/g, '(“Nothing lower than” prevents this)'],
   [/, as targets\b/g, ' with the sliders'],
   [/; install it: pip install '[^']*'/g, '; whoever runs the server can install it'],
 ];
