@@ -206,7 +206,7 @@ class SurfaceReport:
             f"rounding limits the accuracy of K on this mesh to {q.rounding_floor:.1e}",
         ]
         if self.moved_max is not None:
-            lines.append(f"vertices moved by {self.moved_mean:.4g} on average, {self.moved_max:.4g} at most")
+            lines.append(f"moved by {self.moved_max:.4g} at most, {self.moved_mean:.4g} on average")
         return "\n".join(lines)
 
 

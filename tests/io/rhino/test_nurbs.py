@@ -126,7 +126,7 @@ def test_what_has_no_four_sides_overhangs_its_edges(inner):
 
 def test_a_closed_region_is_not_fitted():
     sphere = CGCMesh.from_polyhedron(20)
-    with pytest.raises(MeshError, match="closed or turns over"):
+    with pytest.raises(MeshError, match="closed or folds over"):
         fit_overhanging(*sphere.arrays())
 
 
