@@ -1,4 +1,4 @@
-"""CGCMesh: a COMPAS mesh with supports, creases, regions, targets and constraints."""
+"""CGCMesh: a COMPAS mesh with supports, creases, regions, targets and goals."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ __all__ = ["CGCMesh"]
 
 
 class CGCMesh(Mesh):
-    """A triangle mesh with supports, creases, target curvatures and constraints.
+    """A triangle mesh with supports, creases, target curvatures and goals.
 
     Every vertex has a ``role``:
 
@@ -159,7 +159,7 @@ class CGCMesh(Mesh):
             return find_attribute(self, name, _as_a_function)
 
     def __str__(self) -> str:
-        """Return a summary of the mesh, its supports, creases, constraints and regions."""
+        """Return a summary of the mesh, its supports, creases, goals and regions."""
         V = self.arrays()[0]
         size = " x ".join(f"{side:.4g}" for side in (np.ptp(V, axis=0) if len(V) else ()))
         regions = self.regions()

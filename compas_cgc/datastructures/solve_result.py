@@ -211,7 +211,7 @@ class SolveResult:
 
     @cached_property
     def mesh(self) -> CGCMesh:
-        """The solved mesh: a copy of the input with new coordinates and all constraints, without dummies."""
+        """The solved mesh: a copy of the input with new coordinates and all goals, without dummies."""
         return CGCMesh.from_problem(self.problem)
 
     def _redrawn(self, drawn: CGCMesh) -> CGCMesh:
