@@ -17,6 +17,8 @@ from .schemas import JOB_LIST
 from .schemas import METHODS
 from .schemas import MODEL
 from .schemas import PAGE
+from .schemas import PLAN
+from .schemas import PLAN_KINDS
 from .schemas import PROBLEM
 from .schemas import TASKS
 from .schemas import build_schema
@@ -41,6 +43,7 @@ OPERATIONS = {
     ("get", "/api/v1/jobs/{id}/surface"): "getSurface",
     ("get", "/api/v1/jobs/{id}/events"): "followJob",
     ("post", "/api/v1/models"): "readModel",
+    ("post", "/api/v1/plans"): "readPlan",
     ("post", "/api/v1/drawings"): "meshDrawing",
     ("get", "/api/v1/examples"): "listExamples",
     ("get", "/api/v1/examples/{name}"): "getExample",
@@ -195,6 +198,24 @@ def _description() -> dict:
                     **_operation(
                         "Return the contents of a file", {"200": _json({"$ref": model})}, "400", "401", "413", "415", "422", "429"
                     ),
+                    "requestBody": {
+                        "required": True,
+                        "content": {"application/octet-stream": {"schema": BYTES}},
+                    },
+                },
+            },
+            "/api/v1/plans": {
+                "parameters": [
+                    {"name": "kind", "in": "query", "required": True, "schema": {"enum": list(PLAN_KINDS)}},
+                    {
+                        "name": "join",
+                        "in": "query",
+                        "schema": {"type": "number", "minimum": 0},
+                        "description": "distance within which ends of curves are joined [L]; small gaps are closed without it",
+                    },
+                ],
+                "post": {
+                    **_operation("Read the curves and points of a drawing", {"200": _json(PLAN)}, "400", "401", "413", "415", "422", "429"),
                     "requestBody": {
                         "required": True,
                         "content": {"application/octet-stream": {"schema": BYTES}},

@@ -213,6 +213,34 @@ def request_schema() -> dict:
     }
 
 
+PLAN_KINDS = ("dxf", "3dm")
+_POINT = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+PLAN = {
+    "type": "object",
+    "required": ["unit", "lines", "columns", "layers", "tolerance", "notes"],
+    "properties": {
+        "unit": {"enum": list(UNITS)},
+        "lines": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["points", "closed", "layer", "circle"],
+                "properties": {
+                    "points": {"type": "array", "items": _POINT},
+                    "closed": {"type": "boolean"},
+                    "layer": {"type": "string"},
+                    "circle": {"type": ["object", "null"], "description": "centre x, y and radius r"},
+                },
+            },
+        },
+        "columns": {"type": "array", "items": {"type": "object"}, "description": "x, y and height"},
+        "layers": {"type": "array", "items": {"type": "object"}, "description": "name, objects, visible and read"},
+        "tolerance": {"type": "number", "description": "distance within which ends of curves were joined [L]"},
+        "notes": {"type": "array", "items": {"type": "string"}},
+    },
+}
+
+
 def drawing_schema() -> dict:
     """Return the schema of a drawing in plan."""
     line = {"type": "array", "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}}

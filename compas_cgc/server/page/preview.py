@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Optional
 
 import numpy as np
 
 from ...discrete import face_areas
+from ...errors import FileError
+from ...io.plans.plan import plan_data
 from ...io.rhino.units import unit_suffix
 from ...model.checks import check
 from ...model.constraint_data import constraint_data
@@ -19,11 +23,12 @@ from ...model.roles import CREASE
 from ...model.roles import ROLES
 from ..api.decoding import check_size
 from ..api.mesh_files import read_upload
+from ..api.units import UNITS
 from ..api.wording import in_request_words
 from ..errors import Unprocessable
 from ..limits import Limits
 
-__all__ = ["contents", "read_example", "read_model"]
+__all__ = ["contents", "read_example", "read_model", "read_plan"]
 
 
 def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: Optional[float] = None) -> bytes:
@@ -54,6 +59,38 @@ def read_model(kind: str, body: bytes, name: str, limits: Limits, edge_length: O
         return _json(contents(problem, read.notes, name))
     except ValueError as error:
         raise Unprocessable(in_request_words(error)) from None
+
+
+def read_plan(kind: str, body: bytes, join: Optional[float]) -> bytes:
+    """Return the curves and points in the bytes of a drawing, as JSON.
+
+    Parameters
+    ----------
+    kind
+        ``"dxf"`` or ``"3dm"``.
+    body
+        The file.
+    join
+        Distance within which ends of curves are joined [L]. Default: small gaps are closed.
+
+    Raises
+    ------
+    Unprocessable
+        With a sentence on the file.
+    """
+    from ...io.plans import read_plan as read_file
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"upload.{kind}"
+        path.write_bytes(body)
+        try:
+            plan = read_file(path, join=join)
+        except FileError as error:
+            raise Unprocessable(str(error).replace(str(path), "the file")) from None
+    if not plan.curves:
+        raise Unprocessable(f"the file holds no curves; {'; '.join(plan.notes)}")
+    short = {full: own for own, full in UNITS.items()}
+    return _json({**plan_data(plan), "unit": short.get(plan.unit, "")})
 
 
 def read_example(name: str, title: str, text: str) -> bytes:

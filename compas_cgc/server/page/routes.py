@@ -17,6 +17,7 @@ from ..api.blocking_calls import run_in_io_pool
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
 from ..api.responses import respond
+from ..api.schemas import PLAN_KINDS
 from ..errors import BadRequest
 from ..errors import NotFound
 from ..errors import Unprocessable
@@ -25,6 +26,7 @@ from .drawing import read_sketch
 from .gallery import GALLERY
 from .preview import read_example
 from .preview import read_model
+from .preview import read_plan
 
 __all__ = ["index", "page", "wants_page"]
 
@@ -113,6 +115,32 @@ def model() -> Response:
         raise BadRequest("the request is empty; send the bytes of the file")
     found = run_in_io_pool(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
     return Response(found, mimetype="application/json")
+
+
+@page.post("/api/v1/plans")
+def plan() -> Response:
+    """Read the curves and points of a drawing."""
+    kind = request.args.get("kind", "")
+    if kind not in PLAN_KINDS:
+        raise Unprocessable(f"'kind' must be {' or '.join(PLAN_KINDS)}")
+    body = request.get_data(cache=False)
+    if not body:
+        raise BadRequest("the request is empty; send the bytes of the file")
+    return Response(run_in_io_pool(read_plan, kind, body, _join()), mimetype="application/json")
+
+
+def _join() -> Optional[float]:
+    """Return the distance within which ends of curves are joined [L], None where none is given."""
+    text = request.args.get("join")
+    if text is None:
+        return None
+    try:
+        distance = float(text)
+    except ValueError:
+        distance = math.nan
+    if not (math.isfinite(distance) and distance >= 0):
+        raise Unprocessable(f"'join' must be a length of zero or more, not {text!r:.40}")
+    return distance
 
 
 def _edge_length() -> Optional[float]:

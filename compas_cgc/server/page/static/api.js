@@ -52,6 +52,18 @@ export class Api {
   }
 
   /**
+   * Read the curves and points of a drawing.
+   * @param {File} file
+   * @param {string} kind of file: dxf or 3dm
+   * @returns {Promise<import('./draw/plan.js').Plan>}
+   */
+  async plan(file, kind) {
+    const { unit, lines, columns, notes } = await this.json(`/api/v1/plans?kind=${kind}`, { method: 'POST', body: file });
+    const flat = lines.map(({ points, circle, ...line }) => ({ ...line, points: points.map(([x, y]) => [x, y]), held: [], ...(circle && { circle }) }));
+    return { unit, edge: null, lines: flat, columns, notes };
+  }
+
+  /**
    * Have a drawing meshed.
    * @param {object} sketch
    */

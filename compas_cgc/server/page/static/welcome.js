@@ -1,10 +1,10 @@
 /** How a model comes in: drawn, dropped, chosen, kept from before, or one of the examples. */
 
 import { fromText } from './design/packing.js';
-import { planOfDxf } from './draw/dxf.js';
 
 const KINDS = ['3dm', 'obj'];
-const TEXTS = ['dxf', 'json'];
+const DESIGN = 'json';
+const PLAN = 'dxf';
 const LARGEST = 64 * 2 ** 20; // bytes
 
 /** The first page, and files dropped anywhere. */
@@ -107,14 +107,25 @@ export class Welcome {
     const size = file.size > 1e6 ? `, ${(file.size / 1e6).toFixed(1)} MB` : '';
     if (file.size > LARGEST) this.say(`“${file.name}” is larger than 64 MB, the most that the server takes. Save the mesh, its supports and folds as a file of their own.`);
     else if (KINDS.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
-    else if (TEXTS.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.text(file, kind));
+    else if (kind === PLAN) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
+    else if (kind === DESIGN) this.load(`Opening “${file.name}”${size}`, async () => this.listener.state(fromText(await file.text())));
     else this.say(`“${file.name}” is neither a .3dm nor an .obj file, no .dxf and no saved design. Save the mesh as one of these and drop it again.`);
   }
 
-  async text(file, kind) {
-    const text = await file.text();
-    if (kind === 'dxf') this.listener.draw(planOfDxf(text), file.name.replace(/\.[^.]*$/, ''));
-    else this.listener.state(fromText(text));
+  /** Put the curves of a file on the drawing board. */
+  async plan(file, kind) {
+    this.draw(await this.api.plan(file, kind), file);
+  }
+
+  /** @param {import('./draw/plan.js').Plan} plan */
+  draw(plan, file) {
+    this.listener.draw(plan, file.name.replace(/\.[^.]*$/, ''));
+  }
+
+  /** Return the drawing in a file without a mesh; null where its layers already state a problem, or no curve is closed. */
+  async drawing(file, kind) {
+    const plan = await this.api.plan(file, kind).catch(() => null);
+    return plan?.lines.some(({ closed }) => closed) && !plan.lines.some(({ layer }) => layer.startsWith('CGC')) ? plan : null;
   }
 
   /** Open a file; where it holds curves or surfaces but no mesh, with an edge length that is asked for. */
@@ -127,7 +138,9 @@ export class Welcome {
       this.listener.open({ ...data, file: edge ? null : kept }, again);
     } catch (error) {
       if (edge || kind !== '3dm' || !/no mesh/.test(error.message)) throw error;
-      await this.again(file, kind, 'There is no mesh in the file. One can be made within its closed curve, or on its surfaces.');
+      const drawing = await this.drawing(file, kind);
+      if (drawing) this.draw(drawing, file);
+      else await this.again(file, kind, 'There is no mesh in the file. One can be made within its closed curve, or on its surfaces.');
     }
   }
 

@@ -2,6 +2,7 @@
 
 import { areaOf, boundsOf, rolesOf, segmentsOf, suggestedEdge } from './plan.js';
 import { readable } from '../numbers.js';
+import { capital } from '../words.js';
 
 const WORDS = { outline: 'Outline', hole: 'Hole', fold: 'Fold' };
 
@@ -51,12 +52,24 @@ export class Desk {
     this.panel.querySelector('#plan-count').textContent = outline
       ? `About ${readable(Math.round(areaOf(outline.points) / (0.866 * used ** 2)), 2)} vertices. Shorter edges are finer and slower.`
       : 'Close a line to begin: it is the outline of the roof.';
-    const rows = this.rows(plan);
+    this.panel.querySelector('#plan-notes').textContent = (plan.notes ?? []).map(capital).join(' ');
+    const rows = [...this.layers(plan), ...this.rows(plan)];
     const list = this.panel.querySelector('#plan-list');
     // A field that is being typed into stays.
     if (list.contains(document.activeElement) && list.children.length === rows.length) return;
     list.replaceChildren(...rows);
     list.parentElement.hidden = !rows.length;
+  }
+
+  /** Rows for the layers of a drawing that has several: each can be removed as a whole. */
+  layers(plan) {
+    const names = [...new Set(plan.lines.map(({ layer }) => layer).filter(Boolean))];
+    if (names.length < 2) return [];
+    return names.map((name) => {
+      const count = plan.lines.filter(({ layer }) => layer === name).length;
+      const words = `Layer ${name}, ${count} line${count > 1 ? 's' : ''}`;
+      return row('layer', words, [], () => this.listener.change({ ...plan, lines: plan.lines.filter(({ layer }) => layer !== name) }));
+    });
   }
 
   rows(plan) {

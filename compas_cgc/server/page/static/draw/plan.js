@@ -9,6 +9,7 @@ const NARROW = 18; // edges across a plan, to begin with
  * @property {boolean} closed
  * @property {number[]} held segments, each by its first point
  * @property {{x: number, y: number, r: number}} [circle]
+ * @property {string} [layer] of the file that it was read from
  */
 /**
  * @typedef {object} Plan
@@ -16,6 +17,7 @@ const NARROW = 18; // edges across a plan, to begin with
  * @property {?number} edge length of the edges of its mesh, null for a suggestion
  * @property {Line[]} lines
  * @property {{x: number, y: number, height: number}[]} columns
+ * @property {string[]} [notes] on the file that it was read from
  */
 
 /** @returns {Plan} */

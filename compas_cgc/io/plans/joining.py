@@ -1,0 +1,185 @@
+"""Join curves whose ends meet, exactly or across small gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from .plan import PlanCurve
+from .plan import size
+
+__all__ = ["Joined", "joined"]
+
+ROUNDING = 1e-6  # of the size of a drawing, within which ends count as drawn at one place
+WIDEST_GAP = 5e-4  # of the size of a drawing; wider gaps are closed only on request
+SHORTEST_CURVE = 10.0  # gaps; curves shorter than this may be details that end beside each other
+
+
+class Joined(NamedTuple):
+    """Curves after joining."""
+
+    curves: list[PlanCurve]
+    tolerance: float  # [L]
+    notes: list[str]
+
+
+def joined(curves: Sequence[PlanCurve], tolerance: Optional[float] = None) -> Joined:
+    """Join open curves end to end where exactly two ends meet, those of one layer first.
+
+    Parameters
+    ----------
+    curves
+        Open and closed curves.
+    tolerance
+        Distance within which two ends are joined [L]. Default: gaps that are small against the drawing and against both curves.
+
+    Returns
+    -------
+    Joined
+        The joined curves, the tolerance that was used and notes on gaps and duplicates.
+    """
+    whole = size(curves)
+    closed = [curve for curve in curves if curve.is_closed]
+    drawn = [curve for curve in curves if not curve.is_closed]
+    least = ROUNDING * whole
+    open_curves = _without_duplicates(drawn, least)
+    notes = [_plural(len(drawn) - len(open_curves), "duplicate curve", "removed")] if len(open_curves) < len(drawn) else []
+    result: list[PlanCurve] = []
+    gaps: list[float] = []
+    used = least if tolerance is None else max(tolerance, least)
+    for layer in dict.fromkeys(curve.layer for curve in open_curves):
+        own = [curve for curve in open_curves if curve.layer == layer]
+        chained = _chained(own, least)
+        wider = _small_gaps(chained, whole) if tolerance is None else _gaps_within(chained, used)
+        if len(wider):
+            own_tolerance = 1.001 * float(wider.max())
+            chained = _chained(chained, own_tolerance)
+            gaps += wider.tolist()
+            used = max(used, own_tolerance)
+        result += chained
+    # An outline may be drawn on several layers.
+    still_open = _chained([curve for curve in result if not curve.is_closed], least)
+    result = [*(curve for curve in result if curve.is_closed), *still_open]
+    if gaps:
+        hint = "give 0 as the joining distance to keep them open" if tolerance is None else "as requested"
+        notes.append(f"{_plural(len(gaps), 'gap', 'closed')} between ends of curves, up to {max(gaps):.3g} wide; {hint}")
+    return Joined([*closed, *result], used, notes)
+
+
+def _plural(count: int, noun: str, done: str) -> str:
+    return f"{count} {noun}{'s' if count > 1 else ''} {'were' if count > 1 else 'was'} {done}"
+
+
+def _ends(curves: Sequence[PlanCurve]) -> FloatArray:
+    """Return the ends (2 m, 3) of curves: first and last point of each in turn."""
+    return np.array([curve.points[k] for curve in curves for k in (0, -1)]).reshape(-1, 3)
+
+
+def _without_duplicates(curves: Sequence[PlanCurve], tolerance: float) -> list[PlanCurve]:
+    """Return curves without those that repeat an earlier one of the same layer, in either direction."""
+    seen: set[tuple] = set()
+    kept = []
+    step = max(tolerance, np.finfo(float).tiny)
+    for curve in curves:
+        rounded = [tuple(np.round(curve.points[k] / step).tolist()) for k in (0, len(curve.points) // 2, -1)]
+        key = (curve.layer, len(curve.points), *sorted((rounded[0], rounded[2])), rounded[1] if len(curve.points) > 2 else None)
+        if key not in seen:
+            kept.append(curve)
+        seen.add(key)
+    return kept
+
+
+def _nodes(ends: FloatArray, tolerance: float) -> IntArray:
+    """Return the number of the place (2 m,) at which each end lies."""
+    pairs = cKDTree(ends).query_pairs(tolerance, output_type="ndarray")
+    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))
+    return connected_components(graph, directed=False)[1]
+
+
+def _chained(curves: Sequence[PlanCurve], tolerance: float) -> list[PlanCurve]:
+    """Return curves joined through every place at which exactly two ends meet."""
+    if not curves:
+        return []
+    ends = _ends(curves)
+    node = _nodes(ends, tolerance)
+    partner = _partners(node)
+    used = np.zeros(len(curves), bool)
+    result = []
+    # Chains begin at loose ends and junctions; what is left are rings.
+    starts = [end for end in range(len(ends)) if partner[end] < 0] + list(range(0, len(ends), 2))
+    for start in starts:
+        if used[start // 2]:
+            continue
+        chain = []
+        end = start
+        while end >= 0 and not used[end // 2]:
+            used[end // 2] = True
+            chain.append(end)
+            end = int(partner[end ^ 1])
+        result.append(_one_curve(curves, chain, closes=end >= 0 and end == start))
+    return result
+
+
+def _partners(node: IntArray) -> IntArray:
+    """Return the other end (2 m,) at the place of each end, -1 where not exactly two ends meet."""
+    order = np.argsort(node, kind="stable")
+    counts = np.bincount(node)
+    partner = np.full(len(node), -1)
+    first = np.cumsum(counts) - counts
+    for k in np.flatnonzero(counts == 2).tolist():
+        a, b = order[first[k] : first[k] + 2].tolist()
+        partner[a], partner[b] = b, a
+    return partner
+
+
+def _one_curve(curves: Sequence[PlanCurve], chain: Sequence[int], closes: bool) -> PlanCurve:
+    """Return the curve that runs along others, each from the end that is named; at a gap both ends move to its middle."""
+    if len(chain) == 1 and not closes:
+        return curves[chain[0] // 2]
+    parts = [curves[end // 2].points[:: -1 if end % 2 else 1].copy() for end in chain]
+    for before, after in zip(parts, parts[1:]):
+        middle = 0.5 * (before[-1] + after[0])
+        before[-1], after[0] = middle, middle
+    points = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+    if closes:
+        points[0] = points[-1] = 0.5 * (points[0] + points[-1])
+    return PlanCurve(points, curves[chain[0] // 2].layer)
+
+
+def _lone_ends(curves: Sequence[PlanCurve]) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return the distance (2 m,) from each end to the nearest other end, the lengths (m,) of the curves, and that end (2 m,)."""
+    ends = _ends(curves)
+    distance, nearest = cKDTree(ends).query(ends, k=2)
+    lengths = np.array([np.linalg.norm(np.diff(curve.points, axis=0), axis=1).sum() for curve in curves])
+    # The end itself is found first, but not where two ends coincide.
+    other = np.where(nearest[:, 0] == np.arange(len(ends)), nearest[:, 1], nearest[:, 0])
+    return distance[:, 1], lengths, other
+
+
+def _small_gaps(curves: Sequence[PlanCurve], whole: float) -> FloatArray:
+    """Return the widths of gaps between ends that are each other's nearest and that are small [L]."""
+    if not curves:
+        return np.empty(0)
+    distance, lengths, other = _lone_ends(curves)
+    end = np.arange(len(other))
+    mutual = (other[other] == end) & (end < other) & (distance > 0)
+    length = np.minimum(lengths[end // 2], lengths[other // 2])
+    small = (distance <= WIDEST_GAP * whole) & (SHORTEST_CURVE * distance < length)
+    return distance[mutual & small]
+
+
+def _gaps_within(curves: Sequence[PlanCurve], tolerance: float) -> FloatArray:
+    """Return the widths of gaps between ends that are each other's nearest, up to a tolerance [L]."""
+    if not curves:
+        return np.empty(0)
+    distance, _, other = _lone_ends(curves)
+    end = np.arange(len(other))
+    return distance[(other[other] == end) & (end < other) & (distance > 0) & (distance <= tolerance)]

@@ -1,0 +1,111 @@
+"""Curves, points and meshes of a drawing, and the role of every curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+
+__all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "plan_data", "roles", "size"]
+
+
+class PlanCurve(NamedTuple):
+    """A curve of a drawing."""
+
+    points: FloatArray  # (k, 3), the first again at the end where it is closed [L]
+    layer: str
+    circle: Optional[tuple[float, float, float]] = None  # centre x, y and radius, where it is a circle in plan [L]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the curve ends where it begins."""
+        return len(self.points) > 3 and bool((self.points[0] == self.points[-1]).all())
+
+
+class PlanMesh(NamedTuple):
+    """Faces of a drawing."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    faces: IntArray  # (m, 4), a triangle repeats its last corner
+    layer: str
+
+
+class Layer(NamedTuple):
+    """A layer of a drawing."""
+
+    name: str
+    objects: int  # curves, points and faces on it
+    visible: bool
+    read: bool
+
+
+class Plan(NamedTuple):
+    """A drawing as it was read."""
+
+    curves: list[PlanCurve]
+    points: FloatArray  # (k, 3), columns [L]
+    meshes: list[PlanMesh]
+    layers: list[Layer]
+    unit: str  # of Rhino, such as Millimeters; empty where the file states none
+    tolerance: float  # within which ends of curves were joined [L]
+    notes: list[str]  # what was done and what was left out
+
+
+def size(curves: Sequence[PlanCurve]) -> float:
+    """Return the diagonal of the box around curves [L], 0 without any."""
+    points = np.concatenate([curve.points for curve in curves]) if curves else np.zeros((1, 3))
+    return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def roles(plan: Plan) -> list[str]:
+    """Return the role of every curve: ``outline``, ``hole``, ``crease`` or ``outside``.
+
+    The closed curve that encloses most area in plan is the outline. Closed curves within it are holes, open ones creases.
+    """
+    areas = [_area(curve.points) if curve.is_closed else -1.0 for curve in plan.curves]
+    outline = int(np.argmax(areas)) if areas and max(areas) > 0 else -1
+    result = ["crease" if not curve.is_closed else "hole" for curve in plan.curves]
+    if outline < 0:
+        return result
+    low, high = _box(plan.curves[outline].points)
+    for k, curve in enumerate(plan.curves):
+        first, last = _box(curve.points)
+        if (first > high).any() or (last < low).any():
+            result[k] = "outside"
+    result[outline] = "outline"
+    return result
+
+
+def plan_data(plan: Plan) -> dict:
+    """Return a plan as plain data for the drawing board: lines, columns, layers and notes; curves outside of the outline are left out."""
+    part = roles(plan)
+    outside = part.count("outside")
+    notes = [*plan.notes, *([f"{outside} curves outside of the outline were left out"] if outside else [])]
+    lines = [
+        {
+            "points": (curve.points[:-1] if curve.is_closed else curve.points).tolist(),
+            "closed": curve.is_closed,
+            "layer": curve.layer,
+            "circle": None if curve.circle is None else dict(zip("xyr", curve.circle)),
+        }
+        for curve, role in zip(plan.curves, part)
+        if role != "outside"
+    ]
+    columns = [{"x": x, "y": y, "height": z} for x, y, z in plan.points.tolist()]
+    layers = [layer._asdict() for layer in plan.layers]
+    return {"unit": plan.unit, "lines": lines, "columns": columns, "layers": layers, "tolerance": plan.tolerance, "notes": notes}
+
+
+def _area(points: FloatArray) -> float:
+    # About the first point: far from the origin the products would cancel.
+    x, y = (points[:-1, :2] - points[0, :2]).T
+    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
+
+
+def _box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return points[:, :2].min(axis=0), points[:, :2].max(axis=0)
