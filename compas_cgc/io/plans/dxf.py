@@ -16,6 +16,8 @@ import numpy as np
 from ...discrete.arrays import FloatArray
 from ...errors import FileError
 from .._files import read_bytes
+from ..cursor import READ_LIMITS
+from ..cursor import guarded
 from .joining import joined
 from .plan import Layer
 from .plan import Plan
@@ -93,23 +95,17 @@ def read_dxf_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
 def _document(path: Path) -> Any:
     try:
         from ezdxf import recover
-        from ezdxf.lldxf.const import DXFError
+        from ezdxf.document import Drawing
+        from ezdxf.lldxf.tagger import binary_tags_loader
     except ImportError:
         raise FileError(f"{path}: reading DXF needs ezdxf; install it: pip install 'compas_cgc[fabrication]'") from None
-    content = read_bytes(path)
+    content = read_bytes(path, READ_LIMITS.bytes)
     # Faults that ezdxf mends on the way are not the user's concern.
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
-    try:
+    with guarded(path):
         if content.startswith(BINARY):
-            from ezdxf.document import Drawing
-            from ezdxf.lldxf.tagger import binary_tags_loader
-
             return Drawing.load(binary_tags_loader(content))
         return recover.read(io.BytesIO(content))[0]
-    # ezdxf raises errors of many kinds on damaged files.
-    except (DXFError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError, OverflowError) as error:
-        reason = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
-        raise FileError(f"{path} is no DXF file that can be read ({reason}); save it again from the program that made it") from None
 
 
 class _Layers:

@@ -141,7 +141,7 @@ def test_damaged_files_are_refused_or_empty(tmp_path, content):
     try:
         plan = read_plan(path)
     except FileError as error:
-        assert "broken.dxf" in str(error) and "save it again" in str(error)
+        assert "broken.dxf" in str(error) and "export it again" in str(error)
     else:
         assert not plan.curves
 
