@@ -29,7 +29,7 @@ READ = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 ELSEWHERE = {"goals.md", "gallery.md", "fairness.md"}
 # Commands that other tests run, or that do not come to an end.
 NOT_RUN = {"serve", "bench", "reproduce", "grasshopper", "warm", "example"}
-SLOW = {"fabrication.md"}
+NIGHTLY = {"fabrication.md"}
 
 
 def blocks(path: Path, *languages: str) -> list[tuple[str, str]]:
@@ -51,7 +51,7 @@ def commands(text: str) -> list[list[str]]:
 
 def tutorials() -> list:
     with_code = [path for path in [*PAGES, ROOT / "CONTRIBUTING.md"] if path.name not in ELSEWHERE and blocks(path, "python", "sh")]
-    marks = {path: [pytest.mark.nightly] if path.name in SLOW else [] for path in with_code}
+    marks = {path: [pytest.mark.nightly] if path.name in NIGHTLY else [] for path in with_code}
     return [pytest.param(path, id=path.name, marks=marks[path]) for path in with_code]
 
 
@@ -105,10 +105,10 @@ def test_samples_and_gallery_are_made_from_the_same_drawings(monkeypatch):
             assert np.array_equal(getattr(read, array), getattr(drawn, array), equal_nan=array == "targets"), (name, array)
 
 
-@pytest.mark.parametrize("path", READ, ids=lambda path: path.name)
-def test_python_on_a_page_can_be_parsed(path):
-    for _, text in blocks(path, "python", "py"):
-        ast.parse(text)
+def test_python_on_pages_can_be_parsed():
+    for path in READ:
+        for _, text in blocks(path, "python", "py"):
+            ast.parse(text, filename=path.name)
 
 
 def options_of(command: str) -> set[str]:
@@ -153,15 +153,15 @@ def anchors(path: Path) -> set[str]:
     return {re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", head).strip().lower()) for head in plain}
 
 
-@pytest.mark.parametrize("path", READ, ids=lambda path: path.name)
-def test_links_lead_somewhere(path):
-    text = re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in re.findall(r"\]\((?!https?:|mailto:)([^)\s]+)\)", text):
-        page, _, anchor = target.partition("#")
-        aim = (path.parent / page).resolve() if page else path
-        assert aim.exists(), f"{path.name} names {target}"
-        if anchor and aim.suffix == ".md" and "api" not in aim.parts:
-            assert anchor in anchors(aim), f"{path.name} names {target}"
+def test_links_lead_somewhere():
+    for path in READ:
+        text = re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for target in re.findall(r"\]\((?!https?:|mailto:)([^)\s]+)\)", text):
+            page, _, anchor = target.partition("#")
+            aim = (path.parent / page).resolve() if page else path
+            assert aim.exists(), f"{path.name} names {target}"
+            if anchor and aim.suffix == ".md" and "api" not in aim.parts:
+                assert anchor in anchors(aim), f"{path.name} names {target}"
 
 
 def test_every_public_name_is_in_the_reference():

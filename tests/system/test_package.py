@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import doctest
 import re
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -14,7 +12,6 @@ import pytest
 import compas_cgc
 
 ROOT = Path(__file__).parents[2]
-PACKAGE = ROOT / "compas_cgc"
 
 
 def test_importing_the_package_loads_nothing_heavy():
@@ -71,13 +68,3 @@ def test_pictures_and_pages_that_the_documents_name_are_there():
     for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]:
         for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name} names {target}"
-
-
-WITH_EXAMPLES = [path for path in sorted(PACKAGE.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
-
-
-@pytest.mark.parametrize("path", WITH_EXAMPLES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_examples_in_docstrings_run(path):
-    name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-    tried = doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE)
-    assert tried.failed == 0
