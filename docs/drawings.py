@@ -1,4 +1,4 @@
-"""Drawings of the manual: the gallery shows them, its pictures and the samples of the package are made from them."""
+"""Drawings of the manual, used by the gallery and the sample files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def nine_regions(cells: int = 36, K: float = 0.01, centre: float = 0.04) -> CGCM
 
 
 def vault(cells: int = 32) -> CGCMesh:
-    """A vault between two arches that unrolls: K = 0."""
+    """A vault between two arches that unrolls flat: K = 0."""
     mesh = CGCMesh.from_meshgrid(dx=8.0, nx=cells, dy=6.0, ny=3 * cells // 4)
     for vertex in mesh.vertices():
         x, y, _ = mesh.vertex_coordinates(vertex)
@@ -31,7 +31,7 @@ def vault(cells: int = 32) -> CGCMesh:
 
 
 def canopy(cells: int = 28) -> CGCMesh:
-    """A canopy on two high and two low masts: K = -0.02, a surface of straight laths."""
+    """A canopy on two high and two low masts for straight laths: K = -0.02."""
     mesh = CGCMesh.from_meshgrid(dx=10.0, nx=cells)
     for vertex in mesh.vertices():
         x, y, _ = mesh.vertex_coordinates(vertex)
@@ -42,7 +42,7 @@ def canopy(cells: int = 28) -> CGCMesh:
 
 
 def facade(cells: int = 36, K: float = 0.005) -> CGCMesh:
-    """Three bays of a facade that bulge outwards between creases, all from one mould."""
+    """Three bays of a facade that bulge outwards between creases; one mould serves all panels."""
     high = 2 * cells // 3
     mesh = CGCMesh.from_meshgrid(dx=12.0, nx=cells, dy=8.0, ny=high)
     mesh.set_supports("boundary")
@@ -55,7 +55,7 @@ def facade(cells: int = 36, K: float = 0.005) -> CGCMesh:
 
 
 def cushion(cells: int = 36) -> CGCMesh:
-    """A cushion over a rectangle, 0.8 m high; K is the answer."""
+    """A cushion over a rectangle with a rise of 0.8 m and unknown K."""
     mesh = CGCMesh.from_meshgrid(dx=6.0, nx=cells, dy=4.0, ny=2 * cells // 3)
     mesh.set_supports("boundary")
     return mesh
@@ -74,7 +74,7 @@ def oculus() -> CGCMesh:
 
 
 def strips() -> CGCMesh:
-    """A long roof of five bays that fold against each other, K by turns above and below zero."""
+    """A long roof of five bays between creases, with K alternately above and below zero."""
     mesh = CGCMesh.from_meshgrid(dx=20.0, nx=50, dy=8.0, ny=20)
     mesh.set_supports([21 * i + j for i in (0, 10, 20, 30, 40, 50) for j in (0, 20)])
     mesh.set_creases([[21 * i + j for j in range(21)] for i in (10, 20, 30, 40)])

@@ -1,4 +1,4 @@
-"""Gallery of the manual: run this file to solve and draw its drawings, and to write gallery.md."""
+"""Gallery of the manual; run this file to draw the pictures and to write gallery.md."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ DOCS = Path(__file__).parent
 
 
 class Picture(NamedTuple):
-    """A drawing, how one looks at its surface, what else is asked of it, and whether it is coloured by K."""
+    """A drawing with the view, the options of the solve, and the colouring of its picture."""
 
     drawing: Callable[[], CGCMesh]
     view: View
@@ -50,15 +50,15 @@ PICTURES = {
 
 
 def drawn(problem: CGCProblem, picture: Picture, width: int = 1200) -> object:
-    """Return the picture of a surface, in tones by region or by the K asked for."""
+    """Return the picture of a surface, coloured by region or by target curvature."""
     K = np.where(problem.asked, problem.targets, np.nan) if picture.by_curvature else None
     return studio(problem.vertices, problem.faces, problem.roles, problem.creases, curvature=K, view=picture.view, width=width)
 
 
 PAGE = """# Gallery
 
-Every surface here is made by the code under it, and drawn by `compas_cgc.plot.studio`. All of them are **fair** by their verdict, and meet
-the curvature asked for to rounding. This page is made by `python docs/gallery.py`.
+The code below each picture computes the surface, and `compas_cgc.plot.studio` draws it. All surfaces have the verdict **fair** and meet
+their target curvature to rounding. `python docs/gallery.py` creates this page.
 
 ```python
 import numpy as np

@@ -1,4 +1,4 @@
-"""Tables 1 and 2 and every published figure, the paper's beside ours."""
+"""Tables 1 and 2 and all published errors, compared with those of this package."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ TABLE_2 = {
 TABLE_1 = {"example2": 4.09, "example3": 3.87, "example4_a": 4.21, "example5": 4.32, "example6": 2.97, "example7_a": 4.58}
 
 REMARKS = """\
-* **Example 1, C2.** The paper takes μ = 0.05 for C1 and C2. With edges of 0.1, C2 is unstable above about half the square of
-  an edge, 0.005, and the curve is torn within ten steps. Shown is the nearest that converges: μ = 0.0045 with 6000 steps.
-* **Example 1, C1 without internal boundary.** After 500 steps the curve still creeps towards a total turning of 3.8.
-* **Example 4, S2 with e = 2.** After the paper's 200 steps the error is still about 0.1, and with other step lengths a region buckles;
-  with 1000 steps of the same settings it falls below 1e-10 and the shape stays as shown.
-* **Example 5.** The paper publishes no figure for the error.
-* **Example 6.** The paper gives its error relative to the target, 6.031e-4; ours is 2.0e-4. With so small a filter the start decides
-  how far 500 steps reach: domes between 2.2 and 2.5 high end between 2e-4 and 2e-3, a flat start does not arrive.
-* **Example 7, K̄ = 0.** The flow is slow here, in the paper as with us: after 5000 steps the error is 1e-6.
-* **Table 2.** The text speaks of a target of 4.0. On a square of side w no surface has K̄ above about 4 / w²; with μ0 = 100 and d̄ = 5
-  the mesh is 10 wide, so 4.0 cannot have been meant, and the flow with it inflates until it is stopped as divergence.
-  K̄ = 0.01, which is Example 2 scaled by ten, gives errors of the published size.
-* **Counterparts.** The meshes of Examples 5 to 7 are known from words and pictures only. Ours are built from the words; both sizes
-  are given.
-* **Energy.** The line search tests Φ = M - Σ K̄ V, the paper's energy with its sign turned, since by the paper's own Eq. 8 the flow
-  increases that one. Every step that passes the search lowers Φ. Late in a run no trial passes, and the shortest step is taken, as the
-  paper says; Φ then creeps up, because the shape with K = K̄ is near, but not at, the minimum of the discrete Φ: by less than 1e-5 of
-  Φ a step in Examples 2 and 4, by up to 6e-4 once in variant a of Example 4.
-* **Time.** The paper's seconds are those of a Core i7-8850H at 2.6 GHz; ours were taken on one core of the machine that wrote this
-  page, after compilation.
+* **Example 1, C2.** The paper uses μ = 0.05 for C1 and C2. With edges of 0.1, C2 is unstable if μ exceeds about half the squared edge
+  length, 0.005; the curve is torn within ten steps. The table shows a setting near the limit that converges: μ = 0.0045 with 6000 steps.
+* **Example 1, C1 without internal boundary.** After 500 steps the total turning has not yet reached its limit of 3.8.
+* **Example 4, S2 with e = 2.** After the paper's 200 steps the error is still about 0.1. With 1000 steps it falls below 1e-10, and the
+  shape stays as shown. With other step lengths a region buckles.
+* **Example 5.** The paper does not publish the error.
+* **Example 6.** The paper gives a relative error of 6.031e-4; ours is 2.0e-4. The filter is so small that the result of 500 steps depends
+  on the initial surface: domes with heights between 2.2 and 2.5 give errors between 2e-4 and 2e-3, and a flat mesh does not converge.
+* **Example 7, K̄ = 0.** The flow converges slowly, both in the paper and here: after 5000 steps the error is 1e-6.
+* **Table 2.** The text of the paper gives a target of 4.0, which must be a misprint: on a square of side w no surface has K̄ above about 4
+  / w², and μ0 = 100 and d̄ = 5 imply w = 10. With a target of 4.0 the flow diverges. K̄ = 0.01, which is Example 2 scaled by ten, gives
+  errors of the published size.
+* **Counterparts.** The meshes of Examples 5 to 7 are known from text and pictures only. The meshes used here follow the text; the tables
+  give both sizes.
+* **Energy.** The line search uses Φ = M - Σ K̄ V, the paper's energy with the opposite sign, because the flow increases the latter
+  according to Eq. 8 of the paper. Every accepted step decreases Φ. Late in a run no trial is accepted, and the shortest step is taken, as
+  in the paper. Φ then increases slightly, because the surface with K = K̄ is near, but not at, the minimum of the discrete Φ. The increase
+  is less than 1e-5 of Φ per step in Examples 2 and 4, and at most 6e-4 in variant a of Example 4.
+* **Time.** The paper's times were measured on a Core i7-8850H at 2.6 GHz, ours on one core of the machine that computed this page, after
+  compilation.
 """
 
 
@@ -63,7 +63,8 @@ def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, di
     by_name = {record["example"]: record for record in surfaces}
     parts = [
         "# The paper's examples\n",
-        "Made by `compas-cgc reproduce`. *Paper* is what was published, *ours* what this package computes with the same parameters.\n",
+        "`compas-cgc reproduce` computes this page. Columns named *paper* are published values; columns named *ours* are computed "
+        "by this package\nwith the same parameters. n is the number of vertices, n_f of faces, n_i of steps.\n",
         "## Table 1: cost\n",
         _table_1([by_name[name] for name in TABLE_1]),
         "## Table 2: mesh size and error (Example 2 on a square 10 wide, K̄ = 0.01, μ0 = 100, d̄ = 5, 200 steps)\n",
@@ -72,7 +73,7 @@ def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, di
         _errors(surfaces),
         "## Example 1: plane curves\n",
         _curves(curves),
-        "## Where they differ, and why\n",
+        "## Differences and their reasons\n",
         REMARKS,
     ]
     return "\n".join(parts)
@@ -103,7 +104,7 @@ def _table_1(records: Sequence[dict]) -> str:
                 f"{1000 * record['seconds'] / record['vertices'] / steps:.5f}",
             ]
         )
-    heads = ["Ex.", "n paper", "n ours", "n_f paper", "n_f ours", "n_i", "t paper [s]", "t ours [s]", "faster by"]
+    heads = ["Ex.", "n paper", "n ours", "n_f paper", "n_f ours", "n_i", "t paper [s]", "t ours [s]", "speed-up"]
     return _table([*heads, "1000 t / n / n_i paper", "ours"], rows)
 
 
@@ -150,8 +151,8 @@ def _curves(records: Sequence[dict]) -> str:
         "example1_c1b": "each half turns by 1.8",
         "example1_c1c": "like S1, shortest edges at the centre",
         "example1_c2a": "lower than C1",
-        "example1_c2b": "break smaller than in C1",
-        "example1_c2c": "break smaller than in C1",
+        "example1_c2b": "kink smaller than in C1",
+        "example1_c2c": "kink smaller than in C1",
     }
     rows = [
         [
@@ -165,4 +166,4 @@ def _curves(records: Sequence[dict]) -> str:
         ]
         for record in records
     ]
-    return _table(["Variant", "the paper says", "max error", "height", "total turning [rad]", "shortest edge", "μ x steps"], rows)
+    return _table(["Variant", "claim of the paper", "max error", "height", "total turning [rad]", "shortest edge", "μ x steps"], rows)
