@@ -29,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="key that clients must send (default: COMPAS_CGC_KEY, or none); repeatable, with separate limits for each key",
     )
+    parser.add_argument(
+        "--keys", metavar="FILE", help=".toml file with the keys of several owners, each with a name and a role; see the manual"
+    )
     parser.add_argument("--workers", type=_positive, help="number of simultaneous solves (default: number of processors minus one)")
     parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines, such as dask://scheduler:8786")
     parser.add_argument(
@@ -49,11 +52,14 @@ def run(arguments: argparse.Namespace) -> int:
     from .warm import warm
 
     try:
+        from ..server.keys import read_keys
         from ..server.run import serve
     except ImportError as error:
         raise CGCError(f"the server requires {error.name}; install it with pip install 'compas_cgc[server]'") from None
 
-    key = arguments.key or os.environ.get("COMPAS_CGC_KEY", "").split()
+    if arguments.keys is not None and arguments.key:
+        raise CGCError("--keys and --key exclude each other; put the key into the file")
+    key = read_keys(arguments.keys) if arguments.keys else arguments.key or os.environ.get("COMPAS_CGC_KEY", "").split()
     names = tuple(name.lower() for name in arguments.name)
     if arguments.executor is not None and arguments.workers is not None:
         raise CGCError("--workers applies to this machine only; omit it if --executor is given")

@@ -36,16 +36,19 @@ from .hops.routes import list_functions
 from .hops.warm_up import warm_up
 from .jobs.engine import Jobs
 from .jobs.store import Store
+from .keys import Keys
+from .keys import Throttle
 from .limits import Limits
 from .page import index
 from .page import page
 from .page import wants_page
+from .security import client_name
 from .security import guard
-from .security import keys_of
 
 __all__ = ["create_app"]
 
 log = logging.getLogger(__name__)
+audit = logging.getLogger("compas_cgc.server.requests")  # who sent which request, by the name of the key
 
 SENTENCES = {
     404: "there is nothing at this address; GET /openapi.json lists the available addresses",
@@ -56,7 +59,7 @@ SENTENCES = {
 
 def create_app(
     store: Union[str, Path] = ":memory:",
-    key: Union[str, Sequence[str], None] = None,
+    key: Union[str, Sequence[str], Keys, None] = None,
     workers: Optional[int] = None,
     limits: Optional[Limits] = None,
     hosts: tuple[str, ...] = (),
@@ -93,16 +96,16 @@ def create_app(
     >>> app = create_app(":memory:", workers=1)  # doctest: +SKIP
     """
     limits = limits or Limits()
+    keys = key if isinstance(key, Keys) else Keys(key)
     app = Flask("compas_cgc.server", static_folder=None)
-    app.config.update(
-        MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEYS=keys_of(key), HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8)
-    )
+    app.config.update(MAX_CONTENT_LENGTH=limits.body, LIMITS=limits, KEYS=keys, HOSTS=frozenset(hosts), INSTANCE=secrets.token_hex(8))
     # First, as opening the store can fail.
     stored = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
     io_pool = WorkerPool(1, warm_up_io, limits.grace)
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
     app.extensions["jobs"] = Jobs(pool, stored, solve, limits, io_pool)
+    app.extensions["throttle"] = Throttle()
     app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
     app.before_request(_refuse_compressed)
@@ -132,6 +135,7 @@ def _refuse_compressed() -> None:
 
 
 def _finish(response: Response) -> Response:
+    audit.info("%s %s %s: %d", client_name(), request.method, request.path, response.status_code)
     response.headers["X-Content-Type-Options"] = "nosniff"
     response.headers.setdefault("Cache-Control", "no-store")
     response.headers.setdefault("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'")

@@ -19,12 +19,12 @@ from typing import Union
 from .._version import __version__
 from ..errors import CGCError
 from ..execution.remote import executor_at
+from .keys import Keys
 from .limits import Limits
 from .memory import give_back
 from .memory import set_loaded_aside
 from .security import hostname
 from .security import is_loopback
-from .security import keys_of
 
 if TYPE_CHECKING:
     from ..execution.protocol import TaskExecutor
@@ -50,7 +50,7 @@ def default_store(port: int) -> Path:
 def serve(
     host: str = HOST,
     port: int = PORT,
-    key: Union[str, Sequence[str], None] = None,
+    key: Union[str, Sequence[str], Keys, None] = None,
     workers: Optional[int] = None,
     store: Optional[str] = None,
     limits: Optional[Limits] = None,
@@ -90,11 +90,9 @@ def serve(
     --------
     >>> serve(port=7331)  # doctest: +SKIP
     """
-    keys = keys_of(key)
+    keys = key if isinstance(key, Keys) else Keys(key)
     if not is_loopback(host) and not keys:
         raise CGCError(f"listening on {host} requires a key, or anyone on the network could use this machine; set --key or COMPAS_CGC_KEY")
-    if any(len(own) < 8 or not own.isascii() or not own.isprintable() or " " in own for own in keys):
-        raise CGCError("the key must have at least 8 printable ASCII characters and no spaces")
     names = tuple(hostname(name.split("//")[-1]) for name in names)
     if not all(names):
         raise CGCError("--name must be a host name, such as studio-pc")

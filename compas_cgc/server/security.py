@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-import hashlib
-import hmac
-from collections.abc import Sequence
+import logging
 from typing import Optional
-from typing import Union
 from urllib.parse import urlsplit
 
 from flask import current_app
+from flask import g
 from flask import request
 
 from .errors import RequestError
+from .keys import LOCAL
+from .keys import NAME
+from .keys import OPERATOR
+from .keys import Key
 
-__all__ = ["Forbidden", "Misdirected", "Unauthorized", "client_name", "guard", "hostname", "is_loopback", "key_among", "keys_of"]
+__all__ = ["Forbidden", "Misdirected", "TooManyKeys", "Unauthorized", "caller", "client_name", "guard", "hostname", "is_loopback", "owner"]
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
+OPERATOR_PATHS = ("/metrics",)
+OWNER_HEADER = "CGC-Owner"
+log = logging.getLogger(__name__)
 
 
 class Unauthorized(RequestError):
@@ -24,6 +29,16 @@ class Unauthorized(RequestError):
 
     status = 401
     headers = {"WWW-Authenticate": "Bearer"}
+
+
+class TooManyKeys(RequestError):
+    """An address tried too many wrong keys."""
+
+    status = 429
+
+    def __init__(self, seconds: float):
+        super().__init__(f"too many wrong keys came from this address; try again in {seconds:.0f} s")
+        self.headers = {"Retry-After": str(max(1, round(seconds)))}
 
 
 class Forbidden(RequestError):
@@ -58,10 +73,32 @@ def guard() -> None:
     # GET requests carry Sec-Fetch-Site instead of Origin; links to the page are allowed from any site.
     if request.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin") and not _is_link_to_page():
         raise Forbidden("requests from pages of other sites are not allowed")
-    if current_app.config["KEYS"] and not _is_open() and _given_key() is None:
+    g.caller = _identified()
+    if g.caller is None and not _is_open():
         raise Unauthorized(
             "the key is missing or wrong; send the server's key as RhinoComputeKey (in Hops: Preferences, Solver, Hops, API key)"
         )
+    if request.path in OPERATOR_PATHS and (g.caller is None or g.caller.role != OPERATOR):
+        raise (Unauthorized if g.caller is None else Forbidden)("this address needs the key of an operator")
+
+
+def _identified() -> Optional[Key]:
+    """Return the key of a request, None where it is missing or wrong; of an address that tried many, none is looked at."""
+    keys, throttle = current_app.config["KEYS"], current_app.extensions["throttle"]
+    if not keys:
+        return LOCAL
+    given = request.headers.get("RhinoComputeKey", ""), request.headers.get("Authorization", "")
+    if not any(given):
+        return None
+    address = request.remote_addr or ""
+    pause = throttle.pause(address)
+    if pause > 0:
+        raise TooManyKeys(pause)
+    found = keys.find(*given)
+    if found is None:
+        throttle.add(address)
+        log.warning("a wrong key came from %s for %s %s", address, request.method, request.path)
+    return found
 
 
 def _is_link_to_page() -> bool:
@@ -74,31 +111,30 @@ def _is_open() -> bool:
     return request.method in ("GET", "HEAD", "OPTIONS") and not request.path.startswith("/api/")
 
 
-def keys_of(key: Union[str, Sequence[str], None]) -> tuple[str, ...]:
-    """Return the keys of a server as a tuple."""
-    return () if not key else (key,) if isinstance(key, str) else tuple(key)
+def caller() -> Key:
+    """Return the key of the request, that of the local owner on a server without keys."""
+    return g.get("caller") or LOCAL
+
+
+def owner() -> str:
+    """Return the name of the owner whose jobs the request may see: its own, or the one that an operator names.
+
+    Raises
+    ------
+    Forbidden
+        If somebody else than an operator names one.
+    """
+    own, named = caller(), request.headers.get(OWNER_HEADER)
+    if named is None:
+        return own.name
+    if own.role != OPERATOR or not (named == "" or NAME.fullmatch(named)):
+        raise Forbidden(f"only an operator may send {OWNER_HEADER}, with the name of an owner")
+    return named
 
 
 def client_name() -> str:
-    """Return the name of the client for limits per client: derived from its key if there are several, else its address."""
-    keys = current_app.config["KEYS"]
-    key = _given_key() if len(keys) > 1 else None
-    # Keys must not be stored in plain text.
-    return (request.remote_addr or "") if key is None else f"key:{hashlib.sha256(key.encode()).hexdigest()[:16]}"
-
-
-def _given_key() -> Optional[str]:
-    """Return the key of the server that the request carries, None if it carries none."""
-    return key_among(current_app.config["KEYS"], request.headers.get("RhinoComputeKey", ""), request.headers.get("Authorization", ""))
-
-
-def key_among(keys: Sequence[str], compute: str, authorization: str) -> Optional[str]:
-    """Return the key in the header RhinoComputeKey or Authorization, None if neither holds one of the keys."""
-    scheme, _, bearer = authorization.partition(" ")
-    given = [compute, bearer.strip() if scheme.lower() == "bearer" else ""]
-    # Compare all keys, so that the time reveals nothing.
-    found = [key for key in keys for text in given if hmac.compare_digest(text.encode(), key.encode())]
-    return found[0] if found else None
+    """Return the client for which limits are counted: the owner, or the address where there is only one owner."""
+    return f"key:{caller().name}" if caller().name else request.remote_addr or ""
 
 
 def hostname(host: str) -> str:

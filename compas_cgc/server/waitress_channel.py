@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Sequence
 from socket import socket
 from typing import Any
 from typing import Optional
@@ -21,8 +20,8 @@ from waitress.parser import HTTPRequestParser
 from waitress.task import ErrorTask
 
 from .errors import error_body
+from .keys import Keys
 from .limits import Limits
-from .security import key_among
 
 __all__ = ["channel_class"]
 
@@ -61,7 +60,7 @@ class _JSONErrorTask(ErrorTask):
         self.write(body)
 
 
-def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Sequence[str] = ()) -> type[HTTPChannel]:
+def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Optional[Keys] = None) -> type[HTTPChannel]:
     """Return a class of connections that enforces the limits.
 
     Parameters
@@ -80,7 +79,7 @@ def channel_class(limits: Limits, trusted_proxy: Optional[str] = None, keys: Seq
             if self.body_rcv is None:
                 return
             given = self.headers.get("RHINOCOMPUTEKEY", ""), self.headers.get("AUTHORIZATION", "")
-            welcome = not keys or key_among(keys, *given) is not None
+            welcome = not keys or keys.find(*given) is not None
             if not welcome and getattr(self, "expect_continue", False):
                 # The client waits for permission to send the body: reject the request at once.
                 self.expect_continue = False

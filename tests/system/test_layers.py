@@ -43,7 +43,7 @@ INSIDE = {
         {"between"},
     ],
     "server": [
-        {"errors", "limits", "memory"},
+        {"errors", "keys", "limits", "memory"},
         {"security"},
         {"jobs"},
         {"api"},

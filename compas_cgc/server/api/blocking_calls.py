@@ -17,14 +17,15 @@ from ..errors import GatewayTimeout
 from ..errors import RequestError
 from ..errors import ServerStopping
 from ..errors import WorkerFailed
-from ..jobs.engine import Jobs
+from ..jobs.owned import OwnedJobs
+from ..security import owner
 
 __all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
 
 
-def jobs() -> Jobs:
-    """Return the engine of the running application."""
-    return current_app.extensions["jobs"]
+def jobs() -> OwnedJobs:
+    """Return the jobs of the owner of the request."""
+    return OwnedJobs(current_app.extensions["jobs"], owner())
 
 
 def run_in_worker(function: Callable, *args: object, hint: str) -> Any:

@@ -45,6 +45,6 @@ class Answers:
                 self.size -= len(self._kept.popitem(last=False)[1])
 
 
-def request_digest(uri: str, values: object, context: dict) -> bytes:
-    """Return the digest of everything that determines a response: function, values, units and tolerance."""
-    return hashlib.sha256(json.dumps([uri, values, context], sort_keys=True).encode()).digest()
+def request_digest(owner: str, uri: str, values: object, context: dict) -> bytes:
+    """Return the digest of everything that determines a response: owner, function, values, units and tolerance."""
+    return hashlib.sha256(json.dumps([owner, uri, values, context], sort_keys=True).encode()).digest()

@@ -25,6 +25,7 @@ from ..errors import Unprocessable
 from ..errors import error_body
 from ..limits import Limits
 from ..security import client_name
+from ..security import owner
 from .cache import Answers
 from .cache import request_digest
 from .data_tree import entry
@@ -91,7 +92,7 @@ def _solved_here(body: dict, limits: Limits) -> Response:
     uri = uri_of(body)
     values = body.get("values")
     context = context_of(body)
-    digest = request_digest(uri, values, context) if body.get("cachesolve") is True and uri in REPEATABLE else None
+    digest = request_digest(owner(), uri, values, context) if body.get("cachesolve") is True and uri in REPEATABLE else None
     kept = _kept(digest)
     if kept is not None:
         return kept
@@ -109,7 +110,7 @@ def _solved_here(body: dict, limits: Limits) -> Response:
 
 def _solved_there(content: bytes, limits: Limits) -> Response:
     """Return the response to a request that the worker parses; the cache identifies it by its bytes."""
-    digest = hashlib.sha256(content).digest()
+    digest = hashlib.sha256(owner().encode() + b"\n" + content).digest()
     kept = _kept(digest)
     if kept is not None:
         return kept

@@ -34,6 +34,7 @@ from .outcome import outcome_of
 from .output import JobOutput
 from .store import Job
 from .store import Store
+from .store import owned_id
 
 __all__ = ["Jobs"]
 
@@ -107,7 +108,7 @@ class Jobs:
     # ------------------------------------------------------------------
 
     def submit(
-        self, kind: str, body: bytes, options: Optional[dict] = None, id: Optional[str] = None, client: str = ""
+        self, kind: str, body: bytes, options: Optional[dict] = None, id: Optional[str] = None, client: str = "", owner: str = ""
     ) -> tuple[Job, bool]:
         """Accept a job and start it when a worker is free.
 
@@ -122,7 +123,9 @@ class Jobs:
         id
             Id chosen by the client. Submitting the same request again with this id returns the first job.
         client
-            Address of the client.
+            Address of the client, or name of its key.
+        owner
+            Name of the owner, within whose jobs the id is unique.
 
         Returns
         -------
@@ -144,13 +147,13 @@ class Jobs:
             raise Unprocessable("the id of a job must consist of 8 to 64 letters, digits, '-' or '_'")
         with self._change:
             self._forget()
-            known = self._found(id) if id is not None else None
+            known = self._found(owned_id(owner, id)) if id is not None else None
             if known is not None:
                 if known.digest != digest:
                     raise Conflict(f"the id {id} belongs to a different request; choose another id")
                 return known, False
             self.admit(client)
-            id = id or secrets.token_urlsafe(16)
+            id = owned_id(owner, id or secrets.token_urlsafe(16))
             name = str(options.get("name", ""))[:100]
             task = {"task": options["task"]} if "task" in options else {}
             job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
@@ -171,11 +174,13 @@ class Jobs:
         """Return the newest jobs."""
         return self.page()[0]
 
-    def page(self, limit: int = 100, offset: int = 0, state: Optional[str] = None) -> tuple[Sequence[Job], int]:
+    def page(
+        self, limit: int = 100, offset: int = 0, state: Optional[str] = None, owner: Optional[str] = None
+    ) -> tuple[Sequence[Job], int]:
         """Return one page of the jobs, newest first, and their total number; optionally only those in one state."""
         with self._change:
             running = {id: dict(entry.progress) for id, entry in self._running.items()}
-            shown, total = self._page(limit, offset, state)
+            shown, total = self._page(limit, offset, state, owner)
             return [job._replace(progress={**job.progress, **running.get(job.id, {})}) for job in shown], total
 
     def positions(self) -> dict[str, int]:
@@ -319,12 +324,12 @@ class Jobs:
     def _found(self, id: str) -> Optional[Job]:
         return None if id in self._forgotten else self._lost.get(id) or self.store.get(id)
 
-    def _page(self, limit: int, offset: int, state: Optional[str]) -> tuple[Sequence[Job], int]:
+    def _page(self, limit: int, offset: int, state: Optional[str], owner: Optional[str]) -> tuple[Sequence[Job], int]:
         if not (self._lost or self._forgotten):
             # Read only the requested page from the store.
-            return self.store.page(limit, offset, state)
+            return self.store.page(limit, offset, state, owner)
         stored = (self._lost.get(job.id, job) for job in self.store.all() if job.id not in self._forgotten)
-        found = [job for job in stored if state in (None, job.state)]
+        found = [job for job in stored if state in (None, job.state) and owner in (None, job.owner)]
         return found[offset : offset + limit], len(found)
 
     def _forget(self) -> None:

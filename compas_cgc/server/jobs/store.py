@@ -13,7 +13,7 @@ from typing import Union
 
 from ...errors import FileError
 
-__all__ = ["Job", "Store"]
+__all__ = ["Job", "Store", "owned_id"]
 
 _TABLES = """
 CREATE TABLE IF NOT EXISTS jobs (
@@ -42,9 +42,23 @@ class Job(NamedTuple):
     size: Optional[int]  # size of the result [bytes], None if there is no result or it was deleted
 
     @property
+    def owner(self) -> str:
+        """Name of the owner, empty for the only one of a server without keys."""
+        return self.id.rpartition(":")[0]
+
+    def shown(self) -> Job:
+        """Return the job under the id that its owner knows."""
+        return self._replace(id=self.id.rpartition(":")[2])
+
+    @property
     def over(self) -> bool:
         """Whether the job is finished, whatever the outcome."""
         return self.state in ("succeeded", "failed", "cancelled")
+
+
+def owned_id(owner: str, id: str) -> str:
+    """Return the id under which a job of an owner is stored; two owners may have jobs of the same id."""
+    return f"{owner}:{id}" if owner else id
 
 
 class Store:
@@ -87,9 +101,13 @@ class Store:
         """Return all stored jobs, newest first."""
         return self._rows("SELECT * FROM jobs ORDER BY created DESC, rowid DESC")
 
-    def page(self, limit: int, offset: int = 0, state: Optional[str] = None) -> tuple[list[Job], int]:
-        """Return one page of the jobs, newest first, and their total number; optionally only those in one state."""
-        where, values = ("", ()) if state is None else ("WHERE state = ?", (state,))
+    def page(self, limit: int, offset: int = 0, state: Optional[str] = None, owner: Optional[str] = None) -> tuple[list[Job], int]:
+        """Return so many jobs after the newest ones, all or those in a state or of an owner, and the number of all of them."""
+        conditions: list[tuple[str, tuple]] = [] if state is None else [("state = ?", (state,))]
+        if owner is not None:
+            conditions.append(("id GLOB ?", (f"{owner}:*",)) if owner else ("id NOT GLOB '*:*'", ()))
+        where = "WHERE " + " AND ".join(text for text, _ in conditions) if conditions else ""
+        values = [value for _, own in conditions for value in own]
         with self._lock:
             total = self._base.execute(f"SELECT count(*) FROM jobs {where}", values).fetchone()[0]
         return self._rows(f"SELECT * FROM jobs {where} ORDER BY created DESC, rowid DESC LIMIT ? OFFSET ?", *values, limit, offset), total

@@ -97,6 +97,7 @@ def test_the_answers_not_asked_for_the_longest_make_room():
 
 def test_the_digest_does_not_hang_on_the_order_of_keys():
     one, other = [{"ParamName": "K", "InnerTree": {}}], [{"InnerTree": {}, "ParamName": "K"}]
-    assert request_digest("cgc/dome", one, {}) == request_digest("cgc/dome", other, {})
-    assert request_digest("cgc/dome", one, {}) != request_digest("cgc/flow", one, {})
-    assert request_digest("cgc/dome", one, {"modelunits": "a"}) != request_digest("cgc/dome", one, {"modelunits": "b"})
+    assert request_digest("anna", "cgc/dome", one, {}) == request_digest("anna", "cgc/dome", other, {})
+    assert request_digest("anna", "cgc/dome", one, {}) != request_digest("anna", "cgc/flow", one, {})
+    assert request_digest("anna", "cgc/dome", one, {}) != request_digest("ben", "cgc/dome", one, {})
+    assert request_digest("anna", "cgc/dome", one, {"modelunits": "a"}) != request_digest("anna", "cgc/dome", one, {"modelunits": "b"})
