@@ -1,6 +1,6 @@
-"""Pages of the manual that follow from the code: the reference and the command line.
+"""Generated pages of the manual: the reference and the command line.
 
-A hook of mkdocs; Zensical, which has none, reads the files that running it writes.
+This file is a hook of mkdocs. Zensical has no hooks and reads the files that `python docs/pages.py` writes.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from compas_cgc.cli.main import build_parser
 
 DOCS = Path(__file__).parent
 
-# What each page of the reference holds, from the doors down.
+# Title text and modules of each page of the reference.
 PAGES = {
-    "compas_cgc": ("What a script needs.", ["compas_cgc"]),
-    "fabrication": ("From a solved surface to what is built.", ["compas_cgc.fabrication", "compas_cgc.fabrication.curves"]),
+    "compas_cgc": ("Names for scripts.", ["compas_cgc"]),
+    "fabrication": ("From a solved surface to fabrication.", ["compas_cgc.fabrication", "compas_cgc.fabrication.curves"]),
     "io": ("Files.", ["compas_cgc.io", "compas_cgc.io.rhino"]),
-    "plot": ("Pictures. Takes the extra `plot`.", ["compas_cgc.plot"]),
+    "plot": ("Pictures. Requires the extra `plot`.", ["compas_cgc.plot"]),
     "scene": ("Meshes in Rhino, Grasshopper, notebooks and compas_viewer.", ["compas_cgc.scene"]),
-    "analysis": ("How good a surface is.", ["compas_cgc.analysis"]),
+    "analysis": ("Quality of a surface.", ["compas_cgc.analysis"]),
     "solvers": (
         "Methods and their settings.",
         ["compas_cgc.solvers", "compas_cgc.solvers.flow", "compas_cgc.solvers.newton", "compas_cgc.solvers.projection"],
@@ -44,7 +44,7 @@ PAGES = {
     "client": ("The client of the server: standard library only.", ["compas_cgc.client"]),
     "server": ("The server as a WSGI application.", ["compas_cgc.server"]),
     "grasshopper": (
-        "What writes components and definitions.",
+        "Writers for components and definitions.",
         ["compas_cgc.grasshopper.build.archive", "compas_cgc.grasshopper.build.definition"],
     ),
     "paper": (
@@ -54,12 +54,12 @@ PAGES = {
 }
 
 
-# Doors, which say themselves what they take, and what is public elsewhere too.
+# Interfaces that document themselves, and packages whose names are public elsewhere too.
 LEFT_OUT = {"compas_cgc.cli", "compas_cgc.datastructures", "compas_cgc.server.page", "compas_cgc.grasshopper.components"}
 
 
 def pages() -> dict[str, tuple[str, list[str]]]:
-    """Return the pages; a package that is on none of them is put on that of the package it lies in."""
+    """Return text and modules of each page; packages that PAGES does not list go to the page of their parent."""
     found = {name: (text, list(modules)) for name, (text, modules) in PAGES.items()}
     listed = {module for _, modules in PAGES.values() for module in modules} | LEFT_OUT
     for own in walk_packages(compas_cgc.__path__, "compas_cgc."):
@@ -76,17 +76,17 @@ def public_names(module: str) -> list[str]:
 
 
 def is_covered(module: str, name: str) -> bool:
-    """Tell whether a file of the module has the name of what it holds, so that the name alone means the file."""
+    """Check whether a submodule has the same name as the object, so that the plain path would mean the submodule."""
     return (Path(import_module(module).__file__ or "").parent / f"{name}.py").exists()
 
 
 def anchor(module: str, name: str) -> str:
-    """Return where a name stands on its page."""
+    """Return the anchor of a name on its page."""
     return f"{module}.{name}.{name}" if is_covered(module, name) else f"{module}.{name}"
 
 
 def reference_page(title: str, text: str, modules: list[str]) -> str:
-    """Return a page of the reference, which the docstrings fill."""
+    """Return a page of the reference with mkdocstrings directives."""
     page = f"# {title}\n\n{text}\n"
     for module in modules:
         heading = f"\n## `{module}`\n" if len(modules) > 1 else ""
@@ -103,9 +103,9 @@ def reference_page(title: str, text: str, modules: list[str]) -> str:
 
 def index() -> str:
     """Return the list of all public names with the first lines of their docstrings."""
-    page = "# Reference\n\nEvery public name. [How to type them on the command line](../cli.md) is a page of its own.\n"
+    page = "# Reference\n\nThis page lists all public names. See also [the command line](../cli.md).\n"
     for name, (text, modules) in pages().items():
-        page += f"\n## [{modules[0]}]({name}.md)\n\n{text}\n\n| name | what it is |\n| --- | --- |\n"
+        page += f"\n## [{modules[0]}]({name}.md)\n\n{text}\n\n| name | description |\n| --- | --- |\n"
         for module in modules:
             for own in public_names(module):
                 said = (getattr(import_module(module), own).__doc__ or "").strip().splitlines()
@@ -115,9 +115,9 @@ def index() -> str:
 
 
 def command_line() -> str:
-    """Return what every command says of itself."""
+    """Return the page with the help texts of all commands."""
     page = "# The command line\n\nThe output of `compas-cgc COMMAND --help`, written by `python docs/pages.py`.\n"
-    os.environ["COLUMNS"] = "110"  # argparse asks it, and nothing else
+    os.environ["COLUMNS"] = "110"  # the width that argparse uses
     for name in COMMANDS:
         parser = build_parser(name)
         (commands,) = (own for own in parser._actions if isinstance(own, argparse._SubParsersAction))
@@ -129,7 +129,7 @@ def command_line() -> str:
 
 
 def made() -> dict[str, Callable[[], str]]:
-    """Return what makes each of the pages, by their paths."""
+    """Return the functions that create the pages, by path."""
     found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line}
     for name, (text, modules) in pages().items():
         found[f"api/{name}.md"] = partial(reference_page, modules[0], text, modules)
@@ -137,13 +137,13 @@ def made() -> dict[str, Callable[[], str]]:
 
 
 def on_page_read_source(page: Any, config: Any) -> Optional[str]:
-    """Give mkdocs these pages as the code is now, whatever lies in the folder."""
+    """Pass generated pages to mkdocs, so that they match the current code."""
     make = made().get(page.file.src_uri)
     return make() if make else None
 
 
 def on_page_content(html: str, page: Any, config: Any, files: Any) -> str:
-    """Take the roles of reStructuredText, which docstrings have, out of the text around them."""
+    """Remove reStructuredText roles of docstrings from the text."""
     plain = re.sub(r":(?:class|func|meth|mod|attr|data|exc|math):(<code>)~?(?:compas_cgc\.(?:\w+\.)*)?", r"\1", html)
     return re.sub(r":(?:class|func|meth|mod|attr|data|exc):(?=<)", "", plain)
 

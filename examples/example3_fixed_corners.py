@@ -1,4 +1,4 @@
-"""Example 3: the same square, held at its four corners only; a ring of dummy faces carries the free edges."""
+"""Example 3: the same square, supported at its four corners only; dummy faces surround the free edges."""
 
 from compas_cgc import solve
 from compas_cgc.paper.examples import example3

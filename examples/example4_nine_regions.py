@@ -1,4 +1,4 @@
-"""Example 4: nine regions between creases, by the strategies S1 and S2."""
+"""Example 4: nine regions between creases, with the strategies S1 and S2."""
 
 from compas_cgc import solve
 from compas_cgc.paper.examples import example4

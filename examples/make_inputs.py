@@ -1,4 +1,4 @@
-"""Make the two Rhino files of this folder, as an architect would hand them over."""
+"""Create the two Rhino files of this folder, in the form in which an architect would draw them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ COLOURS = {"Mesh": (160, 160, 160, 255), "Supports": (200, 0, 0, 255), "Creases"
 
 
 def new_file() -> tuple[rhino3dm.File3dm, dict[str, rhino3dm.ObjectAttributes]]:
-    """Return an empty file in metres with a layer for the mesh, the supports and the creases."""
+    """Return an empty file in metres with layers for mesh, supports, creases and targets."""
     model = rhino3dm.File3dm()
     model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
     model.Settings.ModelAbsoluteTolerance = 0.001
@@ -26,7 +26,7 @@ def new_file() -> tuple[rhino3dm.File3dm, dict[str, rhino3dm.ObjectAttributes]]:
 
 
 def square_roof(path: Path, side: float = 15.0, cells: int = 15) -> None:
-    """A square roof on four corner points, divided into nine squares by four lines."""
+    """Write a square roof on four corner points, divided into nine squares by four lines."""
     model, on = new_file()
     mesh = rhino3dm.Mesh()
     step = side / cells
@@ -55,10 +55,9 @@ def square_roof(path: Path, side: float = 15.0, cells: int = 15) -> None:
 
 
 def free_form_plan(path: Path, rows: int = 24, radius: float = 20.0) -> None:
-    """A leaf-shaped plan held along its edge, with one crease along a circular arc.
+    """Write a leaf-shaped plan that is supported along its edge, with one crease along a circular arc.
 
-    A strip of triangles whose middle row is bent onto the arc and whose outer rows
-    follow two different curves.
+    The mesh is a strip of triangles. Its middle row follows the arc, and its outer rows follow two other curves.
     """
     model, on = new_file()
     mesh = rhino3dm.Mesh()
