@@ -1,4 +1,4 @@
-"""``compas-cgc limits``: find the largest curvature that the supports can carry."""
+"""``compas-cgc limits``: find the largest curvature that the supports allow."""
 
 from __future__ import annotations
 
