@@ -86,8 +86,8 @@ def _written(option: tuple[str, Any]) -> str:
     name, value = option
     goals = value if isinstance(value, list) else []
     given = [[getattr(goal, own.name) for own in fields(goal) if getattr(goal, own.name) != own.default] for goal in goals]
-    said = [f"{type(goal).__name__}({', '.join(map(repr, own))})" for goal, own in zip(goals, given)]
-    return f"{name}=[{', '.join(said)}]" if goals else f"{name}={json.dumps(value)}"
+    shown = [f"{type(goal).__name__}({', '.join(map(repr, own))})" for goal, own in zip(goals, given)]
+    return f"{name}=[{', '.join(shown)}]" if goals else f"{name}={json.dumps(value)}"
 
 
 if __name__ == "__main__":

@@ -108,8 +108,8 @@ def index() -> str:
         page += f"\n## [{modules[0]}]({name}.md)\n\n{text}\n\n| name | description |\n| --- | --- |\n"
         for module in modules:
             for own in public_names(module):
-                said = (getattr(import_module(module), own).__doc__ or "").strip().splitlines()
-                line = said[0].replace("|", "\\|") if said and not own.isupper() else "a constant"
+                lines = (getattr(import_module(module), own).__doc__ or "").strip().splitlines()
+                line = lines[0].replace("|", "\\|") if lines and not own.isupper() else "a constant"
                 page += f"| [`{own}`]({name}.md#{anchor(module, own)}) | {line} |\n"
     return page
 
@@ -121,10 +121,10 @@ def command_line() -> str:
     for name in COMMANDS:
         parser = build_parser(name)
         (commands,) = (own for own in parser._actions if isinstance(own, argparse._SubParsersAction))
-        said = io.StringIO()
-        with redirect_stdout(said):
+        stream = io.StringIO()
+        with redirect_stdout(stream):
             commands.choices[name].print_help()
-        page += f"\n## compas-cgc {name}\n\n```text\n{said.getvalue().rstrip()}\n```\n"
+        page += f"\n## compas-cgc {name}\n\n```text\n{stream.getvalue().rstrip()}\n```\n"
     return page
 
 

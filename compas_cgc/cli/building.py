@@ -15,7 +15,7 @@ from .arguments import add_reading
 from .arguments import read_input
 from .arguments import with_targets
 from .console import Parts
-from .console import speaker
+from .console import printer
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -89,9 +89,9 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
         If the file cannot be read.
     """
     read = read_input(arguments, result=True)
-    say = speaker(arguments.quiet)
+    echo = printer(arguments.quiet)
     for note in read.notes:
-        say(f"{arguments.input}: {note}")
+        echo(f"{arguments.input}: {note}")
     return with_targets(read.checked(), arguments.target)
 
 
@@ -107,13 +107,13 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     problem = read_solved(arguments)
     if supports:
         problem = problem.with_supports(supports)
-    say = speaker(arguments.quiet)
+    echo = printer(arguments.quiet)
     parts = Parts(1 + len(arguments.output), quiet=arguments.quiet)
     with parts.part(f"computing {task}"):
         report = build(task, problem, settings)
-    say(str(report))
+    echo(str(report))
     for output in arguments.output:
         with parts.part(f"writing {output}"):
             written = write_build(output, task, problem, report, settings)
-        say("\n".join(f"wrote {path}" for path in written))
+        echo("\n".join(f"wrote {path}" for path in written))
     return DONE

@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from .._compiled import Compilation
     from ..model.result import SolveState
 
-__all__ = ["Parts", "ProgressBar", "compiling", "interruptible", "speaker"]
+__all__ = ["Parts", "ProgressBar", "compiling", "interruptible", "printer"]
 
 _WIDTH = 24
 _INTERVAL = 0.1  # seconds between two updates
 
 
-def speaker(quiet: bool) -> Callable[[str], None]:
+def printer(quiet: bool) -> Callable[[str], None]:
     """Return a function that prints a text; if the reader of a pipe closes it, later texts are dropped."""
 
-    def say(text: str) -> None:
+    def echo(text: str) -> None:
         try:
             print(text, flush=True)
         except OSError:
             sys.stdout = None
 
-    return (lambda text: None) if quiet else say
+    return (lambda text: None) if quiet else echo
 
 
 def bar(part: float) -> str:

@@ -15,7 +15,7 @@ from .building import add_task
 from .building import read_solved
 from .building import settings_of
 from .console import Parts
-from .console import speaker
+from .console import printer
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -63,14 +63,14 @@ def run(arguments: argparse.Namespace) -> int:
     output = Path(arguments.output)
     if output.suffix.lower() != ".3dm":
         raise FileError(f"the output must be a .3dm file, not {output.name!r}")
-    say = speaker(arguments.quiet)
+    echo = printer(arguments.quiet)
     settings = settings_of(arguments, "mould")
     problem = read_solved(arguments)
     curves = _curves(arguments)
     parts = Parts(3, quiet=arguments.quiet)
     with parts.part("fitting panels to moulds"):
         report = build("mould", problem, settings if curves is None else {**settings, "curves": curves})
-    say(str(report))
+    echo(str(report))
     with parts.part("drawing the page"):
         page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report:
         written.append(_write_report(arguments, report))
     for path in written:
-        say(f"wrote {path}")
+        echo(f"wrote {path}")
     return DONE
 
 

@@ -22,7 +22,7 @@ from .arguments import with_targets
 from .console import Parts
 from .console import ProgressBar
 from .console import interruptible
-from .console import speaker
+from .console import printer
 from .exits import DONE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
@@ -97,20 +97,20 @@ def run(arguments: argparse.Namespace) -> int:
     # Detect an invalid output before the solve.
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
         raise FileError(f"--nurbs requires a .3dm output file, not {arguments.output}")
-    say = speaker(arguments.quiet)
+    echo = printer(arguments.quiet)
     draw = _picture(arguments)
     settings = settings_of(arguments)
     read = read_input(arguments)
     for note in read.notes:
-        say(f"{arguments.input}: {note}")
+        echo(f"{arguments.input}: {note}")
     problem = _with_arguments(read.checked(), arguments)
     result = _solve(problem, arguments, settings)
     for remark in result.remarks:
-        say(f"note: {remark}")
+        echo(f"note: {remark}")
     parts = Parts(4, quiet=arguments.quiet)
     with parts.part("measuring the surface"):
         analysis = analyse(result, problem)
-    say(_summary(result, analysis))
+    echo(_summary(result, analysis))
     change = None
     if arguments.sensitivity and result.converged:
         from ..solvers.sensitivity import sensitivity
@@ -118,14 +118,14 @@ def run(arguments: argparse.Namespace) -> int:
         with parts.part("computing the sensitivity"):
             change = sensitivity(result)
         for sentence in change.sentences():
-            say(sentence)
+            echo(sentence)
     if arguments.report:
         _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
     code = _write_surface(arguments, result, analysis, parts)
     if draw is not None and result.status not in ("infeasible", "diverged"):
         with parts.part("drawing the picture"):
             drawn = draw(result)
-        say(f"wrote {drawn}")
+        echo(f"wrote {drawn}")
     return code
 
 
@@ -198,16 +198,16 @@ def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: 
 
 
 def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> int:
-    """Write the surface and return the exit code; an unfinished surface gets a name of its own."""
+    """Write the surface and return the exit code; an unfinished surface is written to a separate file."""
     from ..io import write
 
     output = Path(arguments.output)
     if result.converged:
         with parts.part(f"writing {output}"):
             notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
-        say = speaker(arguments.quiet)
+        echo = printer(arguments.quiet)
         for note in (*notes, f"wrote {output}"):
-            say(note)
+            echo(note)
         if analysis.verdict.fair:
             return DONE
         print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)

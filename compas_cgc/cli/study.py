@@ -18,7 +18,7 @@ from .arguments import add_reading
 from .arguments import read_input
 from .console import bar
 from .console import interruptible
-from .console import speaker
+from .console import printer
 from .exits import DONE
 from .exits import INTERRUPTED
 
@@ -73,11 +73,11 @@ def run(arguments: argparse.Namespace) -> int:
     from ..study.run import run_study
     from ..study.spec import read_study
 
-    say = speaker(arguments.quiet)
+    echo = printer(arguments.quiet)
     study = read_study(arguments.study)
     read = read_input(arguments)
     for note in read.notes:
-        say(f"{arguments.input}: {note}")
+        echo(f"{arguments.input}: {note}")
     shown = _Bar(arguments.quiet)
     with interruptible() as cancelled, _executor(arguments) as executor:
 
@@ -95,12 +95,12 @@ def run(arguments: argparse.Namespace) -> int:
             f"compas-cgc: stopped after {len(results)} of {len(study.variants)} variants; run the command again to resume", file=sys.stderr
         )
         return INTERRUPTED
-    say(_summary(results))
+    echo(_summary(results))
     if not arguments.no_pictures:
         for path in write_pictures(results):
-            say(f"wrote {path}")
+            echo(f"wrote {path}")
     for path, variant in zip(write_best(results, Path(arguments.input)), best_variants(results)):
-        say(f"variant {variant}: wrote {path}")
+        echo(f"variant {variant}: wrote {path}")
     return DONE
 
 
