@@ -1,4 +1,4 @@
-"""Compiled layout of triangles in a space form: a rigid frame is carried from face to face."""
+"""Compiled layout of triangles in a space form: a rigid frame moves from face to face."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..discrete.arrays import Vertices
 
 @njit(cache=True)
 def moved(Q: FloatArray, square: float, K: float, sign: float) -> None:
-    """Move a frame forwards (sign 1) or backwards (-1) along its own first axis by a chord of this square."""
+    """Move a frame along its first axis, forwards (sign 1) or backwards (-1), by a chord of squared length `square`."""
     c = 1.0 - 0.5 * K * square
     s = sign * math.sqrt(square * max(0.0, 1.0 - 0.25 * K * square))
     for i in range(3):
@@ -30,7 +30,7 @@ def moved(Q: FloatArray, square: float, K: float, sign: float) -> None:
 
 @njit(cache=True)
 def turned(Q: FloatArray, c: float, s: float) -> None:
-    """Turn a frame about its own origin by an angle of this cosine and sine."""
+    """Rotate a frame about its origin by the angle with cosine c and sine s."""
     for i in range(3):
         ahead, left = Q[i, 1], Q[i, 2]
         Q[i, 1] = ahead * c + left * s
@@ -39,7 +39,7 @@ def turned(Q: FloatArray, c: float, s: float) -> None:
 
 @njit(cache=True)
 def triangle(V: Vertices, F: Faces, f: int, K: float, arc: bool, out: FloatArray) -> None:
-    """Write the squared chord opposite, the cosine and the sine of every corner of a face into `out` (3, 3)."""
+    """Write the squared opposite chord, the cosine and the sine of every corner of a face into `out` (3, 3)."""
     a, b, c, _, _, _, D = sides(V, F, f, K, arc)
     square = (a, b, c)
     for x in range(3):
@@ -51,10 +51,10 @@ def triangle(V: Vertices, F: Faces, f: int, K: float, arc: bool, out: FloatArray
 
 @njit(cache=True)
 def laid(V: Vertices, F: Faces, order: Indices, before: Indices, side: IntArray, K: float, arc: bool) -> FloatArray:
-    """Return the points of the corners of faces (m, 3, 3), each face next to the one before it.
+    """Return the corner points of faces (m, 3, 3), each face laid beside its predecessor.
 
-    ``order`` (m,) starts with the face that is laid first; ``before`` (m,) is the face that each is laid beside, and ``side``
-    (m, 2) the corners opposite the edge that they share, in the face before and in its own.
+    ``order`` (m,) lists the faces in the order of layout, ``before`` (m,) the predecessor of each (-1 for the first), and
+    ``side`` (m, 2) the corners opposite the shared edge in the predecessor and in the face.
     """
     m = F.shape[0]
     frames = np.zeros((m, 3, 3))  # at corner 0, towards corner 1
@@ -67,7 +67,7 @@ def laid(V: Vertices, F: Faces, order: Indices, before: Indices, side: IntArray,
             for i in range(3):
                 Q[i, i] = 1.0
         else:
-            # Walk around the face before to the shared edge, over it, and around the own face back to corner 0.
+            # Walk along the predecessor to the shared edge, cross it, and walk along the face back to corner 0.
             g = int(before[f])
             Q[:, :] = frames[g]
             triangle(V, F, g, K, arc, T)

@@ -1,4 +1,4 @@
-"""Allowances: a strip of even width around the outline of a piece, mitred at its corners."""
+"""Allowances: strips of constant width around pieces, mitred at corners."""
 
 from __future__ import annotations
 
@@ -10,45 +10,45 @@ import numpy as np
 from ..discrete.arrays import FloatArray
 from ..errors import CGCError
 from .outlines import signed_area
-from .stock import LIMIT
+from .stock import MITRE_LIMIT
 
 __all__ = ["reach", "widened"]
 
-SAME = 1e-9  # of the width of a strip, up to which two points are one
+POINT_TOLERANCE = 1e-9  # distance relative to the width of a strip below which two points coincide
 
 
 class _Strip(NamedTuple):
     """The strip along a closed outline (k, 2), edge by edge."""
 
-    before: FloatArray  # (k, 2) where the strip of the edge before a point ends, beside it [L]
-    after: FloatArray  # (k, 2) where that of the edge after it begins; the same at a mitre [L]
+    before: FloatArray  # (k, 2) outer end of the strip of the edge before a point [L]
+    after: FloatArray  # (k, 2) outer start of the strip of the edge after it; the same point at a mitre [L]
 
 
 def reach(loops: Sequence[FloatArray], width: float) -> FloatArray:
-    """Return points (n, 2) whose convex hull is that of a piece and the strip around it [L].
+    """Return points (n, 2) with the convex hull of a piece and its allowance [L].
 
     Parameters
     ----------
     loops
         Closed outlines ``(k, 2)`` with the piece to their left, the outer one first [L].
     width
-        Of the strip [L].
+        Width of the strip [L].
     """
     strips = [_strip(loop, width) for loop in loops]
     return np.concatenate([*loops, *(side for strip in strips for side in strip)])
 
 
 def widened(loops: Sequence[FloatArray], width: float) -> list[FloatArray]:
-    """Return the outlines of a piece with a strip around it: the outer one anticlockwise, holes clockwise.
+    """Return the outlines of a piece with its allowance: the outer one counterclockwise, holes clockwise.
 
-    Every edge is moved outwards by the width, and neighbours are mitred; mitres longer than four widths are cut off square.
+    Every edge is offset outwards by the width, with mitred corners; mitres longer than four widths are cut off square.
 
     Parameters
     ----------
     loops
         Closed outlines ``(k, 2)`` with the piece to their left, the outer one first [L].
     width
-        Of the strip [L]; nothing comes of 0.
+        Width of the strip [L]; 0 gives no outlines.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def widened(loops: Sequence[FloatArray], width: float) -> list[FloatArray]:
     try:
         import shapely
     except ImportError:
-        raise CGCError("an allowance needs shapely; install compas_cgc[fabrication]") from None
+        raise CGCError("an allowance needs the package shapely; install compas_cgc[fabrication]") from None
     pieces = [np.array([shapely.make_valid(shapely.Polygon(loops[0], loops[1:]))])]
     for loop in loops:
         before, after = _strip(loop, width)
@@ -73,22 +73,22 @@ def widened(loops: Sequence[FloatArray], width: float) -> list[FloatArray]:
 
 
 def _cleaned(ring: FloatArray, width: float) -> FloatArray:
-    """Leave off points that are those before them but for rounding, where parts of a strip cross: Rhino refuses such curves."""
-    return ring[np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1) > SAME * width]
+    """Return a ring without duplicate points, which Rhino rejects."""
+    return ring[np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1) > POINT_TOLERANCE * width]
 
 
 def _strip(loop: FloatArray, width: float) -> _Strip:
     ahead = np.roll(loop, -1, axis=0) - loop
     along = ahead / np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), np.finfo(float).tiny)
     back = np.roll(along, 1, axis=0)
-    out = np.array([[0.0, -1.0], [1.0, 0.0]])  # to the right of a direction, away from the piece
+    out = np.array([[0.0, -1.0], [1.0, 0.0]])  # rotation to the right of a direction, away from the piece
     cosine = np.clip(np.einsum("ij,ij->i", back, along), -1.0, 1.0)
     left = back[:, 0] * along[:, 1] - back[:, 1] * along[:, 0] > 0
-    # Half of the turn at a corner: a mitre ends where both edges meet, a longer one at its limit across the bisector.
+    # Cosine and sine of half the turn at a corner; mitres beyond MITRE_LIMIT are cut off perpendicular to the bisector.
     c, s = np.sqrt(0.5 * (1.0 + cosine)), np.sqrt(0.5 * (1.0 - cosine))
-    mitred = left & (LIMIT * c >= 1.0)
+    mitred = left & (MITRE_LIMIT * c >= 1.0)
     square = left & ~mitred
-    longer = np.where(square, (LIMIT - c) / np.maximum(s, 0.5), 0.0)[:, None]
+    longer = np.where(square, (MITRE_LIMIT - c) / np.maximum(s, 0.5), 0.0)[:, None]
     tip = loop + width * ((back + along) @ out) / np.maximum(1.0 + cosine, 1e-3)[:, None]
     before = np.where(mitred[:, None], tip, loop + width * (back @ out + longer * back))
     after = np.where(mitred[:, None], tip, loop + width * (along @ out - longer * along))

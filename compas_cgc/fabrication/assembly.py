@@ -1,4 +1,4 @@
-"""Assembly: which pieces meet, in which order they go up, and the surface in plan with their names."""
+"""Assembly: neighbours of pieces, courses of erection, and a labelled plan."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from ..discrete.arrays import IntArray
 from ..errors import names_what_was_meant
-from .drawing import LETTER
-from .drawing import MARK
+from .drawing import LETTER_WIDTH
+from .drawing import MARK_LENGTH
 from .drawing import Drawing
 from .drawing import Line
 from .drawing import Text
@@ -20,7 +20,7 @@ __all__ = ["courses", "draw_plan", "neighbours"]
 
 
 def neighbours(patterns: Patterns) -> list[list[int]]:
-    """Return for every piece the numbers of those that it shares a seam with."""
+    """Return for every piece the numbers of the pieces that share a seam with it."""
     beside: list[set[int]] = [set() for _ in patterns.pieces]
     for one, other in (seam.pieces for seam in patterns.seams):
         if one != other:
@@ -30,9 +30,9 @@ def neighbours(patterns: Patterns) -> list[list[int]]:
 
 
 def courses(patterns: Patterns) -> list[int]:
-    """Return the course of every piece: 1 for those that stand on supports, 2 for those beside them, and so on.
+    """Return the course of every piece: 1 for pieces on supports, 2 for their neighbours, and so on.
 
-    Where nothing is supported, or a part of the surface is not, its lowest piece is the first.
+    In a connected part without supports the lowest piece has course 1.
     """
     own = patterns.patchwork
     held = np.isin(own.names, patterns.problem.names.vertices[patterns.problem.supports])
@@ -51,7 +51,7 @@ def courses(patterns: Patterns) -> list[int]:
 
 
 def _numbered(found: IntArray, front: list[int], beside: list[list[int]]) -> list[int]:
-    """Number a front of pieces and all that are reached from it, in place, and return no front."""
+    """Assign courses in place to a front of pieces and all that are connected to it; return the empty front."""
     course = 1
     while front:
         found[front] = course
@@ -62,17 +62,17 @@ def _numbered(found: IntArray, front: list[int], beside: list[list[int]]) -> lis
 
 @names_what_was_meant()
 def draw_plan(patterns: Patterns) -> Drawing:
-    """Draw the surface in plan: outlines of pieces with their names and courses, and the numbers of the seams between them.
+    """Return a plan of the surface with the outlines, names and courses of the pieces and the seam numbers.
 
     Parameters
     ----------
     patterns
-        What :func:`compas_cgc.fabrication.unroll` gave.
+        Result of :func:`compas_cgc.fabrication.unroll`.
 
     Returns
     -------
     Drawing
-        Seen from above [L]; pieces that stand upright are lines.
+        View from above [L]; vertical pieces appear as lines.
 
     Examples
     --------
@@ -89,14 +89,14 @@ def draw_plan(patterns: Patterns) -> Drawing:
     low, high = own.space[:, :2].min(axis=0), own.space[:, :2].max(axis=0)
     plan = own.space[:, :2] - low
     size = (float(high[0] - low[0]), float(high[1] - low[1]))
-    height = 1.5 * MARK * max(size)
+    height = 1.5 * MARK_LENGTH * max(size)
     lines, texts = [], []
     for number, (piece, course) in enumerate(zip(patterns.pieces, courses(patterns))):
         loops = [plan[loop.nodes] for loop in piece.loops]
         lines += [Line("OUTLINE", loop, True) for loop in loops]
         place, room = roomiest(plan[own.faces[own.piece == number]].mean(axis=1), loops)
         name = f"{piece.label} ({course})"
-        texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER * len(name))))))
+        texts.append(Text("LABEL", name, place, float(min(height, 2.0 * room / (LETTER_WIDTH * len(name))))))
     for seam in patterns.seams:
         along = plan[seam.nodes]
         length = np.linalg.norm(np.diff(along, axis=0), axis=1)
@@ -104,6 +104,6 @@ def draw_plan(patterns: Patterns) -> Drawing:
         ahead = (along[edge + 1] - along[edge]) / max(length[edge], np.finfo(float).tiny)
         aside, text, small = np.array([-ahead[1], ahead[0]]), str(seam.number), float(min(0.5 * height, 0.5 * length[edge]))
         texts.append(Text("SEAM", text, 0.5 * (along[edge] + along[edge + 1]) + clearance(text, small, aside) * aside, small))
-    title = f"plan of {len(patterns.pieces)} pieces, in brackets their courses from the supports on; numbers of seams between them"
+    title = f"plan of {len(patterns.pieces)} pieces with courses from the supports in brackets, and seam numbers"
     texts.append(Text("SHEET", title, np.array([0.5 * size[0], size[1] + 2.0 * height]), height))
     return Drawing(lines, texts, size, patterns.problem.drawing.units)

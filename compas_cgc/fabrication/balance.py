@@ -1,4 +1,4 @@
-"""Edge forces in balance with a load."""
+"""Edge forces in equilibrium with a load."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..linalg import factorise
 
 __all__ = ["in_balance", "mean_size", "pull_of"]
 
-LIFT = 1e-13  # of the diagonal, against bars that hold nothing
+REGULARISATION = 1e-13  # relative to the diagonal, for bars without force
 
 
 def pull_of(V: Vertices, bars: Edges, forces: FloatArray) -> Vectors:
@@ -34,14 +34,14 @@ def pull_of(V: Vertices, bars: Edges, forces: FloatArray) -> Vectors:
 
 
 def mean_size(load: Vectors) -> float:
-    """Return what loads are large or small against: the mean over vertices [F]."""
+    """Return the mean load of a vertex, the reference for residuals [F]."""
     return float(np.linalg.norm(load, axis=1).mean())
 
 
 def in_balance(V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vectors, balanced: Mask) -> tuple[FloatArray, Vectors, float]:
-    """Return the edge forces in balance nearest to those at the start, what these leave, and the largest rest against the load.
+    """Return the equilibrium edge forces nearest to the initial ones, the initial residual (n, 3), and the largest relative residual.
 
-    Nearest by the sum over all stresses squared, as in an elastic membrane.
+    Nearest means the least sum of squared stresses, as in an elastic membrane.
     """
     A = _equilibrium(V, bars, balanced)
     wanted = load[balanced].ravel()
@@ -65,7 +65,7 @@ def in_balance(V: Vertices, F: Faces, bars: Edges, start: FloatArray, load: Vect
 
 
 def _equilibrium(V: Vertices, bars: Edges, balanced: Mask) -> sparse.csr_matrix:
-    """Return the matrix from edge forces to the pull at vertices that are to balance (3 k, b)."""
+    """Return the equilibrium matrix (3 k, b): from edge forces to the resultants at the balanced vertices."""
     u, v = bars[:, 0], bars[:, 1]
     along = V[v] - V[u]
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
@@ -81,18 +81,18 @@ def _equilibrium(V: Vertices, bars: Edges, balanced: Mask) -> sparse.csr_matrix:
 
 
 def _by_strips(V: Vertices, F: Faces, bars: Edges, balanced: Mask, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
-    """Return what gives the smallest edge forces for a pull, each edge standing for a strip of the surface: for small corrections."""
+    """Return a solver for the smallest edge forces with given resultants, each edge weighted as a strip of the surface."""
     areas = np.r_[face_areas(V, F), 0.0]
     length = np.linalg.norm(V[bars[:, 1]] - V[bars[:, 0]], axis=1)
     strip = (areas[bars[:, 2]] + areas[bars[:, 3]]) / length**2
     M = A @ sparse.diags(strip) @ A.T
-    lifted = (M + LIFT * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
+    lifted = (M + REGULARISATION * float(M.diagonal().mean()) * sparse.identity(M.shape[0])).tocsr()
     factor = factorise(lifted, symmetric=True, points=np.repeat(V[balanced], 3, axis=0), refine=False)
     return lambda missing: strip * (A.T @ factor.solve(missing))
 
 
 def _by_stresses(V: Vertices, F: Faces, bars: Edges, A: sparse.csr_matrix) -> Callable[[FloatArray], FloatArray]:
-    """Return what gives the edge forces of least stress, squared and summed over the faces, for a pull: whichever way edges run."""
+    """Return a solver for the edge forces of least squared stress with given resultants."""
     areas = face_areas(V, F)
     vector = V[bars[:, 1]] - V[bars[:, 0]]
     length = np.linalg.norm(vector, axis=1)
@@ -108,6 +108,6 @@ def _by_stresses(V: Vertices, F: Faces, bars: Edges, A: sparse.csr_matrix) -> Ca
     G = sparse.csr_matrix((values, (rows, columns)), shape=(9 * len(F), len(bars)))
     W = G.T @ G
     W = W / float(W.diagonal().mean())
-    system = sparse.bmat([[W, A.T], [A, -LIFT * sparse.identity(A.shape[0])]], format="csc")
+    system = sparse.bmat([[W, A.T], [A, -REGULARISATION * sparse.identity(A.shape[0])]], format="csc")
     factor = splu(system)
     return lambda missing: factor.solve(np.r_[np.zeros(A.shape[1]), missing])[: A.shape[1]]

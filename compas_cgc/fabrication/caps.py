@@ -1,4 +1,4 @@
-"""The smallest cap of a space form around points: how large a mould has to be."""
+"""Smallest cap of a space form around points, the size of a mould."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from . import space_form
 
 __all__ = ["Cap", "smallest_cap"]
 
-MOST = 200  # exchanges of a point, far more than are ever needed
-SLACK = 1e-12  # of the radius, within which a point is inside
+MAX_EXCHANGES = 200  # far more than needed in practice
+SLACK = 1e-12  # relative tolerance of the radius for a point inside
 
 
 class Cap(NamedTuple):
-    """A disk of a space form."""
+    """A geodesic disk of a space form."""
 
     centre: FloatArray  # (3,) point of the space form
     radius: float  # along the surface [L]
@@ -28,8 +28,8 @@ class Cap(NamedTuple):
 def smallest_cap(points: FloatArray, K: float) -> Cap:
     """Return the smallest cap of the space form of curvature K around points (n, 3).
 
-    The cap that two or three of the points determine, exchanged for the point farthest outside until none is (the simplex
-    method for problems of linear-programming type).
+    The cap is determined by two or three points. The farthest point outside replaces one of them until no point is outside
+    (simplex method for LP-type problems).
 
     References
     ----------
@@ -39,7 +39,7 @@ def smallest_cap(points: FloatArray, K: float) -> Cap:
     first = _farthest(points, middle, K)
     basis = [first, _farthest(points, points[first], K)]
     best = _around(points, basis, K)
-    for _ in range(MOST):
+    for _ in range(MAX_EXCHANGES):
         outside = _farthest(points, best.centre, K)
         if _distance(points[outside], best.centre, K) <= (1.0 + SLACK) * best.radius or outside in basis:
             break
@@ -54,7 +54,7 @@ def smallest_cap(points: FloatArray, K: float) -> Cap:
 
 
 def _around(points: FloatArray, few: list[int], K: float) -> Cap:
-    """Return the smallest cap with two points on its edge, or the one with three; of infinite radius where there is none."""
+    """Return the smallest cap through two or three points, with infinite radius if there is none."""
     corners = points[few]
     if len(few) == 2:
         centre: Optional[FloatArray] = space_form.midpoint(corners, K)

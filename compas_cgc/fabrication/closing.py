@@ -1,4 +1,4 @@
-"""Closing: a solved surface whose vertices are slid until its triangles close on its moulds, for what is balanced only there."""
+"""Closing: slide the vertices of a solved surface until its triangles close on the moulds, where edge forces balance."""
 
 from __future__ import annotations
 
@@ -20,30 +20,30 @@ from ..model.problem import CGCProblem
 __all__ = ["closed", "closed_anew"]
 
 STEPS, HALVINGS = 30, 6
-ROUNDS = 4  # of laying triangles out anew
-CLOSED = 1e-12  # of angles around vertices, each squared and summed up, that are off 2 pi [rad]
-ROUNDING = 1e3  # times that, which is as near as it comes on large meshes
-FARTHEST = 0.5  # of a mean edge, that vertices move by in a step
+REMESHING_ROUNDS = 4  # rounds with new triangles
+CLOSING_TOLERANCE = 1e-12  # norm of the deviations of vertex angle sums from 2 pi [rad]
+ROUNDING_FACTOR = 1e3  # factor on the tolerance that rounding requires on large meshes
+MAX_STEP = 0.5  # largest step of a vertex relative to the mean edge length
 
 
 def closed(problem: CGCProblem) -> Optional[CGCProblem]:
-    """Return the surface with its vertices where triangles close around each that has a target; None where that is not near.
+    """Return the surface with its vertices slid until triangles close around each with a target, None if this fails.
 
-    Moves along the surface are cheap, so that its shape stays; edges, creases and supports stay too. This is the last part of the
-    measure ``exact`` of a solve, for surfaces that were solved with another.
+    The metric favours displacements along the surface, so that its shape hardly changes; boundaries, creases and supports are
+    fixed. This is the last step of a solve with the measure ``exact``, for surfaces solved with another measure.
     """
     slid, arrived = _slid(problem)
     return slid if arrived else None
 
 
 def closed_anew(problem: CGCProblem) -> Optional[CGCProblem]:
-    """Return what :func:`closed` does on even triangles of the same surface: vertices in the middle of their neighbours, edges turned.
+    """Return the result of :func:`closed` on a remeshed surface with even triangles, None if it fails.
 
-    Triangles that are slender leave vertices no room to slide. Those laid out anew are on the surface to second order only, so
-    they are laid out once more where vertices have slid as far as they go.
+    Vertices cannot slide far on slender triangles. The new triangles lie on the surface to second order only, so remeshing is
+    repeated while closing fails.
     """
     free = np.flatnonzero(problem.asked & ~boundary_vertices(problem.vertices, problem.faces))
-    for _ in range(ROUNDS):
+    for _ in range(REMESHING_ROUNDS):
         vertices, faces = even_triangles(problem.vertices, problem.faces, free, problem.creases)
         problem, arrived = _slid(replace(problem, vertices=vertices, faces=faces))
         if arrived:
@@ -52,7 +52,7 @@ def closed_anew(problem: CGCProblem) -> Optional[CGCProblem]:
 
 
 def _slid(problem: CGCProblem) -> tuple[CGCProblem, bool]:
-    """Return the surface with its vertices slid as far as triangles close the better for it, and whether they do."""
+    """Return the surface with its vertices slid as far as the closing error decreases, and whether it closes."""
     V, F = problem.vertices, problem.faces
     rows = np.flatnonzero(problem.asked & np.isfinite(problem.targets))
     equations = SpaceFormEquations(F, np.where(np.isfinite(problem.targets), problem.targets, 0.0), rows, rows)
@@ -62,10 +62,10 @@ def _slid(problem: CGCProblem) -> tuple[CGCProblem, bool]:
     here, rest = V, equations.residual(V)
     for _ in range(STEPS):
         size = float(np.linalg.norm(rest))
-        step = _step(equations, here, rest) if size > CLOSED else None
+        step = _step(equations, here, rest) if size > CLOSING_TOLERANCE else None
         if step is None:
             break
-        length = min(1.0, FARTHEST * edge / max(float(np.linalg.norm(step, axis=1).max()), np.finfo(float).tiny))
+        length = min(1.0, MAX_STEP * edge / max(float(np.linalg.norm(step, axis=1).max()), np.finfo(float).tiny))
         for _ in range(HALVINGS):
             there = here + length * step
             left = equations.residual(there)
@@ -75,11 +75,11 @@ def _slid(problem: CGCProblem) -> tuple[CGCProblem, bool]:
         else:
             break
         here, rest = there, left
-    return problem.with_vertices(here), bool(np.linalg.norm(rest) <= ROUNDING * CLOSED)
+    return problem.with_vertices(here), bool(np.linalg.norm(rest) <= ROUNDING_FACTOR * CLOSING_TOLERANCE)
 
 
 def _step(equations: SpaceFormEquations, vertices: Vertices, rest: FloatArray) -> Optional[Vertices]:
-    """Return the cheapest moves (n, 3) that close the triangles to first order."""
+    """Return the displacements (n, 3) of least norm that close the triangles to first order, None if singular."""
     rows = equations.rows
     K = np.zeros(len(vertices))
     K[rows] = np.abs(equations.targets[rows])

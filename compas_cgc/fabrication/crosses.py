@@ -1,4 +1,4 @@
-"""Crosses: principal forces drawn as two lines at faces."""
+"""Crosses: principal forces as two lines per face."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from .membrane_state import MembraneState
 
 __all__ = ["Crosses", "crosses"]
 
-MOST = 1500  # crosses that an eye can tell apart
+MAX_CROSSES = 1500  # more crosses cannot be distinguished in a picture
 
 
 class Crosses(NamedTuple):
-    """Lines as long as the forces are large."""
+    """Lines with lengths proportional to principal forces."""
 
     faces: IntArray  # (k,)
-    lines: FloatArray  # (2, k, 2, 3) from and to of N1's and N2's line [L]
+    lines: FloatArray  # (2, k, 2, 3) start and end of the lines of N1 and N2 [L]
     forces: FloatArray  # (k, 2) [F/L]
-    reaction_scale: float  # length for each force of reactions [L/F]
+    reaction_scale: float  # length per force for reactions [L/F]
 
 
-def crosses(state: MembraneState, most: int = MOST) -> Crosses:
-    """Return crosses at evenly chosen faces, scaled so that they do not meet; the few largest forces are cut short."""
+def crosses(state: MembraneState, most: int = MAX_CROSSES) -> Crosses:
+    """Return crosses at evenly chosen faces, scaled not to overlap; the largest 5 % of the forces are clipped."""
     V, F = state.problem.vertices, state.problem.faces
     chosen = np.unique(np.linspace(0, len(F) - 1, min(most, len(F))).astype(np.int64))
     corners = V[F[chosen]]

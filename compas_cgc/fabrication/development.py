@@ -1,4 +1,4 @@
-"""Development: a region laid onto the sphere, the plane or the hyperbolic plane of its curvature, face by face."""
+"""Development of a region onto the sphere, plane or hyperbolic plane of its curvature, face by face."""
 
 from __future__ import annotations
 
@@ -43,26 +43,26 @@ Seam = Union[None, str, Sequence[int], Sequence[Sequence[int]]]
 
 
 class Development(NamedTuple):
-    """Faces laid onto the surface of constant curvature K, congruent to those of the mesh where that is exact.
+    """Faces laid out on the surface of constant curvature K; congruent to those of a mesh solved with the measure exact.
 
     Parameters
     ----------
     K
-        [1/L^2].
+        Gaussian curvature [1/L^2].
     points
-        (p, 3) places as points of the space form, see compas_cgc.fabrication.space_form.
+        (p, 3) points of the space form, see compas_cgc.fabrication.space_form.
     faces
-        (m, 3) places of the corners of every face.
+        (m, 3) indices of points at the corners of every face.
     vertices
-        (p,) vertex of the mesh at every place; those on a seam have several.
+        (p,) mesh vertex of every point; a vertex on a seam has several points.
     own_faces
         (m,) faces of the mesh.
     seam
-        (e, 2) edges of the mesh along which it is open.
+        (e, 2) mesh edges along which the layout is open.
     gap
-        Largest distance between the places that the faces around a vertex give to it [L].
+        Largest distance between the positions of a vertex in different faces [L].
     edge_error
-        Largest difference between an edge and its chord on the mould, against the edge.
+        Largest relative difference between an edge and its chord on the mould.
 
     Examples
     --------
@@ -74,19 +74,19 @@ class Development(NamedTuple):
     """
 
     K: float  # [1/L^2]
-    points: FloatArray  # (p, 3) places as points of the space form, see compas_cgc.fabrication.space_form
-    faces: Faces  # (m, 3) places of the corners of every face
-    vertices: Indices  # (p,) vertex of the mesh at every place; those on a seam have several
+    points: FloatArray  # (p, 3) points of the space form, see compas_cgc.fabrication.space_form
+    faces: Faces  # (m, 3) indices of points at the corners of every face
+    vertices: Indices  # (p,) mesh vertex of every point; a vertex on a seam has several points
     own_faces: Indices  # (m,) faces of the mesh
-    seam: Edges  # (e, 2) edges of the mesh along which it is open
-    gap: float  # largest distance between the places that the faces around a vertex give to it [L]
-    edge_error: float  # largest difference between an edge and its chord on the mould, against the edge
+    seam: Edges  # (e, 2) mesh edges along which the layout is open
+    gap: float  # largest distance between the positions of a vertex in different faces [L]
+    edge_error: float  # largest relative difference between an edge and its chord on the mould
 
     @property
     def places(self) -> Vertices:
-        """Coordinates (p, 3) with the pole at the origin: on a sphere z is the height below its top, in the plane zero [L].
+        """Coordinates (p, 3) with the pole at the origin; z is the height below the top of a sphere, zero in the plane [L].
 
-        For K < 0 they lie on the hyperboloid in Minkowski's space, where the square of z counts negative.
+        For K < 0 the points lie on the hyperboloid in Minkowski space, in which the square of z counts negative.
         """
         return space_form.places(self.points, self.K)
 
@@ -96,7 +96,7 @@ class Development(NamedTuple):
         return 1.0 / math.sqrt(abs(self.K)) if self.K else math.inf
 
     def turned(self, motion: FloatArray) -> Development:
-        """Return the same after a rigid motion (3, 3) of the space form."""
+        """Return the development after a rigid motion (3, 3) of the space form."""
         return self._replace(points=space_form.turned(self.points, motion))
 
 
@@ -104,33 +104,33 @@ class Development(NamedTuple):
 def develop(
     mesh: PosesProblem, region: Union[int, ArrayLike] = 0, seam: Seam = None, *, K: Optional[float] = None, arc: bool = False
 ) -> Development:
-    """Lay a region onto the mould of its curvature: sphere, plane or hyperbolic plane.
+    """Develop a region onto the sphere, plane or hyperbolic plane of its curvature.
 
-    Each face is laid beside its neighbour by a rigid motion, so rounding does not add up. Around every vertex the
-    faces close where the mesh was solved with ``measure="exact"``; elsewhere the gap says by how much they do not.
+    A rigid motion lays each face beside its neighbour. Around every vertex the faces close if the mesh was solved with
+    ``measure="exact"``; otherwise `gap` is the closing error.
 
     Parameters
     ----------
     mesh
         A result, mesh or problem.
     region
-        Its number, or faces of the mesh by their positions.
+        Number of the region, or indices of mesh faces.
     seam
-        Where to cut a region that has a hole: a path of vertices by their positions, several, or ``"auto"`` for the shortest.
+        Cut of a region with a hole: one or more paths of vertex indices, or ``"auto"`` for the shortest.
     K
         Gaussian curvature [1/L^2]. Default: the target of the region.
     arc
-        Take edges for lengths along the mould (``measure="exact-arc"``), not for chords.
+        Whether edges are arc lengths on the mould (``measure="exact-arc"``) instead of chords.
 
     Returns
     -------
     Development
-        With the pole in the middle of the region.
+        Development with the pole at the centre of the region.
 
     Raises
     ------
     CGCError
-        If there is no such region, it has no single K, a seam is missing or does not open it, or a face is too large for the mould.
+        If the region does not exist or has no single K, a seam is missing or insufficient, or a face is too large for the mould.
 
     References
     ----------
@@ -147,7 +147,7 @@ def develop(
     chosen, name, target = _faces_of(problem, region)
     K = target if K is None else K
     if K is None:
-        raise CGCError(f"{name} has no single K̄; give it one, or name the K to lay it out with")
+        raise CGCError(f"{name} has no single target K̄; set one, or give the K to develop it with")
     return lay_out(problem.vertices, problem.faces, float(K), seam, faces_of=chosen, arc=arc, name=name)
 
 
@@ -160,7 +160,7 @@ def _faces_of(problem: CGCProblem, region: Union[int, ArrayLike]) -> tuple[Indic
         return np.flatnonzero(label == number), f"region {number}", targets[number]
     chosen = np.asarray(region, dtype=np.int64)
     if not len(chosen) or chosen.min() < 0 or chosen.max() >= len(label):
-        raise CGCError(f"faces to lay out must be some of the {len(label)} of the mesh, by their positions")
+        raise CGCError(f"faces must be indices from 0 to {len(label) - 1} of the mesh")
     own = {targets[number] for number in np.unique(label[chosen]).tolist()}
     return chosen, "the piece", own.pop() if len(own) == 1 else None
 
@@ -176,29 +176,29 @@ def lay_out(
     arc: bool = False,
     name: str = "the mesh",
 ) -> Development:
-    """Lay faces onto the surface of constant curvature K, see :func:`develop`.
+    """Lay out faces on the surface of constant curvature K, see :func:`develop`.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     K
         Gaussian curvature [1/L^2].
     seam
-        Path of vertices, several, or ``"auto"``.
+        One or more paths of vertices, or ``"auto"``.
     faces_of
-        Which of the faces. Default: all.
+        Indices of the faces to lay out. Default: all.
     arc
-        Take edges for lengths along the mould.
+        Whether edges are arc lengths on the mould.
     name
-        What errors call these faces.
+        Name of the faces in error messages.
 
     Returns
     -------
     Development
-        The faces in space, and how well they close.
+        The layout and its closing error.
 
     Examples
     --------
@@ -208,15 +208,15 @@ def lay_out(
     """
     V, F = mesh_arrays(vertices, faces)
     if not math.isfinite(K):
-        raise CGCError(f"K must be a number to lay {name} out with, not {K!r}")
+        raise CGCError(f"K must be a finite number to lay out {name}, not {K!r}")
     own = np.arange(len(F)) if faces_of is None else faces_of
     part = np.ascontiguousarray(F[own])
     if not len(part):
-        raise CGCError(f"{name} has no faces")
+        raise CGCError(f"{name} has no faces; give faces to lay out")
     filled = circumradii(V, part, K, arc) if K > 0.0 else np.zeros(len(part))
     if (filled >= 1.0).any():
         a, b, c = part[np.argmax(filled)].tolist()
-        raise CGCError(f"the face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there")
+        raise CGCError(f"face {a}-{b}-{c} is too large for a mould of K = {K:.4g}; refine the mesh there")
     edges = _edges_of(V, part, seam)
     joined = _joined(part, edges, name)
     laid = lay(V, part, joined, K, arc)
@@ -239,24 +239,24 @@ def check_disk(faces: Faces, name: str) -> None:
     Raises
     ------
     CGCError
-        With what would help.
+        With a remedy.
     """
-    _joined(faces, np.empty((0, 2), np.int64), name, "divide it into smaller panels, or by a joint from one edge to the other")
+    _joined(faces, np.empty((0, 2), np.int64), name, "divide it into smaller panels, or by a joint from boundary to boundary")
 
 
-def _joined(faces: Faces, seam: Edges, name: str, mend: str = "a path of vertices from one edge to the other, or seam='auto'") -> Edges:
-    """Return the edges (e, 4) of faces (m, 3) that a seam leaves closed.
+def _joined(faces: Faces, seam: Edges, name: str, mend: str = "a path of vertices from boundary to boundary, or seam='auto'") -> Edges:
+    """Return the edges (e, 4) of faces (m, 3) that stay joined, all but those of the seam.
 
     Raises
     ------
     CGCError
-        If what it opens is not one piece without holes.
+        If the result is not one piece without holes.
     """
     edges = edge_faces(faces)
     joined = edges[(edges[:, 3] >= 0) & ~among(edges[:, :2], seam, int(faces.max()) + 1)]
     graph = sparse.coo_matrix((np.ones(len(joined), np.int8), (joined[:, 2], joined[:, 3])), shape=(len(faces),) * 2)
     if connected_components(graph, directed=False)[0] > 1:
-        raise CGCError(f"{name} is in several pieces; lay each of them out by itself, or give another seam")
+        raise CGCError(f"{name} consists of several pieces; lay out each separately, or give another seam")
     if not opens_to_disks(cut_open(faces, joined)[0]):
         raise CGCError(_not_a_disk(name, faces, seam, mend))
     return joined
@@ -265,9 +265,9 @@ def _joined(faces: Faces, seam: Edges, name: str, mend: str = "a path of vertice
 def _not_a_disk(name: str, faces: Faces, seam: Edges, mend: str) -> str:
     loops = len(boundary_loops(faces))
     if len(seam):
-        return f"the seam does not open {name} to one piece without holes; lead it from edge to edge, or give seam='auto'"
+        return f"the seam does not open {name} to one piece without holes; run it from boundary to boundary, or use seam='auto'"
     if loops == 0:
-        return f"{name} is closed; give a seam to open it along, a path of vertices"
+        return f"{name} is closed; give a seam to open it: a path of vertices, or 'auto'"
     if loops == 1:
         return f"{name} has a handle; give a seam that opens it"
     return f"{name} has a hole, so it needs a seam: {mend}"

@@ -1,4 +1,4 @@
-"""Drawing of sheets: lines and texts by layer, which every format writes in its own way."""
+"""Drawing of sheets: lines and texts by layer, independent of file formats."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .outlines import Seam
 from .patchwork import EDGE
 from .patterns import Patterns
 from .patterns import refuse_others
-from .rulings import STRAIGHT
+from .rulings import MAX_BOW
 
 __all__ = ["LAYERS", "Drawing", "Line", "Text", "clearance", "draw_sheets", "folded", "roomiest"]
 
-# Layers with their colours, red, green and blue.
+# Layers with their RGB colours.
 LAYERS = {
     "SHEET": (150, 150, 150),
     "OUTLINE": (200, 30, 30),
@@ -31,17 +31,17 @@ LAYERS = {
     "FOLD_UP": (30, 80, 200),
     "FOLD_DOWN": (150, 40, 160),
     "RULING": (40, 150, 70),
-    "MARK": (230, 140, 20),
+    "MARK_LENGTH": (230, 140, 20),
     "LABEL": (30, 30, 30),
     "SEAM": (230, 140, 20),
     "NODE": (120, 120, 120),
 }
-GAP = 0.1  # between sheets, of a sheet's length
-MARK = 0.012  # length of a mark, of a sheet's length
-FOLD = np.radians(1.0)  # angle from which on an edge is drawn as a fold
-LETTER = 0.8  # width of a letter, of its height
-NEARLY = 0.9  # of the most room that there is for a name, which will do
-READABLE = 0.2  # of the height of texts, below which numbers of nodes are left off
+SHEET_GAP = 0.1  # between sheets, relative to the sheet length
+MARK_LENGTH = 0.012  # relative to the sheet length
+MIN_FOLD = np.radians(1.0)  # least angle of an edge that is drawn as a fold
+LETTER_WIDTH = 0.8  # relative to its height
+ROOM_RATIO = 0.9  # accepted room for a label, relative to the largest
+MIN_NUMBER_SIZE = 0.2  # relative to the text height; smaller node numbers are omitted
 
 
 class Line(NamedTuple):
@@ -53,7 +53,7 @@ class Line(NamedTuple):
 
 
 class Text(NamedTuple):
-    """A line of text, its middle at a place."""
+    """A line of text, centred at a point."""
 
     layer: str
     text: str
@@ -68,33 +68,33 @@ class Drawing(NamedTuple):
     texts: list[Text]
     size: tuple[float, float]  # from the origin [L]
     units: Optional[str]  # such as ``Meters``
-    hidden: tuple[str, ...] = ()  # layers that are not shown at first
+    hidden: tuple[str, ...] = ()  # layers that are initially off
 
 
 @names_what_was_meant()
-def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True, sheet: Optional[int] = None) -> Drawing:
-    """Draw patterns: outlines, allowances, folds, rulings, marks, labels and node numbers of all sheets in a grid, or of one.
+def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, sheet: Optional[int] = None) -> Drawing:
+    """Return a drawing of patterns with outlines, allowances, folds, rulings, marks, labels and node numbers.
 
     Parameters
     ----------
     patterns
-        What :func:`compas_cgc.fabrication.unroll` gave.
+        Result of :func:`compas_cgc.fabrication.unroll`.
     fold
-        Angle between two faces from which on their edge is drawn as a fold [rad].
+        Least angle between two faces whose edge is drawn as a fold [rad].
     nodes
-        Whether the nodes along outlines are numbered.
+        Whether to number the nodes along outlines.
     sheet
-        The one to draw, from 0. Default: all of them.
+        Number of the sheet to draw, from 0. Default: all.
 
     Returns
     -------
     Drawing
-        Lines and texts by layer, all sheets in a grid [L], or one at the origin.
+        Lines and texts by layer [L]; all sheets in a grid, or one at the origin.
 
     Raises
     ------
     CGCError
-        If these are no patterns, or there is no such sheet.
+        If the argument is not a Patterns object, or the sheet does not exist.
 
     Examples
     --------
@@ -102,19 +102,19 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True, shee
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
-    ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
+    ['FOLD_DOWN', 'FOLD_UP', 'MARK_LENGTH', 'OUTLINE', 'RULING', 'SHEET']
     """
     refuse_others(patterns, "sheets are drawn", "draw_sheets")
     if sheet is not None and sheet not in range(patterns.sheets):
-        raise CGCError(f"there is no sheet {sheet!r}; the patterns lie on {patterns.sheets}, numbered from 0")
+        raise CGCError(f"there is no sheet {sheet!r}; the patterns have sheets 0 to {patterns.sheets - 1}")
     length, width = patterns.sheet or _extent(patterns)
-    step = (1.0 + GAP) * np.array([length, width])
+    step = (1.0 + SHEET_GAP) * np.array([length, width])
     drawn = range(patterns.sheets) if sheet is None else [int(sheet)]
     across = max(1, int(np.ceil(np.sqrt(len(drawn) * width / length))))
     rows = -(-len(drawn) // across)
-    # The first sheet at the upper left.
+    # The first sheet is at the upper left.
     origins = {own: np.array([k % across, rows - 1 - k // across]) * step for k, own in enumerate(drawn)}
-    mark, height = MARK * length, 0.5 * MARK * length
+    mark, height = MARK_LENGTH * length, 0.5 * MARK_LENGTH * length
     lines: list[Line] = []
     texts: list[Text] = []
     for number, origin in origins.items():
@@ -149,33 +149,33 @@ def draw_sheets(patterns: Patterns, fold: float = FOLD, nodes: bool = True, shee
             origin = origins[patterns.pieces[seam.pieces[side]].sheet]
             mate = patterns.pieces[seam.pieces[1 - side]].label
             marks, text = _seam_marks(seam, side, mate, mark, height)
-            lines += [Line("MARK", points + origin) for points in marks]
+            lines += [Line("MARK_LENGTH", points + origin) for points in marks]
             texts.append(text._replace(place=text.place + origin))
-    size = step * [across, rows] - [GAP * length, GAP * width]
+    size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units, _hidden(patterns, fold))
 
 
 def _title(patterns: Patterns, number: int) -> str:
-    """Return what stands over a sheet: which it is, its size, the pieces on it, and which side of them is up."""
+    """Return the title of a sheet: number, size, pieces and visible side."""
     size = in_mm(patterns.sheet or _extent(patterns), patterns.problem.drawing.units)
     labels = ", ".join(piece.label for piece in patterns.pieces if piece.sheet == number)
     return f"sheet {number + 1} of {patterns.sheets}, {size}: {labels}; seen from outside"
 
 
-def folded(patterns: Patterns, fold: float = FOLD) -> Mask:
-    """Tell over which sides of faces (m, 3) a piece is folded by an angle or more; where it is rolled or pressed it is not."""
-    rolled = [region for region, own in patterns.straightness.items() if own.median <= STRAIGHT]
+def folded(patterns: Patterns, fold: float = MIN_FOLD) -> Mask:
+    """Return the mask of face sides (m, 3) folded by at least an angle; rolled and pressed pieces have none."""
+    rolled = [region for region, own in patterns.straightness.items() if own.median <= MAX_BOW]
     flat = [own.region for own in patterns.unrollings if own.unrolled and own.region not in rolled]
     return np.isin(patterns.patchwork.region, flat)[:, None] & (np.abs(patterns.folds) >= fold)
 
 
 def _hidden(patterns: Patterns, fold: float) -> tuple[str, ...]:
-    """Return the layers of folds where they are of the mesh only: the surface is rolled along its rulings, or pressed."""
+    """Return the fold layers if no piece is really folded, because the surface is rolled or pressed."""
     return () if folded(patterns, fold).any() else ("FOLD_UP", "FOLD_DOWN")
 
 
 def _extent(patterns: Patterns) -> tuple[float, float]:
-    """Return the length and width that pieces and their allowances reach where there is no end of a sheet [L]."""
+    """Return the length and width of the pieces with allowances, used for an unlimited sheet [L]."""
     edges = [loop for piece in patterns.pieces for loop in piece.allowance or [own.points for own in piece.loops]]
     high = np.concatenate(edges).max(axis=0) + patterns.stock.margin
     return float(high[0]), float(high[1])
@@ -184,7 +184,7 @@ def _extent(patterns: Patterns) -> tuple[float, float]:
 def _fold_lines(patterns: Patterns, piece: int, fold: float, origin: FloatArray) -> list[Line]:
     own = patterns.patchwork
     angle = np.where((own.piece == piece)[:, None] & (own.side == EDGE), patterns.folds, 0.0)
-    # Either side of an edge says the same; one of them is drawn.
+    # Both sides of an edge have the same angle; draw one.
     u, v = own.faces, np.roll(own.faces, -1, axis=1)
     chosen = (np.abs(angle) >= fold) & (u < v)
     start, end = own.plane[chosen], np.roll(own.plane, -1, axis=1)[chosen]
@@ -193,7 +193,7 @@ def _fold_lines(patterns: Patterns, piece: int, fold: float, origin: FloatArray)
 
 
 def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArray, float]:
-    """Return the one of the centres (k, 2) of faces far from the outlines of their piece and nearest to its middle, and how far [L]."""
+    """Return the best face centre for a label, far from outlines and near the middle, and its distance from outlines [L]."""
     centres = centres[:: max(1, len(centres) // 200)]
     start = np.concatenate(loops)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
@@ -202,21 +202,21 @@ def roomiest(centres: FloatArray, loops: Sequence[FloatArray]) -> tuple[FloatArr
     share = np.einsum("pkj,kj->pk", from_start, along) / np.maximum(np.einsum("kj,kj->k", along, along), np.finfo(float).tiny)
     away = np.linalg.norm(from_start - np.clip(share, 0.0, 1.0)[..., None] * along, axis=2).min(axis=1)
     off = np.linalg.norm(centres - 0.5 * (start.min(axis=0) + start.max(axis=0)), axis=1)
-    best = int(np.argmin(np.where(away >= NEARLY * away.max(), off, np.inf)))
+    best = int(np.argmin(np.where(away >= ROOM_RATIO * away.max(), off, np.inf)))
     return centres[best], float(away[best])
 
 
 def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, height: float, origin: FloatArray) -> list[Text]:
-    """Number the nodes of an outline, inside of it and of their marks; those too near to each other to be read are left off."""
+    """Return the node numbers of an outline, inside it and its marks, without those too small to read."""
     ahead, back = np.roll(loop.points, -1, axis=0) - loop.points, loop.points - np.roll(loop.points, 1, axis=0)
     near = np.minimum(np.linalg.norm(ahead, axis=1), np.linalg.norm(back, axis=1))
     inward = _unit(np.column_stack([-(_unit(ahead) + _unit(back))[:, 1], (_unit(ahead) + _unit(back))[:, 0]]))
-    # Along a bisector it is farther to the sides.
+    # Along a bisector the distance to the sides is shorter.
     slant = np.clip(np.abs(np.einsum("ij,ij->i", inward, np.column_stack([-_unit(ahead)[:, 1], _unit(ahead)[:, 0]]))), 0.3, 1.0)
     texts = []
     for node, point, direction, room, share in zip(loop.nodes.tolist(), loop.points, inward, near, slant.tolist()):
         size = float(min(0.7 * height, 0.3 * room))
-        if size >= READABLE * height:
+        if size >= MIN_NUMBER_SIZE * height:
             text = str(names[node])
             away = clearance(text, size, direction) / share + (mark if node in ticked else 0.0)
             texts.append(Text("NODE", text, point + away * direction + origin, size))
@@ -224,19 +224,19 @@ def _node_numbers(loop: Loop, names: IntArray, ticked: set[int], mark: float, he
 
 
 def clearance(text: str, size: float, direction: FloatArray) -> float:
-    """Return how far off a line across a direction the middle of a text stands, so that it keeps clear of it [L]."""
-    return 0.5 * LETTER * size * len(text) * abs(float(direction[0])) + 0.5 * size * abs(float(direction[1])) + 0.4 * size
+    """Return the distance of the middle of a text from a line perpendicular to `direction` at which they do not overlap [L]."""
+    return 0.5 * LETTER_WIDTH * size * len(text) * abs(float(direction[0])) + 0.5 * size * abs(float(direction[1])) + 0.4 * size
 
 
 class _Marks(NamedTuple):
-    """Where a seam is marked, on both sides alike."""
+    """Marks of a seam, the same on both sides."""
 
-    nodes: IntArray  # (k,) places along it, of nodes
-    middle: int  # edge whose middle is marked where no node is, else -1
+    nodes: IntArray  # (k,) positions of marked nodes along the seam
+    middle: int  # edge marked at its middle if no node is marked, else -1
 
 
 def _marks_of(seam: Seam, mark: float) -> _Marks:
-    """Return up to nine nodes along a seam, off its ends and each other by more than a mark; where there is none the longest edge."""
+    """Return up to nine nodes of a seam at sufficient distances from its ends and each other, or else its longest edge."""
     length = np.linalg.norm(np.diff(seam.sides[0], axis=0), axis=1)
     at = np.r_[0.0, np.cumsum(length)]
     apart = max(1.5 * mark, at[-1] / 9.0)
@@ -248,7 +248,7 @@ def _marks_of(seam: Seam, mark: float) -> _Marks:
 
 
 def _seam_marks(seam: Seam, side: int, mate: str, mark: float, height: float) -> tuple[list[FloatArray], Text]:
-    """Return ticks at the same places on either side of a seam, and its number with the piece beyond, inside of this piece."""
+    """Return the ticks of a seam on one side, and its number with the label of the neighbouring piece."""
     points = seam.sides[side]
     along = _unit(np.diff(points, axis=0))
     at_node = _unit(np.vstack([along[:1], along[1:] + along[:-1], along[-1:]]))
@@ -261,8 +261,8 @@ def _seam_marks(seam: Seam, side: int, mate: str, mark: float, height: float) ->
     length = np.linalg.norm(np.diff(points, axis=0), axis=1)
     edge = int(np.argmax(length * np.r_[0.5, np.ones(len(length) - 2), 0.5] if len(length) > 2 else length))
     text, inward = f"{seam.number}/{mate}", along[edge] @ turn
-    size = float(min(height, 0.25 * seam.length, length[edge] / (LETTER * len(text))))
-    # Beyond a mark in the middle, else beside it.
+    size = float(min(height, 0.25 * seam.length, length[edge] / (LETTER_WIDTH * len(text))))
+    # Beyond a mark at the middle.
     away = clearance(text, size, inward) + (mark if where.middle == edge else 0.0)
     return ticks, Text("SEAM", text, 0.5 * (points[edge] + points[edge + 1]) + away * inward, size)
 

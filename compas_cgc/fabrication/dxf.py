@@ -1,4 +1,4 @@
-"""DXF by ezdxf: every digit of the coordinates is kept."""
+"""DXF output with ezdxf, with full precision of the coordinates."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 __all__ = ["dxf_text", "new_document", "show_all"]
 
 _UNITS = {"Inches": 1, "Feet": 2, "Millimeters": 4, "Centimeters": 5, "Meters": 6, "Kilometers": 7, "Yards": 10}  # $INSUNITS
-DARK = 64  # of 255
-AROUND = 1.1  # of the larger side of what is drawn, that a view of it is high
+DARK_LEVEL = 64  # of 255; darker colours become the contrast colour of the screen
+VIEW_MARGIN = 1.1  # height of the view relative to the larger side of the drawing
 
 
 def new_document(units: Optional[str]) -> Document:
-    """Return an empty DXF R2010 in units such as ``Meters``, which None stands for too.
+    """Return an empty DXF R2010 document in units such as ``Meters`` (default).
 
     Raises
     ------
@@ -34,42 +34,44 @@ def new_document(units: Optional[str]) -> Document:
     try:
         from ezdxf import filemanagement
     except ImportError:
-        raise CGCError("writing DXF needs ezdxf; install compas_cgc[fabrication]") from None
+        raise CGCError("writing DXF needs the package ezdxf; install compas_cgc[fabrication]") from None
     return filemanagement.new("R2010", units=_UNITS.get(units or "Meters", 0))
 
 
 def show_all(document: Document, points: FloatArray) -> None:
-    """Let a DXF open on all of its points (k, 2 or 3): without it, programs open it on an empty view a thousand units high."""
+    """Set the initial view of a DXF to all of its points (k, 2 or 3)."""
     low, high = (np.append(corner, 0.0)[:3].tolist() for corner in (points.min(axis=0), points.max(axis=0)))
     space = document.modelspace()
     space.reset_extents(low, high)
     space.reset_limits(low[:2], high[:2])
-    # It takes a corner at the origin for one that is not known.
+    # ezdxf treats a corner at the origin as unknown.
     document.header["$EXTMIN"], document.header["$EXTMAX"] = low, high
     middle = 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])
-    document.set_modelspace_vport(AROUND * max(high[0] - low[0], high[1] - low[1]), center=middle)
+    document.set_modelspace_vport(VIEW_MARGIN * max(high[0] - low[0], high[1] - low[1]), center=middle)
 
 
 def dxf_text(drawing: Drawing) -> str:
-    """Return a drawing as DXF R2010: closed outlines as LWPOLYLINE on the layer OUTLINE, anticlockwise, holes clockwise.
+    """Return a drawing as DXF R2010; outlines are closed LWPOLYLINE entities on the layer OUTLINE, counterclockwise, holes clockwise.
 
     Parameters
     ----------
     drawing
-        What :func:`compas_cgc.fabrication.drawing.draw_sheets` gave.
+        Result of :func:`compas_cgc.fabrication.drawing.draw_sheets`.
 
     Raises
     ------
     CGCError
-        If ezdxf is not installed, or finds a fault in the drawing.
+        If ezdxf is not installed, or reports errors.
     """
     document = new_document(drawing.units)
     from ezdxf import colors
     from ezdxf.enums import TextEntityAlignment
 
     for name, colour in LAYERS.items():
-        # What is nearly black is drawn in the colour that stands out from the screen, whether that is light or dark.
-        layer = document.layers.add(name, color=7) if max(colour) < DARK else document.layers.add(name, true_color=colors.rgb2int(colour))
+        # Colour 7 contrasts with the screen background, light or dark.
+        layer = (
+            document.layers.add(name, color=7) if max(colour) < DARK_LEVEL else document.layers.add(name, true_color=colors.rgb2int(colour))
+        )
         if name in drawing.hidden:
             layer.freeze()
     space = document.modelspace()
@@ -81,7 +83,7 @@ def dxf_text(drawing: Drawing) -> str:
             entity.set_placement(tuple(text.place.tolist()), align=TextEntityAlignment.MIDDLE_CENTER)
     faults = document.audit().errors
     if faults:
-        raise CGCError(f"the DXF would have {len(faults)} faults, the first: {faults[0].message}")
+        raise CGCError(f"ezdxf reports {len(faults)} errors in the DXF, the first: {faults[0].message}; please report this")
     show_all(document, np.array([(0.0, 0.0), drawing.size]))
     stream = io.StringIO()
     document.write(stream)

@@ -1,4 +1,4 @@
-"""Figures as a workshop reads them: lengths in millimetres, areas in square metres."""
+"""Figures for the workshop: lengths in millimetres, areas in square metres."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ __all__ = ["in_mm", "in_square_metres", "metres"]
 
 
 def metres(units: Optional[str]) -> float:
-    """Return the length of a drawing's unit [m]; without units it is in metres."""
+    """Return the length of the unit of a drawing [m]; a drawing without units is in metres."""
     return METRES.get(units or "Meters", 1.0)
 
 
 def in_mm(lengths: Sequence[float], units: Optional[str]) -> str:
-    """Return lengths of a drawing, in metres where it has no units, such as ``3000 x 1500 mm``."""
+    """Return lengths as text in millimetres, such as ``3000 x 1500 mm``."""
     scale = 1000.0 * metres(units)
     return " x ".join(f"{length * scale:.1f}".removesuffix(".0") for length in lengths) + " mm"
 
 
 def in_square_metres(area: float, units: Optional[str]) -> str:
-    """Return an area of a drawing with three digits after the point, such as ``4.125``."""
+    """Return an area as text in square metres with three decimals, such as ``4.125``."""
     return f"{area * metres(units) ** 2:.3f}"

@@ -1,4 +1,4 @@
-"""Rigid registration: how a panel that is not bent lies nearest to its place."""
+"""Rigid registration of unbent panels."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["Fit", "rigid_fits"]
 
 
 class Fit(NamedTuple):
-    """The rigid motion that brings points nearest to others, in the mean square."""
+    """The rigid motion of least squared distance between two sets of points."""
 
     turn: FloatArray  # (3, 3) rotation
     move: FloatArray  # (3,) [L]
-    most: float  # largest distance that is left [L]
+    most: float  # largest remaining distance [L]
 
     def __call__(self, points: Vertices) -> Vertices:
         """Return points (n, 3) after the motion."""
@@ -25,7 +25,7 @@ class Fit(NamedTuple):
 
 
 def rigid_fits(several: FloatArray, there: Vertices) -> Fit:
-    """Return the best of the motions that bring any of several sets of points (k, n, 3) to others (n, 3) (Kabsch)."""
+    """Return the best rigid motion of one of several point sets (k, n, 3) onto points (n, 3) (Kabsch algorithm)."""
     centres, centre = several.mean(axis=1), there.mean(axis=0)
     here, away = several - centres[:, None], there - centre
     u, _, vt = np.linalg.svd(np.einsum("kni,nj->kij", here, away))

@@ -1,4 +1,4 @@
-"""Flattening panels of K other than 0 with the least distortion, and how wide a panel may be."""
+"""Flattening of panels with K other than 0 at least distortion, and the width that a strain allows."""
 
 from __future__ import annotations
 
@@ -21,33 +21,33 @@ from ..errors import names_what_was_meant
 from ..meshing import boundary_loops
 from ..model.given import checked_number
 
-__all__ = ["LONG", "STRAIN", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
+__all__ = ["LONG_ASPECT", "STRAIN", "Flattening", "flatten", "flattening_constant", "strain_of_width", "widest_panel"]
 
 
-STRAIN = 2e-3  # of a flat sheet pressed into double curvature, that reports quote widths for: many sheet materials take it
-SQUARE = 24.0  # k of the rule of thumb
-STRIP = 16.0  # k of a panel without end
-LONG = 10.0  # times as long as wide is as good as without end
+STRAIN = 2e-3  # strain quoted in reports, which many flat sheet materials can take when pressed into double curvature
+SQUARE_CONSTANT = 24.0  # k of a roughly square panel (rule of thumb)
+STRIP_CONSTANT = 16.0  # k of an infinitely long panel
+LONG_ASPECT = 10.0  # length over width that counts as infinitely long
 
 
 class Flattening(NamedTuple):
-    """A curved panel in the plane."""
+    """A curved panel flattened to the plane."""
 
     plane: FloatArray  # (n, 2) vertices in the plane [L]
-    strains: FloatArray  # (m, 2) principal strains of every face, from space to the plane, the larger first
-    directions: FloatArray  # (m, 2) unit vector of the larger one in the plane
+    strains: FloatArray  # (m, 2) principal strains of every face in flattening, the larger first
+    directions: FloatArray  # (m, 2) unit direction of the larger strain in the plane
 
     @property
     def largest(self) -> float:
-        """Largest strain, stretched or compressed."""
+        """Largest absolute strain."""
         return float(np.abs(self.strains).max(initial=0.0))
 
 
 @names_what_was_meant()
 def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> float:
-    """Return the width of a panel that flattens with no more than a strain: ``w = sqrt(k strain / |K|)`` [L].
+    """Return the largest width of a panel for a flattening strain: ``w = sqrt(k strain / |K|)`` [L].
 
-    For panels that are about square k = 24 is the rule of thumb, a little on the safe side; see :func:`flattening_constant` for others.
+    For roughly square panels k = 24 is a slightly conservative rule of thumb; see :func:`flattening_constant` for others.
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> flo
     strain
         Largest strain, such as 0.002.
     aspect
-        Length of the panel against its width. Default: about square, k = 24.
+        Length over width of the panel. Default: roughly square, k = 24.
 
     Returns
     -------
     float
-        Infinite where K is 0.
+        Width [L]; infinite for K = 0.
 
     Examples
     --------
@@ -69,42 +69,42 @@ def widest_panel(K: float, strain: float, aspect: Optional[float] = None) -> flo
     1.549
     """
     K, strain = checked_number(K, "K"), checked_number(strain, "strain")
-    k = SQUARE if aspect is None else flattening_constant(aspect)
+    k = SQUARE_CONSTANT if aspect is None else flattening_constant(aspect)
     return math.sqrt(k * strain / abs(K)) if K else math.inf
 
 
 def strain_of_width(K: float, width: float, aspect: Optional[float] = None) -> float:
-    """Return the largest strain of a panel flattened: ``|K| w^2 / k``, see :func:`widest_panel`."""
-    return abs(K) * width * width / (SQUARE if aspect is None else flattening_constant(aspect))
+    """Return the largest strain of a flattened panel: ``|K| w^2 / k``, see :func:`widest_panel`."""
+    return abs(K) * width * width / (SQUARE_CONSTANT if aspect is None else flattening_constant(aspect))
 
 
 def flattening_constant(aspect: float) -> float:
-    r"""Return k of a rectangle: flattened by the best conformal map, it is strained by ``|K| w^2 / k`` at most.
+    r"""Return k of a rectangle: the best conformal map strains it by ``|K| w^2 / k`` at most.
 
-    A conformal map stretches by :math:`e^u` with :math:`\Delta u = K`. The one with the least strain has u constant along the edge
-    (Chebyshev), so u is K times the torsion function of the panel, whose largest value is shared out between stretch and compression.
-    k is 27.1 for a square, 17.6 for two squares and 16 for a long strip, which is also what its own lengths ask for: along the middle
-    and along its edges they differ by ``K w^2 / 8``.
+    A conformal map stretches by :math:`e^u` with :math:`\Delta u = K`. The map of least strain has constant u along the boundary
+    (Chebyshev), so u is K times the torsion function of the panel; scaling divides its largest value between stretch and
+    compression. k is 27.1 for a square, 17.6 for an aspect of 2 and 16 for a long strip, in which the lengths of the middle and
+    of the edges differ by ``K w^2 / 8``.
 
     Parameters
     ----------
     aspect
-        Length against width, or width against length.
+        Length over width, or width over length.
 
     References
     ----------
     Timoshenko and Goodier, *Theory of Elasticity*, torsion of a rectangular bar. Milnor, *A problem in cartography*, doi:10.2307/2317182.
     """
     if not (math.isfinite(aspect) and aspect > 0.0):
-        raise CGCError(f"the aspect of a panel must be its length against its width, such as 2, not {aspect!r}")
+        raise CGCError(f"the aspect of a panel must be a positive ratio of length to width, such as 2, not {aspect!r}")
     long = max(aspect, 1.0 / aspect)
     terms = sum((-1) ** ((n - 1) // 2) / (n**3 * math.cosh(min(0.5 * n * math.pi * long, 700.0))) for n in range(1, 40, 2))
-    return STRIP / (1.0 - 32.0 / math.pi**3 * terms)
+    return STRIP_CONSTANT / (1.0 - 32.0 / math.pi**3 * terms)
 
 
 @names_what_was_meant()
 def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
-    """Lay a curved panel in the plane by a least-squares conformal map, scaled to share out stretch and compression.
+    """Flatten a curved panel by a least-squares conformal map, scaled to equal stretch and compression.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
     Returns
     -------
     Flattening
-        With the area of the panel, its length along x, normals up.
+        Plane positions and strains.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
     own, own_faces = V[used], corners.reshape(-1, 3).astype(np.int64)
     loops = boundary_loops(own_faces)
     if len(loops) != 1:
-        raise CGCError(f"a panel with {len(loops)} open edges does not flatten; cut it so that it has one")
+        raise CGCError(f"a panel with {len(loops)} boundary loops cannot be flattened; cut it to have one")
     plane = np.zeros((len(V), 2))
     plane[used] = _scaled(own, own_faces, _conformal(own, own_faces, loops[0]))
     strains, directions = principal_strains(V, F, plane[F])
@@ -146,7 +146,7 @@ def flatten(vertices: ArrayLike, faces: ArrayLike) -> Flattening:
 
 
 def principal_strains(vertices: Vertices, faces: Faces, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the principal strains (m, 2) of faces whose corners lie in the plane (m, 3, 2), and the larger one's direction there."""
+    """Return the principal strains (m, 2) of faces with plane corners (m, 3, 2), and the direction of the larger one (m, 2)."""
     flat = _flat_triangles(vertices, faces)
     own = np.stack([flat.real, flat.imag], axis=2)
     before = np.stack([own[:, 1] - own[:, 0], own[:, 2] - own[:, 0]], axis=2)
@@ -159,20 +159,20 @@ def _conformal(V: Vertices, F: Faces, loop: np.ndarray) -> FloatArray:
     try:
         import igl
     except ImportError:
-        raise CGCError("flattening panels of K other than 0 needs libigl; install compas_cgc[fabrication]") from None
-    # Two vertices have to be held: those farthest apart on the open edge.
+        raise CGCError("flattening panels with K other than 0 needs the package libigl; install compas_cgc[fabrication]") from None
+    # LSCM needs two fixed vertices: those farthest apart on the boundary.
     start = loop[np.argmax(np.linalg.norm(V[loop] - V[loop].mean(axis=0), axis=1))]
     end = loop[np.argmax(np.linalg.norm(V[loop] - V[start], axis=1))]
     held = np.array([start, end], dtype=np.int64)
     targets = np.array([[0.0, 0.0], [float(np.linalg.norm(V[end] - V[start])), 0.0]])
-    # Versions before 2.6 tell besides whether it went well.
+    # Versions before 2.6 return a success flag too.
     found = igl.lscm(V, F, held, targets)
     plane = next(part for part in found if isinstance(part, np.ndarray) and part.shape == (len(V), 2))
     return np.ascontiguousarray(plane, dtype=np.float64)
 
 
 def _scaled(V: Vertices, F: Faces, plane: FloatArray) -> FloatArray:
-    """Return places so that the largest stretch is as large as the largest compression, normals up."""
+    """Return plane positions scaled to equal stretch and compression, with normals up."""
     corners = plane[F]
     ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     if (ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() < 0:
@@ -184,13 +184,13 @@ def _scaled(V: Vertices, F: Faces, plane: FloatArray) -> FloatArray:
 
 
 def area_change(vertices: Vertices, faces: Faces, corners: FloatArray) -> PerFace:
-    """Return the area of every face in the plane, as corners (m, 3, 2), against that in space, less one (m,)."""
+    """Return the relative change of area of every face from space to the plane (m,), for plane corners (m, 3, 2)."""
     ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]) / face_areas(vertices, faces) - 1.0
 
 
 def _flat_triangles(vertices: Vertices, faces: Faces) -> NDArray[np.complex128]:
-    """Return every face by itself in the plane, its first corner at 0 and its first edge along x: complex (m, 3) [L]."""
+    """Return every face in its own plane, with the first corner at 0 and the first edge along x: complex (m, 3) [L]."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     ab, ac = b - a, c - a
     length = np.linalg.norm(ab, axis=1)

@@ -1,4 +1,4 @@
-"""Coordinates that regions are divided by: in plan, or along the lines of curvature."""
+"""Coordinates for dividing regions: in plan, or along lines of curvature."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from ..meshing import boundary_loops
 
 __all__ = ["curvature_coordinates", "plan_axes", "plan_coordinates", "square_coordinates"]
 
-ROUND = 0.2  # difference of the principal curvatures in the middle, against the largest, below which they have no directions
-CORNER = np.radians(45.0)  # turn of an edge in plan that is a corner
-ROWS = 1e-6  # by which numbers of rows may miss whole ones
-SMOOTH = 2.0  # edges over which lines of curvature are smoothed
-HOLD = 1e-8  # what keeps coordinates that are known but for a constant
+UMBILIC_RATIO = 0.2  # median difference of the principal curvatures over the largest curvature below which directions are undefined
+CORNER = np.radians(45.0)  # least turn of the boundary in plan at a corner
+ROW_TOLERANCE = 1e-6  # tolerance for whole numbers of rows
+SMOOTHING_EDGES = 2.0  # smoothing length of lines of curvature in edge lengths
+REGULARISATION = 1e-8  # fixes the constant up to which coordinates are determined
 
 
 def plan_axes(vertices: Vertices, faces: Faces) -> FloatArray:
-    """Return two directions in the plan of a mesh and the one it faces (3, 3), the first along the x axis as far as it goes."""
+    """Return two axes of the plan of a mesh and its facing direction (3, 3); the first axis is as near to x as possible."""
     up = (face_areas(vertices, faces)[:, None] * face_normals(vertices, faces)).sum(axis=0)
     long = float(np.linalg.norm(up))
     up = up / long if long > 0.0 else np.array([0.0, 0.0, 1.0])
     if abs(up[2]) > 0.5:
-        # A roof: its plan is the ground.
+        # The plan of a roof is horizontal.
         up = np.array([0.0, 0.0, np.copysign(1.0, up[2])])
     along = np.array([1.0, 0.0, 0.0]) if abs(up[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     along -= (along @ up) * up
@@ -51,10 +51,10 @@ def plan_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
 
 
 def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]:
-    """Return coordinates along the sides of a region with four corners (n, 2) [L], None where it has not four.
+    """Return coordinates along the sides of a region with four corners (n, 2) [L], None for other regions.
 
-    On a mesh of rows they are these. Else they are harmonic, and even along the sides in plan. Lengths are the means of opposite
-    sides in plan.
+    On a structured mesh they follow its rows; otherwise they are harmonic, with boundary values proportional to plan lengths. Ranges
+    are the mean plan lengths of opposite sides.
     """
     loops = boundary_loops(faces)
     if len(loops) != 1:
@@ -79,7 +79,7 @@ def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]
         result[loop] = _around_square(at, np.ones(len(loop)))
         result[inner] = _spread(_neighbours(faces, len(vertices)), inner, loop, result[loop])
         number = result * rows
-        if np.abs(number - np.round(number)).max() > ROWS:
+        if np.abs(number - np.round(number)).max() > ROW_TOLERANCE:
             rows = []
     else:
         rows = []
@@ -90,7 +90,7 @@ def square_coordinates(vertices: Vertices, faces: Faces) -> Optional[FloatArray]
 
 
 def _around_square(sides: list[IntArray], step: FloatArray) -> FloatArray:
-    """Return the places of the vertices of four sides on the unit square (k, 2), as far along these as steps (k,) take them."""
+    """Return the positions of four sides on the unit square (k, 2), proportional to the lengths `step` (k,)."""
     place = np.zeros((len(step), 2))
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     for k, own in enumerate(sides):
@@ -100,14 +100,14 @@ def _around_square(sides: list[IntArray], step: FloatArray) -> FloatArray:
 
 
 def _neighbours(faces: Faces, n: int) -> sparse.csr_matrix:
-    """Return the Laplacian for which all edges count the same, on the outline too (Tutte, doi:10.1112/plms/s3-13.1.743)."""
+    """Return the graph Laplacian with unit weights (Tutte, doi:10.1112/plms/s3-13.1.743)."""
     joined = sparse.csr_matrix((np.ones(faces.size), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(n, n))
     joined = ((joined + joined.T) > 0).astype(np.float64).tocsr()
     return (sparse.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined).tocsr()
 
 
 def _spread(laplacian: sparse.csr_matrix, inner: IntArray, loop: IntArray, values: FloatArray) -> FloatArray:
-    """Return the harmonic values of inner vertices for those along a loop (k, 2)."""
+    """Return the harmonic values of inner vertices (k, 2) for given values along a loop."""
     if not len(inner):
         return np.empty((0, 2))
     rows = laplacian.tocsr()[inner]
@@ -115,32 +115,32 @@ def _spread(laplacian: sparse.csr_matrix, inner: IntArray, loop: IntArray, value
 
 
 def curvature_coordinates(vertices: Vertices, faces: Faces) -> FloatArray:
-    """Return lengths along the two families of lines of curvature (n, 2) [L], as well as there are any.
+    """Return coordinates along the two families of lines of curvature (n, 2) [L].
 
-    Their gradients are the principal directions, in the sense of least squares weighted by the difference of the principal
-    curvatures; directions of neighbours are matched up to right angles along a spanning tree through where they are surest. Lines
-    are smooth over a few edges, and over more where directions are unsure, as around umbilics, which they cannot all follow. Where a
-    surface has no directions, as on a sphere, the plan's are taken.
+    Their gradients fit the principal directions in least squares, weighted by the difference of the principal curvatures.
+    Directions of neighbours are matched modulo right angles along a spanning tree through the most distinct ones. The
+    coordinates are smooth over a few edges, and over more near umbilics. Where directions are undefined, as on a sphere,
+    plan coordinates are returned.
     """
     direction, weight, largest = _principal_directions(vertices, faces)
     axes = plan_axes(vertices, faces)
     normals = face_normals(vertices, faces)
-    if np.median(weight) <= ROUND * largest:
+    if np.median(weight) <= UMBILIC_RATIO * largest:
         return plan_coordinates(vertices, faces)
     direction = _combed(direction, weight, normals, faces, axes[0])
     gradient = _gradient(vertices, faces)
     sure = face_areas(vertices, faces) * (weight / weight.max() + 1e-3)
     weights = sparse.diags(np.repeat(sure, 3))
     system = (gradient.T @ weights @ gradient + _bending(vertices, faces)).tocsr()
-    system = (system + HOLD * sparse.diags(system.diagonal() + system.diagonal().mean())).tocsr()
+    system = (system + REGULARISATION * sparse.diags(system.diagonal() + system.diagonal().mean())).tocsr()
     right = np.column_stack([gradient.T @ (weights @ own.ravel()) for own in (direction, np.cross(normals, direction))])
     return factorise(system, symmetric=True).solve(right)
 
 
 def _principal_directions(vertices: Vertices, faces: Faces) -> tuple[FloatArray, FloatArray, float]:
-    """Return the direction of the larger curvature in every face (m, 3), the difference of the two (m,) and the largest.
+    """Return the direction of the larger principal curvature (m, 3), the difference of both (m,), and the largest of all [1/L].
 
-    The second fundamental form of a face is that of its vertices' normals along its edges (Rusinkiewicz,
+    The second fundamental form of a face follows from the change of vertex normals along its edges (Rusinkiewicz,
     doi:10.1109/TDPVT.2004.1335277).
     """
     normals, at = face_normals(vertices, faces), vertex_normals(vertices, faces)
@@ -164,7 +164,7 @@ def _principal_directions(vertices: Vertices, faces: Faces) -> tuple[FloatArray,
 
 
 def _combed(direction: FloatArray, weight: FloatArray, normals: FloatArray, faces: Faces, along: FloatArray) -> FloatArray:
-    """Return directions turned by right angles so that they agree with their neighbours', and with one in the surest face."""
+    """Return directions rotated by multiples of 90 degrees to agree with their neighbours, starting from the most distinct one."""
     edges = edge_faces(faces)
     left, right = edges[edges[:, 3] >= 0, 2:].T
     unsure = 2.0 - np.minimum(weight[left], weight[right]) / weight.max()
@@ -180,17 +180,17 @@ def _combed(direction: FloatArray, weight: FloatArray, normals: FloatArray, face
 
 
 def _bending(vertices: Vertices, faces: Faces) -> sparse.csr_matrix:
-    """Return the squared Laplacian of functions (n, n), without the outline, with the lengths that they are smoothed over."""
+    """Return the smoothing matrix (n, n): the squared Laplacian at inner vertices."""
     corners = vertices[faces]
     edge = float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
     area = np.bincount(faces.ravel(), np.repeat(face_areas(vertices, faces) / 3.0, 3), len(vertices))
     inner = ~boundary_vertices(vertices, faces)
     laplacian = cotangent_laplacian(vertices, faces)
-    return laplacian @ sparse.diags(inner * (SMOOTH * edge) ** 2 / area) @ laplacian
+    return laplacian @ sparse.diags(inner * (SMOOTHING_EDGES * edge) ** 2 / area) @ laplacian
 
 
 def _gradient(vertices: Vertices, faces: Faces) -> sparse.csr_matrix:
-    """Return the gradient of a function of the vertices in every face (3 m, n)."""
+    """Return the gradient matrix (3 m, n) of vertex functions in faces."""
     corners = vertices[faces]
     normals, double = face_normals(vertices, faces), 2.0 * face_areas(vertices, faces)
     opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)

@@ -1,4 +1,4 @@
-"""Joints: where regions are cut into panels, straight through faces, along a grid or along curves."""
+"""Joints: cuts of regions into panels, through faces, along a grid or along curves."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ from .patchwork import weights_in
 
 __all__ = ["Joints", "curve_joints", "grid_joints"]
 
-SHIFT = 0.15  # of the width of a face, by which a line of a grid is moved to where it follows edges
-FOLLOWS = 0.1  # of what it would cut into faces, up to which a line follows edges
-JUST = 1e-6  # part by which it may be more
+MAX_SHIFT = 0.15  # largest shift of a grid line onto mesh edges, relative to the width of a face
+FOLLOW_RATIO = 0.1  # remaining cut into faces, relative to the unshifted line, up to which it counts as following edges
+SHIFT_TOLERANCE = 1e-6  # relative tolerance of the shift
 
 
 class Joints(NamedTuple):
     """A mesh cut along joints."""
 
     mesh: CutMesh
-    cell: IntArray  # (m',) of the grid, within a region
-    edges: Edges  # (e, 2) edges along joints besides those between cells
-    share: FloatArray  # (r,) area of a cell by region, 0 without a grid [L^2]
+    cell: IntArray  # (m',) grid cell of every face within its region
+    edges: Edges  # (e, 2) further edges along joints
+    share: FloatArray  # (r,) area of a grid cell by region, 0 without a grid [L^2]
 
 
 def grid_joints(
     problem: CGCProblem, region: IntArray, areas: FloatArray, size: Optional[float], count: Optional[int], along: str
 ) -> Joints:
-    """Cut every region along a grid of lines, a whole number of cells of a size [L] each way, or nearly a count of cells."""
+    """Cut every region along a grid, with a whole number of cells of about `size` [L], or about `count` cells."""
     regions = int(region.max(initial=-1)) + 1
     values = np.zeros((len(region), 3, 2))
     levels: list[list[FloatArray]] = [[], []]
@@ -87,7 +87,7 @@ def _coordinates(vertices: Vertices, faces: Faces, along: str) -> FloatArray:
 
 
 def _cells(at: FloatArray, faces: int, size: Optional[float], count: Optional[int]) -> list[int]:
-    """Return how many cells a region is divided into each way."""
+    """Return the numbers of cells of a region in both directions."""
     extent = np.maximum(np.ptp(at, axis=0), np.finfo(float).tiny)
     if size is not None:
         numbers = [max(1, round(min(wide / size, 1e9))) for wide in extent.tolist()]
@@ -95,26 +95,26 @@ def _cells(at: FloatArray, faces: int, size: Optional[float], count: Optional[in
         first = max(1, round(math.sqrt((count or 1) * extent[0] / extent[1])))
         numbers = [first, max(1, round((count or 1) / first))]
     if math.prod(numbers) > faces:
-        raise CGCError(f"a region of {faces} triangles cannot be divided into {count or math.prod(numbers)} panels; ask for larger ones")
+        raise CGCError(f"a region of {faces} triangles cannot be divided into {count or math.prod(numbers)} panels; use larger panels")
     return numbers
 
 
 def _shifted(line: float, at: FloatArray) -> float:
-    """Return the place nearby where a grid line follows edges of faces with these coordinates of their corners (m, 3), else itself."""
+    """Return a nearby position at which a grid line follows edges, given corner coordinates (m, 3); else the line itself."""
     low, high = at.min(axis=1), at.max(axis=1)
-    reach = SHIFT * float(np.median(high - low))
+    reach = MAX_SHIFT * float(np.median(high - low))
     near = (low <= line + 2 * reach) & (high >= line - 2 * reach)
     if not near.any():
         return line
-    tries = np.unique(np.append(at[near][np.abs(at[near] - line) <= reach * (1 + JUST)], line))
+    tries = np.unique(np.append(at[near][np.abs(at[near] - line) <= reach * (1 + SHIFT_TOLERANCE)], line))
     low, high = low[near], high[near]
     cut = [np.maximum(np.minimum(high - one, one - low), 0.0).sum() + 1e-3 * abs(one - line) for one in tries.tolist()]
     best = int(np.argmin(cut))
-    return float(tries[best]) if cut[best] < FOLLOWS * cut[int(np.searchsorted(tries, line))] else line
+    return float(tries[best]) if cut[best] < FOLLOW_RATIO * cut[int(np.searchsorted(tries, line))] else line
 
 
 def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
-    """Cut along curves of points (k, 3) [L], and along paths of vertices by their positions."""
+    """Cut along curves of points (k, 3) [L] and paths of vertex indices."""
     mesh, paths = uncut(problem.vertices, problem.faces), []
     tolerance = problem.drawing.tolerance or 1e-6 * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for number, curve in enumerate(curves):
@@ -124,10 +124,10 @@ def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
             paths.append(points.tolist())
             continue
         if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
-            raise CGCError(f"curve {number} must be a path of vertices or points (k, 3), not of shape {points.shape}")
+            raise CGCError(f"curve {number} must be a path of vertices or points (k, 3), not an array of shape {points.shape}")
         mesh, found, inserted = _cut_along(problem, mesh, points.astype(np.float64), tolerance)
         if not found:
-            raise CGCError(f"curve {number} comes nowhere near an edge of the mesh; draw it on the mesh")
+            raise CGCError(f"curve {number} is not near any edge of the mesh; draw it on the mesh")
         paths = [split_path(path, inserted) for path in paths] + found
     edges = np.array(path_edges(paths), dtype=np.int64).reshape(-1, 2)
     return Joints(mesh, np.zeros(len(mesh.faces), np.int64), edges, np.zeros(int(problem.regions().max(initial=-1)) + 1))
@@ -136,9 +136,9 @@ def curve_joints(problem: CGCProblem, curves: Sequence[ArrayLike]) -> Joints:
 def _cut_along(
     problem: CGCProblem, mesh: CutMesh, curve: FloatArray, tolerance: float
 ) -> tuple[CutMesh, list[list[int]], dict[tuple[int, int], list[int]]]:
-    """Return a mesh cut along a curve, the paths of vertices along it, and new vertices by the edges that they lie on.
+    """Return a mesh cut along a curve, the paths of vertices along the curve, and the new vertices by edge.
 
-    A curve that cannot be cut along, as it crosses itself within a face, is led along edges.
+    A curve that crosses itself within a face is approximated by mesh edges.
     """
     net = edge_net(mesh.vertices, mesh.faces)
     exact = follow_edges(net, curve, tolerance)

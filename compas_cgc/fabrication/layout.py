@@ -1,4 +1,4 @@
-"""Faces laid beside each other on a surface of constant curvature, by rigid motions from face to face."""
+"""Layout of faces on a surface of constant curvature by rigid motions from face to face."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ __all__ = ["Layout", "among", "cut_open", "lay"]
 
 
 class Layout(NamedTuple):
-    """Faces on a surface of constant curvature, open along all edges across which they are not joined."""
+    """Faces on a surface of constant curvature, open along edges that are not joined."""
 
-    points: FloatArray  # (p, 3) places as points of the space form
-    faces: Faces  # (m, 3) places of the corners of every face
-    origin: Indices  # (p,) vertex of every place; those on a seam have several
-    gap: float  # largest distance between the places that the faces around a vertex give to it [L]
-    edge_error: float  # largest difference between an edge and its chord there, against the edge
+    points: FloatArray  # (p, 3) points of the space form
+    faces: Faces  # (m, 3) indices of points at the corners of every face
+    origin: Indices  # (p,) vertex of every point; a vertex on a seam has several points
+    gap: float  # largest distance between the positions of a vertex in different faces [L]
+    edge_error: float  # largest relative difference between an edge and its chord in the layout
 
 
 def lay(vertices: Vertices, faces: Faces, joined: Edges, K: float, arc: bool = False) -> Layout:
-    """Lay faces (m, 3) out, each beside the one before it, breadth first from the middle of every piece.
+    """Lay out faces (m, 3) breadth first from the centre of every piece.
 
-    Lengths are not taken off circles, so that errors do not grow from ring to ring.
+    Each face moves rigidly to its predecessor, so that errors do not grow from ring to ring.
 
     Parameters
     ----------
@@ -46,11 +46,11 @@ def lay(vertices: Vertices, faces: Faces, joined: Edges, K: float, arc: bool = F
     faces
         ``(m, 3)`` vertex indices.
     joined
-        ``(e, 4)`` edges that stay closed, with the faces to their left and right.
+        ``(e, 4)`` edges that stay joined, with their left and right faces.
     K
         Gaussian curvature [1/L^2].
     arc
-        Take edges for lengths along the surface, not for chords.
+        Whether edges are arc lengths instead of chords.
     """
     order, before = _way(vertices, faces, joined)
     corners = _layout.laid(vertices, faces, order, before, _sides(faces, before), K, arc)
@@ -61,26 +61,26 @@ def lay(vertices: Vertices, faces: Faces, joined: Edges, K: float, arc: bool = F
     first = np.empty(len(origin), np.int64)
     first[where[::-1]] = np.arange(len(where))[::-1]
     gap = float(space_form.chords(flat, flat[first[where]], K).max(initial=0.0))
-    # Back onto the surface, which the mean of a few near points has not left by more than rounding where all is exact.
+    # Project the mean of the positions back onto the surface.
     points = space_form.normalised(mean, K)
     return Layout(points, opened, origin, gap, _edge_error(vertices, faces, points[opened], K, arc))
 
 
 def among(edges: Edges, chosen: Optional[ArrayLike], n: int) -> Mask:
-    """Tell which edges (e, 2) are among others (s, 2) of a mesh of n vertices, whatever their direction (e,)."""
+    """Return which edges (e, 2) are among others (s, 2) of a mesh of n vertices, regardless of direction (e,)."""
     own = np.sort(edges, axis=1) @ np.array([n, 1])
     others = np.sort(np.asarray(() if chosen is None else chosen, dtype=np.int64).reshape(-1, 2), axis=1) @ np.array([n, 1])
     return np.isin(own, others)
 
 
 def cut_open(faces: Faces, joined: Edges) -> tuple[Faces, IntArray]:
-    """Return faces (m, 3) that share vertices across joined edges (e, 4) only, and the old vertex of each new one (k,)."""
+    """Return faces (m, 3) that share vertices only across joined edges (e, 4), and the old vertex of each new one (k,)."""
     m = len(faces)
     u, v, left, right = joined.T
     pairs = np.vstack([np.column_stack([_corner(faces, left, w), _corner(faces, right, w)]) for w in (u, v)])
     graph = sparse.coo_matrix((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(3 * m, 3 * m))
     _, label = connected_components(graph, directed=False)
-    # In the order of the old vertices, so that a mesh without seams keeps its numbers.
+    # Keep the order of the old vertices: a mesh without seams keeps its numbering.
     _, first = np.unique(label, return_index=True)
     order = np.argsort(faces.ravel()[first], kind="stable")
     rank = np.empty(len(order), np.int64)
@@ -89,7 +89,7 @@ def cut_open(faces: Faces, joined: Edges) -> tuple[Faces, IntArray]:
 
 
 def _way(V: Vertices, F: Faces, joined: Edges) -> tuple[Indices, Indices]:
-    """Return the faces (m,) in the order in which they are laid, and the face that each is laid beside (m,), -1 for the first ones."""
+    """Return the order of layout (m,) and the predecessor of every face (m,), -1 for the first ones."""
     m = len(F)
     left, right = joined[:, 2:].T
     graph = sparse.coo_matrix((np.ones(2 * len(left)), (np.r_[left, right], np.r_[right, left])), shape=(m, m)).tocsr()
@@ -106,7 +106,7 @@ def _way(V: Vertices, F: Faces, joined: Edges) -> tuple[Indices, Indices]:
 
 
 def _sides(faces: Faces, before: Indices) -> IntArray:
-    """Return the corners opposite the edge between every face and the one before it, in that one and in its own (m, 2)."""
+    """Return the corners opposite the edge shared with the predecessor, in the predecessor and in the face (m, 2)."""
     sides = np.zeros((len(faces), 2), np.int64)
     own = np.flatnonzero(before >= 0)
     mine, theirs = faces[own], faces[before[own]]
@@ -117,12 +117,12 @@ def _sides(faces: Faces, before: Indices) -> IntArray:
 
 
 def _corner(F: Faces, faces: IntArray, vertices: IntArray) -> IntArray:
-    """Return the corners, numbered through all faces, at which faces have vertices."""
+    """Return the corners, numbered over all faces, of given vertices in given faces."""
     return 3 * faces + np.argmax(F[faces] == vertices[:, None], axis=1)
 
 
 def _edge_error(V: Vertices, F: Faces, corners: FloatArray, K: float, arc: bool) -> float:
-    """Return the largest difference between edges of faces and those of their layout, as corners (m, 3, 3), against the first."""
+    """Return the largest relative difference between edges and those of the layout with corners (m, 3, 3)."""
     there, places = corners.reshape(-1, 3), V[F]
     chord = space_form.chords(there, np.roll(corners, -1, axis=1).reshape(-1, 3), K)
     own = space_form.geodesics(chord, K) if arc else chord

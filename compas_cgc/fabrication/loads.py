@@ -1,4 +1,4 @@
-"""Loads of the vertices of a surface."""
+"""Nodal loads of a surface."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["nodal_load"]
 
 
 def nodal_load(vertices: Vertices, faces: Faces, pressure: float, weight: float) -> Vectors:
-    """Return the load at every vertex (n, 3) [F], in all that on the faces.
+    """Return the load at every vertex (n, 3) [F].
 
-    Pressure on the part of a face that is nearest to a vertex (its circumcentric cell, negative beyond right angles) is that vertex's:
-    for that cell the folds around a vertex of constant K are in balance, `pressure` times the angle defect over K, while thirds of
-    irregular faces miss it by a tenth on any mesh, however fine. Weight goes by thirds, so that none of it is lifted.
+    Pressure is distributed by the circumcentric cells of faces (negative at obtuse angles). With these cells the forces in the
+    folds around a vertex of constant K balance the pressure; with thirds of the faces the error on irregular meshes is about 10 %,
+    whatever the resolution. Weight is distributed by thirds, so that no nodal weight is negative.
     """
     normals, areas = face_normals(vertices, faces), face_areas(vertices, faces)
     down = np.array([0.0, 0.0, -weight]) * areas[:, None] / 3.0
@@ -34,7 +34,7 @@ def _cells(vertices: Vertices, faces: Faces) -> FloatArray:
     corners = vertices[faces]
     ahead, back = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
     dot = np.einsum("ijk,ijk->ij", ahead, back)
-    # The cotangent at a corner times the square of the edge opposite to it, which its two ends share.
+    # Cotangent at a corner times the squared opposite edge.
     opposite = dot * (dot.sum(axis=1, keepdims=True) - dot)
     double = np.linalg.norm(np.cross(ahead[:, 0], back[:, 0]), axis=1)[:, None]
     return np.asarray((opposite.sum(axis=1, keepdims=True) - opposite) / (8.0 * double), dtype=np.float64)

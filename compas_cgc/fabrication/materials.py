@@ -1,4 +1,4 @@
-"""Materials, and the stress of bending a sheet from its mould into place."""
+"""Sheet materials and bending stress."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from ..errors import CGCError
 
 __all__ = ["MATERIALS", "METRES", "Material", "bending_stress", "material_named", "metres_per_unit"]
 
-# What one unit of a drawing is in metres.
+# Length of one drawing unit in metres.
 METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Kilometers": 1e3, "Inches": 0.0254, "Feet": 0.3048, "Yards": 0.9144}
 
 
 class Material(NamedTuple):
-    """A sheet material, elastic and the same in all directions.
+    """An isotropic elastic sheet material.
 
     Parameters
     ----------
     name
-        Of the material.
+        Name of the material.
     modulus
-        E [Pa].
+        Young's modulus E [Pa].
     poisson
-        Ratio of Poisson.
+        Poisson's ratio.
     strength
-        Characteristic bending strength, to compare with and without any factor of safety [Pa].
+        Characteristic bending strength without safety factor [Pa].
 
     Examples
     --------
@@ -34,9 +34,9 @@ class Material(NamedTuple):
     """
 
     name: str
-    modulus: float  # E [Pa]
+    modulus: float  # Young's modulus [Pa]
     poisson: float  # ν
-    strength: float  # characteristic bending strength, to compare with and without any factor of safety [Pa]
+    strength: float  # characteristic bending strength without safety factor [Pa]
 
 
 # Annealed float glass EN 572 and EN 16612; steel S235, EN 1993-1-1; a glass-fibre laminate EN 13706 E23; timber C24, EN 338.
@@ -52,18 +52,18 @@ MATERIALS = {
 
 
 def material_named(material: Union[str, Material]) -> Material:
-    """Return a material of :data:`MATERIALS` by its name, or the one given.
+    """Return the material with a name in :data:`MATERIALS`, or the given one.
 
     Raises
     ------
     CGCError
-        If there is none of that name.
+        If the name is unknown.
     """
     if isinstance(material, Material):
         return material
     found = MATERIALS.get(str(material).strip().lower())
     if found is None:
-        raise CGCError(f"there is no material {material!r}; there are {', '.join(MATERIALS)}")
+        raise CGCError(f"there is no material {material!r}; use one of {', '.join(MATERIALS)}, or give a Material")
     return found
 
 
@@ -73,25 +73,25 @@ def bending_stress(material: Material, thickness: float, change: float) -> float
     Parameters
     ----------
     material
-        Elastic constants.
+        Material of the plate.
     thickness
-        Of the plate [m].
+        Thickness of the plate [m].
     change
-        Of curvature [1/m].
+        Change of curvature [1/m].
     """
     return material.modulus * thickness * change / (2.0 * (1.0 - material.poisson**2))
 
 
 def metres_per_unit(units: Union[str, None]) -> float:
-    """Return what one unit of a drawing is in metres; a drawing without units is in metres.
+    """Return the length of one drawing unit [m]; a drawing without units is in metres.
 
     Raises
     ------
     CGCError
-        If the unit is not known.
+        If the unit is unknown.
     """
     if units is None:
         return 1.0
     if units not in METRES:
-        raise CGCError(f"the length of the unit {units!r} is not known; draw in {', '.join(METRES)}")
+        raise CGCError(f"the unit {units!r} is not supported; draw in {', '.join(METRES)}")
     return METRES[units]

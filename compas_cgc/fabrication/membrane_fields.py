@@ -1,4 +1,4 @@
-"""Membrane stress at the corners of faces: by the formula, or of the forces in edges."""
+"""Membrane stress at the corners of faces, by formula or from edge forces."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ __all__ = ["principal_forces", "stress_by_formula", "stress_of_bars"]
 
 
 def stress_by_formula(problem: CGCProblem, label: IntArray, curvature: FloatArray, pressure: float) -> FloatArray:
-    """Return N = p / (2 K) cof S at the corners of every face, of shape operators fitted region by region (m, 3, 3, 3)."""
+    """Return N = p / (2 K) cof S at the corners of every face, with shape operators fitted by region (m, 3, 3, 3) [F/L]."""
     V, F = problem.vertices, problem.faces
     corners = np.zeros((len(F), 3, 3, 3))
     for region, K in enumerate(curvature.tolist()):
         own = np.flatnonzero(label == region)
         S, normals = shape_operators(V, F[own])
         if not np.isfinite(S[F[own]]).all():
-            raise CGCError(f"region {region} has too few faces to tell its curvatures by; mesh it more finely")
+            raise CGCError(f"region {region} has too few faces to compute curvatures; refine its mesh")
         trace = np.trace(S, axis1=1, axis2=2)
         cofactor = trace[:, None, None] * (np.eye(3) - normals[:, :, None] * normals[:, None, :]) - S
         corners[own] = pressure / (2.0 * K) * cofactor[F[own]]
@@ -37,14 +37,14 @@ def stress_by_formula(problem: CGCProblem, label: IntArray, curvature: FloatArra
 
 
 def stress_of_bars(V: Vertices, F: Faces, bars: Edges, forces: FloatArray) -> FloatArray:
-    """Return the stress that edge forces stand for: shared out to the faces, and evened out over the rings of vertices.
+    """Return the stress equivalent to edge forces at the corners of every face (m, 3, 3, 3) [F/L].
 
-    At the corners of every face (m, 3, 3, 3), rings within a region only.
+    Edge forces are distributed to faces and averaged over the rings of vertices within a region.
     """
     u, v, left, right = bars.T
     vector = V[v] - V[u]
     length = np.linalg.norm(vector, axis=1)
-    # Edges at the rim belong to one face.
+    # Boundary edges belong to one face.
     share = np.where(right >= 0, 0.5, 1.0)
     each = (share * forces / length)[:, None, None] * vector[:, :, None] * vector[:, None, :]
     sums = np.zeros((len(F), 3, 3))
@@ -68,7 +68,7 @@ def _regions_of(F: Faces, bars: Edges) -> IntArray:
 
 
 def principal_forces(corners: FloatArray, normals: Vectors) -> tuple[FloatArray, FloatArray]:
-    """Return N1 and N2 (m, 2) and their directions (m, 2, 3) of the mean over the corners of every face, in its plane."""
+    """Return the principal forces N1 and N2 (m, 2) [F/L] and their directions (m, 2, 3), from corner means in the planes of faces."""
     plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
     found = principal_curvatures(plane @ corners.mean(axis=1) @ plane, normals)
     return np.column_stack([found.larger, found.smaller]), np.stack([found.larger_direction, found.smaller_direction], axis=1)

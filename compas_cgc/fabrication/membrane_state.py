@@ -1,6 +1,6 @@
-"""Membrane forces of surfaces of constant K, and a discrete state in balance.
+"""Membrane forces of surfaces of constant K, and a discrete state in equilibrium.
 
-The cofactor of the shape operator S has no divergence on any surface, so ``N = p / (2 K) cof S`` balances a uniform
+The cofactor of the shape operator S is divergence-free on any surface, so ``N = p / (2 K) cof S`` balances a uniform
 pressure p wherever K is constant and not 0: ``N1 = p k2 / (2 K)`` and ``N2 = p k1 / (2 K)`` along the principal
 directions. Its discrete counterpart is a force ``p fold / (2 K)`` in every edge (Schläfli's formula).
 """
@@ -47,54 +47,54 @@ from .solved import solved_problem
 
 __all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "stress_at_vertices"]
 
-FLAT = 1e-9  # K against one over the area, below which a region counts as flat
-BALANCED = 1e-9  # out of balance, against the load, of a state that is none
-NEAR = 0.05  # correction of edge forces, against them, up to which these are those of the formula
-BETTER = 0.5  # part of the correction that a move has to leave at most
+FLAT_CURVATURE = 1e-9  # K times area below which a region counts as K = 0
+BALANCE_TOLERANCE = 1e-9  # residual relative to the load above which no equilibrium state exists
+MAX_CORRECTION = 0.05  # relative correction of edge forces up to which they agree with the formula
+MIN_IMPROVEMENT = 0.5  # a slid mesh must reduce the correction to at most this fraction
 
 
 class EdgeLoads(NamedTuple):
-    """What regions ask of the lines around them."""
+    """Line loads of regions on their boundaries."""
 
-    edges: Edges  # (e, 2) along open edges and creases
+    edges: Edges  # (e, 2) edges along boundaries and creases
     kind: IntArray  # (e,) 0 support, 1 crease, 2 free edge
-    load: Vectors  # (e, 3) force of the surface on the line, for each length of it [F/L]
+    load: Vectors  # (e, 3) force of the surface on the line per length [F/L]
 
 
 @dataclass(frozen=True, eq=False)
 class MembraneState:
-    """Forces in a surface under a load, tension positive.
+    """Membrane state of a surface under a load; tension is positive.
 
     Parameters
     ----------
     problem
         The surface.
     pressure
-        Along the normals [F/L^2].
+        Load along the normals [F/L^2].
     weight
-        Downwards, for each area of the surface [F/L^2].
+        Downward load per area of the surface [F/L^2].
     forces
-        (m, 2) N1 and N2 of every face, N1 the larger [F/L].
+        (m, 2) principal forces N1 and N2 of every face, N1 the larger [F/L].
     directions
         (m, 2, 3) unit vectors of N1 and N2.
     edges
-        (b, 2) edges inside of regions.
+        (b, 2) edges inside regions.
     edge_forces
-        (b,) force in each, in balance [F].
+        (b,) edge forces in equilibrium [F].
     reactions
-        (n, 3) force on the surface at vertices around regions, 0 elsewhere [F].
+        (n, 3) forces on the surface at vertices around regions, 0 elsewhere [F].
     edge_loads
-        What lines around regions have to carry.
+        Line loads along the boundaries of regions.
     out_of_balance
-        Of the forces by the formula, median over the vertices, against the load; NaN with weight.
+        Median residual of the forces by the formula, relative to the load; NaN with weight.
     correction
-        Change of the edge forces that brings balance, against them; NaN with weight.
+        Relative change of the edge forces for equilibrium; NaN with weight.
     imbalance
-        Of the balanced state, against the load.
+        Largest residual of the equilibrium state, relative to the load.
     remarks
-        What is to be said of it, in sentences.
+        Notes in sentences.
     moved
-        Farthest that a vertex was slid from where it was given, so that triangles close [L].
+        Largest displacement of a vertex by sliding [L].
 
     Examples
     --------
@@ -107,18 +107,18 @@ class MembraneState:
 
     problem: CGCProblem
     pressure: float  # along the normals [F/L^2]
-    weight: float  # downwards, for each area of the surface [F/L^2]
+    weight: float  # downwards, per area of the surface [F/L^2]
     forces: FloatArray  # (m, 2) N1 and N2 of every face, N1 the larger [F/L]
     directions: FloatArray  # (m, 2, 3) unit vectors of N1 and N2
-    edges: Edges  # (b, 2) edges inside of regions
-    edge_forces: FloatArray  # (b,) force in each, in balance [F]
-    reactions: Vectors  # (n, 3) force on the surface at vertices around regions, 0 elsewhere [F]
-    edge_loads: EdgeLoads
-    out_of_balance: float  # of the forces by the formula, median over the vertices, against the load; NaN with weight
-    correction: float  # change of the edge forces that brings balance, against them; NaN with weight
-    imbalance: float  # of the balanced state, against the load
-    remarks: tuple[str, ...]
-    moved: float = 0.0  # farthest that a vertex was slid from where it was given, so that triangles close [L]
+    edges: Edges  # (b, 2) edges inside regions
+    edge_forces: FloatArray  # (b,) edge forces in equilibrium [F]
+    reactions: Vectors  # (n, 3) forces on the surface at vertices around regions, 0 elsewhere [F]
+    edge_loads: EdgeLoads  # line loads along the boundaries of regions
+    out_of_balance: float  # median residual of the formula relative to the load; NaN with weight
+    correction: float  # relative change of the edge forces for equilibrium; NaN with weight
+    imbalance: float  # largest residual relative to the load
+    remarks: tuple[str, ...]  # notes in sentences
+    moved: float = 0.0  # largest displacement of a vertex by sliding [L]
 
     @property
     def load(self) -> Vectors:
@@ -127,7 +127,7 @@ class MembraneState:
 
     @property
     def totals(self) -> tuple[Vectors, Vectors]:
-        """The sums of the load and of the reactions, (3,) each [F]."""
+        """Sums of the loads and of the reactions, (3,) each [F]."""
         return self.load.sum(axis=0), self.reactions.sum(axis=0)
 
     @property
@@ -135,22 +135,22 @@ class MembraneState:
         return float(np.linalg.norm(self.load, axis=1).sum())
 
     def summary(self) -> str:
-        """Return the forces in lines."""
+        """Return lines of text with the forces."""
         N1, N2 = self.forces.T
         lines = [
-            f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}, tension positive, "
-            "in force per length as the load is in force per area"
+            f"N1 {N1.min():.4g} to {N1.max():.4g} (median {np.median(N1):.4g}), N2 {N2.min():.4g} to {N2.max():.4g}; tension is positive; "
+            "units are force per length, with the load in force per area"
         ]
         for kind, name in enumerate(("supports", "creases", "free edges")):
             load = np.linalg.norm(self.edge_loads.load[self.edge_loads.kind == kind], axis=1)
             if len(load):
                 lines.append(f"line load on {name}: up to {load.max():.4g}, median {np.median(load):.4g}")
         if np.isfinite(self.out_of_balance):
-            mend = f"put right by {100 * self.correction:.2g} % of the forces"
-            lines.append(f"the formula is out of balance by {self.out_of_balance:.2g} of the load, {mend}")
+            change = f"corrected by changing edge forces by {100 * self.correction:.2g} %"
+            lines.append(f"residual of the formula: {100 * self.out_of_balance:.2g} % of the load (median), {change}")
         sums = [", ".join(f"{x:.5g}" for x in np.where(np.abs(total) < 1e-9 * self._size, 0.0, total)) for total in self.totals]
         lines.append(
-            f"balanced to {self.imbalance:.1g} of the load, in all ({sums[0]}); supports, creases and beams take it with ({sums[1]})"
+            f"equilibrium to {self.imbalance:.1g} of the load; total load ({sums[0]}), reactions of supports, creases, beams ({sums[1]})"
         )
         return "\n".join([*lines, *self.remarks])
 
@@ -167,25 +167,24 @@ def membrane(
     close: bool = True,
     rough: bool = False,
 ) -> MembraneState:
-    """Return the membrane forces of a solved surface, and edge forces that balance its load exactly.
+    """Return the membrane forces of a solved surface, and edge forces in exact equilibrium with its load.
 
     Parameters
     ----------
     surface
-        A problem, a mesh, or what has ``to_problem()``, of one target K for each region.
+        Solved result, mesh or problem with one target K per region.
     pressure
-        Along the normals, positive when it pushes outwards [F/L^2].
+        Load along the normals, positive outwards [F/L^2].
     weight
-        For each area of the surface, along -z [F/L^2].
+        Load per area of the surface, along -z [F/L^2].
     edge_beams
-        Whether free edges have beams that take the forces of the surface. Without, the surface has to be in balance
-        without them, which few are.
+        Whether free edges have beams that carry the forces of the surface. Few surfaces are in equilibrium without beams.
     close
-        Whether vertices inside of regions are slid along the surface where edge forces by the formula are far from balance under
-        pressure, as on irregular meshes: until the triangles close as with the measure exact. How far is said.
-        Where they leave no room for it edges inside of regions are turned too, and the state is of a mesh of other faces.
+        Whether to slide inner vertices along the surface until triangles close as with the measure exact, where edge forces by
+        the formula are far from equilibrium under pressure, as on irregular meshes. A remark gives the distance. If sliding
+        fails, edges inside regions are flipped too, so that the mesh of the state has other faces.
     rough
-        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
+        Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
 
     Returns
     -------
@@ -194,8 +193,8 @@ def membrane(
     Raises
     ------
     CGCError
-        If the surface is rough, or there is no such state: no load or an endless one, a region of K = 0, no support or beam around a
-        region, a free edge that cannot be left unloaded.
+        If the surface is rough, the load is zero or not finite, a region has K = 0, or no equilibrium state exists with the given
+        supports and beams.
 
     Examples
     --------
@@ -207,48 +206,50 @@ def membrane(
     problem = solved_problem(surface, rough)
     pressure, weight = checked_number(pressure, "pressure"), checked_number(weight, "weight")
     if not np.isfinite([pressure, weight]).all():
-        raise CGCError(f"a load must be finite, not a pressure of {pressure:g} and a weight of {weight:g}; give it in units of the model")
+        raise CGCError(
+            f"loads must be finite, not a pressure of {pressure:g} and a weight of {weight:g}; give finite values in model units"
+        )
     if pressure == 0.0 and weight == 0.0:
-        raise CGCError("there is no load; give a pressure, a weight or both")
+        raise CGCError("the load is zero; give a pressure, a weight or both")
     _check(problem, problem.region_targets())
     state = _state(problem, pressure, weight, edge_beams)
-    if not (close and state.correction > NEAR):
+    if not (close and state.correction > MAX_CORRECTION):
         return state
     for close_triangles in (closed, closed_anew):
         nearby = close_triangles(problem)
         if nearby is not None and (rough or verdict(nearby).fair):
             exact = _state(nearby, pressure, weight, edge_beams)
-            if exact.correction <= BETTER * state.correction:
+            if exact.correction <= MIN_IMPROVEMENT * state.correction:
                 return _slid(exact, state)
     return state
 
 
 def _slid(exact: MembraneState, state: MembraneState) -> MembraneState:
-    """Return a state of vertices that were slid, with a sentence that says so."""
+    """Return a state with slid vertices, with a remark about the displacements."""
     problem = state.problem
     slid = exact.problem
     move = slid.vertices - problem.vertices
-    # Between the normals at both ends, as a move along a bend leaves the plane at either.
+    # Use the mean of the normals at both ends, because a displacement along a curve leaves both tangent planes.
     normals = vertex_normals(problem.vertices, problem.faces) + vertex_normals(slid.vertices, slid.faces)
     off = 0.5 * np.abs(np.einsum("ij,ij->i", move, normals))
     unit = 1e3 * metres_per_unit(problem.drawing.units)
     far, away = float(np.linalg.norm(move, axis=1).max()), float(off.max())
     said = (
-        f"vertices were slid along the surface, by up to {unit * far:.3g} mm and off it by up to {unit * away:.2g} mm, until triangles "
-        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; before, edge forces had to be "
-        f"{100 * state.correction:.3g} % off the formula for balance"
+        f"vertices were slid by up to {unit * far:.3g} mm along the surface, and by up to {unit * away:.2g} mm off it, until triangles "
+        f"close as with the measure exact{_turned(problem.faces, slid.faces)}; without sliding, equilibrium needs edge forces that "
+        f"deviate from the formula by {100 * state.correction:.3g} %"
     )
     return replace(exact, moved=far, remarks=(said, *exact.remarks))
 
 
 def _turned(before: Faces, after: Faces) -> str:
-    """Return what is said where triangles were laid out anew."""
+    """Return the part of the remark about remeshed triangles."""
     count = int((np.sort(before, axis=1) != np.sort(after, axis=1)).any(axis=1).sum())
-    return f", on triangles of which {count} of {len(after)} were laid out anew" if count else ""
+    return f", and {count} of {len(after)} triangles were replaced" if count else ""
 
 
 def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool) -> MembraneState:
-    """Return the forces in a surface as it is."""
+    """Return the membrane state of a surface without sliding."""
     V, F = problem.vertices, problem.faces
     targets, label = problem.region_targets(), problem.regions()
     bars, on = _bars(problem)
@@ -258,7 +259,7 @@ def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool
     load = nodal_load(V, F, pressure, weight)
     inner = np.ones(len(V), bool)
     inner[np.unique(on.edges)] = False
-    # Without beams the vertices along free edges have to balance too.
+    # Without beams the vertices on free edges must be in equilibrium too.
     free = np.zeros(len(V), bool)
     free[np.unique(on.edges[on.kind == 2])] = True
     free[np.unique(on.edges[on.kind != 2])] = False
@@ -268,7 +269,7 @@ def _state(problem: CGCProblem, pressure: float, weight: float, edge_beams: bool
         bars, start = np.vstack([bars, _rim_bars(F, rim)]), np.r_[start, np.zeros(len(rim))]
     forces, before, after = in_balance(V, F, bars, start, load, balanced)
     size = mean_size(load)
-    if after > BALANCED:
+    if after > BALANCE_TOLERANCE:
         raise CGCError(_no_state(after, edge_beams))
     tensors = stress_of_bars(V, F, bars, forces)
     if weight == 0.0:
@@ -300,16 +301,16 @@ def _check(problem: CGCProblem, targets: list[Optional[float]]) -> None:
     label, areas = problem.regions(), face_areas(problem.vertices, problem.faces)
     for region, K in enumerate(targets):
         if K is None:
-            raise CGCError(f"region {region} has no one target K; the forces follow from one, so set it and solve first")
-        if abs(K) * areas[label == region].sum() < FLAT:
+            raise CGCError(f"region {region} has no single target K, which determines the forces; set one and solve first")
+        if abs(K) * areas[label == region].sum() < FLAT_CURVATURE:
             raise CGCError(
-                f"region {region} has K = 0, where curvature alone does not tell the forces: they follow from how its edges are held; "
-                "export the mesh for finite elements, or give the region a little curvature"
+                f"region {region} has K = 0, where curvature does not determine the membrane forces; export the mesh for a "
+                "finite-element analysis, or give the region a small curvature"
             )
 
 
 def _bars(problem: CGCProblem) -> tuple[Edges, EdgeLoads]:
-    """Return the edges inside of regions with their faces (b, 4), and those around regions."""
+    """Return the edges inside regions with their faces (b, 4), and the edges around regions."""
     V, F = problem.vertices, problem.faces
     edges = edge_faces(F)
     around = (edges[:, 3] < 0) | among(edges[:, :2], problem.creases, len(V))
@@ -326,7 +327,7 @@ def _rim_bars(F: Faces, rim: Edges) -> Edges:
 
 
 def _folds(V: Vertices, F: Faces, bars: Edges) -> FloatArray:
-    """Return the angle over every edge, positive where convex [rad] (b,)."""
+    """Return the fold angles of edges, positive where convex (b,) [rad]."""
     u, v, left, right = bars.T
     normals = face_normals(V, F)
     along = V[v] - V[u]
@@ -338,17 +339,17 @@ def _folds(V: Vertices, F: Faces, bars: Edges) -> FloatArray:
 def _no_state(rest: float, edge_beams: bool) -> str:
     if not edge_beams:
         return (
-            f"no membrane state leaves the free edges unloaded ({rest:.2g} of the load stays): give them edge beams, "
-            "or support them; their line loads come with edge_beams=True"
+            f"no membrane state leaves the free edges unloaded (residual {100 * rest:.2g} % of the load); support them or give them "
+            "edge beams (edge_beams=True), whose line loads are reported"
         )
     return (
-        f"no membrane state carries this load ({rest:.2g} of it stays): hold the surface along all of its edge, or leave the load to "
-        "finite elements with bending"
+        f"no membrane state carries this load (residual {100 * rest:.2g} % of the load); support the surface along its whole boundary, "
+        "or use a finite-element analysis with bending"
     )
 
 
 def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, corners: FloatArray) -> EdgeLoads:
-    """Return the force of the surface on the lines around regions: -N nu, of both sides of a crease."""
+    """Return the line loads on the boundaries of regions: -N nu, summed over both sides of a crease."""
     edges = edge_faces(F)
     edges = edges[among(edges[:, :2], on.edges, len(V))]
     normals = face_normals(V, F)
@@ -368,19 +369,19 @@ def _remarks(loads: EdgeLoads, edge_beams: bool, correction: float) -> tuple[str
     creases = np.linalg.norm(loads.load[loads.kind == 1], axis=1)
     remarks = []
     if len(free) and edge_beams:
-        remarks.append(f"free edges need an edge beam for a line load of up to {free.max():.4g}; no membrane leaves them unloaded")
+        remarks.append(f"free edges need edge beams for line loads of up to {free.max():.4g}; membrane forces do not vanish there")
     if len(creases):
-        remarks.append(f"creases have to carry line loads of up to {creases.max():.4g} to the supports")
-    if correction > NEAR:
+        remarks.append(f"creases must carry line loads of up to {creases.max():.4g} to the supports")
+    if correction > MAX_CORRECTION:
         remarks.append(
-            f"single edge forces are {100 * correction:.3g} % off the formula, as the layout of an irregular mesh asks for; N1, N2 and "
-            "line loads are not; solve with the measure exact to have them near it"
+            f"edge forces deviate from the formula by {100 * correction:.3g} % because the mesh is irregular; N1, N2 and line loads are "
+            "not affected; solve with the measure exact to reduce this"
         )
     return tuple(remarks)
 
 
 def stress_at_vertices(state: MembraneState) -> FloatArray:
-    """Return N of every vertex in space, the mean over its faces by area (n, 3, 3) [F/L]."""
+    """Return the stress tensor N at every vertex, the area-weighted mean of its faces (n, 3, 3) [F/L]."""
     V, F = state.problem.vertices, state.problem.faces
     areas: PerFace = face_areas(V, F)
     tensors = np.einsum("mk,mki,mkj->mij", state.forces, state.directions, state.directions)
@@ -392,7 +393,7 @@ def stress_at_vertices(state: MembraneState) -> FloatArray:
 
 
 def forces_at_vertices(state: MembraneState) -> FloatArray:
-    """Return N1 and N2 at every vertex (n, 2), the mean over its faces [F/L]."""
+    """Return N1 and N2 at every vertex, the mean of its faces (n, 2) [F/L]."""
     F, n = state.problem.faces, len(state.problem.vertices)
     count = np.maximum(np.bincount(F.ravel(), minlength=n), 1)
     return np.column_stack([np.bincount(F.ravel(), np.repeat(state.forces[:, k], 3), n) / count for k in (0, 1)])

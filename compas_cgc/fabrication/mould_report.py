@@ -1,4 +1,4 @@
-"""What moulds are needed and how every panel fits them: plain figures, a text for people and plain data for machines."""
+"""Report on moulds and the fit of panels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..discrete.arrays import Faces
 from ..discrete.arrays import Vertices
 from .development import Development
 from .fitting import Fit
-from .flattening import LONG
+from .flattening import LONG_ASPECT
 from .flattening import STRAIN
 from .flattening import strain_of_width
 from .flattening import widest_panel
@@ -31,8 +31,8 @@ class Mould:
 
     number: int  # from 1
     surface: Surface
-    radius: float  # of the smallest cap with room for each of its panels, along the surface [L]
-    panels: int  # made on it
+    radius: float  # geodesic radius of the smallest cap that holds each of its panels [L]
+    panels: int  # number of panels made on it
 
     @property
     def K(self) -> float:
@@ -41,7 +41,7 @@ class Mould:
 
     @property
     def kind(self) -> str:
-        """What it is a piece of."""
+        """Type of the surface: sphere, pseudosphere or plane."""
         return "sphere" if self.K > 0.0 else "pseudosphere" if self.K < 0.0 else "plane"
 
     @property
@@ -55,28 +55,28 @@ class PanelFit:
     """One panel on its mould."""
 
     panel: Panel
-    mould: int  # its number
-    radius: float  # of the smallest cap around it [L]
-    gap: float  # largest distance between places that its faces give to one vertex [mm]
-    edge_error: float  # largest difference of an edge on the mould, against the edge
-    rigid: float  # by which it misses its place if it is not bent, at most [mm]
-    change: Optional[float]  # of curvature from the mould into place, the largest; None where no curvature could be measured [1/m]
-    stress: Optional[float]  # of bending it so [MPa]
-    development: Development  # of the whole faces that it has a part of, with the pole in the middle of the cap
-    vertices: Vertices  # (p, 3) of the panel in place [L]
-    faces: Faces  # (f, 3) of the panel, turned over where it is hollow
-    on_mould: Vertices  # (p, 3) places of its vertices in space on the mould, whose pole is at the origin [L]
-    into_place: Fit  # the rigid motion from there that comes nearest to its place
+    mould: int  # number of the mould
+    radius: float  # geodesic radius of the smallest cap around the panel [L]
+    gap: float  # largest distance between the positions of a vertex in different faces [mm]
+    edge_error: float  # largest relative difference of edges on the mould
+    rigid: float  # largest deviation from its position if it is not bent [mm]
+    change: Optional[float]  # largest change of curvature from mould to position, None if unknown [1/m]
+    stress: Optional[float]  # stress of this bending [MPa]
+    development: Development  # of the mesh faces that it covers, with the pole at the centre of the cap
+    vertices: Vertices  # (p, 3) vertices in position [L]
+    faces: Faces  # (f, 3) faces, flipped if the panel is concave towards its normals
+    on_mould: Vertices  # (p, 3) vertices on the mould, whose pole is at the origin [L]
+    into_place: Fit  # best rigid motion from the mould to the position
 
     @property
     def width(self) -> float:
-        """Shorter side of the smallest rectangle around it in its mean plane [L]."""
+        """Shorter side of its bounding rectangle in the mean plane [L]."""
         away = self.vertices - self.vertices.mean(axis=0)
         box = best_box(away @ np.linalg.svd(away, full_matrices=False)[2][:2].T, (math.inf, math.inf))
         return min(box.length, box.width)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures, ready for JSON."""
+        """Return the figures as a dict that can be written as JSON."""
         own = {name: getattr(self, name) for name in ("mould", "radius", "gap", "edge_error", "rigid", "change", "stress")}
         return {"panel": self.panel.name, "region": self.panel.region, "faces": len(self.panel.faces), **own}
 
@@ -88,17 +88,17 @@ class MouldReport:
     Parameters
     ----------
     moulds
-        One for each K, or for those near each other.
+        One mould per K, or per group of similar K.
     panels
-        How each panel fits its mould.
+        Fit of each panel.
     material
-        What the panels are of.
+        Material of the panels.
     thickness
-        Of the sheets [mm].
+        Thickness of the sheets [mm].
     unit
-        Of the model [m].
+        Length of the model unit [m].
     arc
-        Edges are lengths along the moulds, not chords.
+        Whether edges are arc lengths on the moulds instead of chords.
 
     Examples
     --------
@@ -113,11 +113,11 @@ class MouldReport:
     panels: list[PanelFit]
     material: Material
     thickness: float  # of the sheets [mm]
-    unit: float  # of the model [m]
-    arc: bool  # edges are lengths along the moulds, not chords
+    unit: float  # length of the model unit [m]
+    arc: bool  # whether edges are arc lengths on the moulds instead of chords
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain lists and dicts, ready for JSON."""
+        """Return a dict that can be written as JSON."""
         moulds = [
             {
                 "mould": own.number,
@@ -134,15 +134,15 @@ class MouldReport:
 
     @property
     def edges(self) -> str:
-        """What the edges of the mesh are on the moulds."""
+        """``arcs`` or ``chords``: what mesh edges are on the moulds."""
         return "arcs" if self.arc else "chords"
 
     def __str__(self) -> str:
         return "\n".join(
             [
-                f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}, edges as {self.edges} of them",
+                f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}, with edges as {self.edges}",
                 *(line for own in self.moulds for line in self._lines(own)),
-                "congruent triangles do not say that a sheet can take the way: see the change of curvature and the stress",
+                "congruence does not guarantee that a sheet can be bent into place: check the change of curvature and the stress",
             ]
         )
 
@@ -151,25 +151,25 @@ class MouldReport:
         long = mould.radius_of_curvature
         what = f"{mould.kind} of K = {mould.K:.6g}" + ("" if long is None else f", radius {long:.5g}")
         lines = [
-            f"mould {mould.number}: {what}, a cap of {mould.radius:.4g} around its middle, for {_many(mould.panels, 'panel')}",
-            f"  fit: gaps to {max(fit.gap for fit in own):.2g} mm, edges to {max(fit.edge_error for fit in own):.1e}",
-            f"  not bent they miss their places by {_spread([fit.rigid for fit in own])} mm",
+            f"mould {mould.number}: {what}, cap of radius {mould.radius:.4g} for {_many(mould.panels, 'panel')}",
+            f"  fit: gaps up to {max(fit.gap for fit in own):.2g} mm, relative edge errors up to {max(fit.edge_error for fit in own):.1e}",
+            f"  without bending, panels deviate from their position by {_spread([fit.rigid for fit in own], 'mm')}",
         ]
         changes = [fit.change for fit in own if fit.change is not None]
         stresses = [fit.stress for fit in own if fit.stress is not None]
         if changes:
             part = 1e6 * max(stresses) / self.material.strength
             lines.append(
-                f"  bent they change curvature by {_spread(changes)} 1/m, {_spread(stresses)} MPa in {self.thickness:g} mm of "
-                f"{self.material.name}, {100 * part:.0f} % of its characteristic strength without any factor of safety"
+                f"  bending changes their curvature by {_spread(changes, '1/m')}; stress in {self.thickness:g} mm of {self.material.name}: "
+                f"{_spread(stresses, 'MPa')}, {100 * part:.0f} % of the characteristic strength without safety factor"
             )
         if mould.K:
-            wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG)
+            wide, strip = widest_panel(mould.K, STRAIN), widest_panel(mould.K, STRAIN, LONG_ASPECT)
             widths = [fit.width for fit in own]
             strains = [100 * strain_of_width(mould.K, width) for width in widths]
             lines.append(
-                f"  flat sheets strained by {100 * STRAIN:g} % instead are at most {wide:.3g} wide if square, sqrt(24 strain / |K|); "
-                f"long ones {strip:.3g}; these, {_spread(widths)} wide, would be strained by some {_spread(strains)} %"
+                f"  pressing flat sheets instead: {100 * STRAIN:g} % strain allows a width of {wide:.3g} (square, sqrt(24 strain / |K|)) or "
+                f"{strip:.3g} (long strips); these panels ({_spread(widths)}) need strains of {_spread(strains, '%')}"
             )
         return lines
 
@@ -178,10 +178,11 @@ def _many(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
 
 
-def _spread(values: list[float]) -> str:
-    return f"{_two_digits(float(np.median(values)))} (median) to {_two_digits(max(values))}"
+def _spread(values: list[float], unit: str = "") -> str:
+    middle, most = (f"{_two_digits(value)} {unit}".rstrip() for value in (float(np.median(values)), max(values)))
+    return f"{middle} (median), {most} at most"
 
 
 def _two_digits(value: float) -> str:
-    """Return a number to two digits, or to whole units, never with an exponent where it is large."""
+    """Return a number with two significant digits, or rounded to an integer from 100."""
     return f"{value:.2g}" if abs(value) < 99.5 else f"{value:.0f}"

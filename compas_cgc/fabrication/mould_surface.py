@@ -1,4 +1,4 @@
-"""Moulds in space: a sphere, a plane, or the middle of a pseudosphere, which is what can be made of K < 0."""
+"""Moulds in space: sphere, plane or pseudosphere."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from . import space_form
 
 __all__ = ["Surface", "cap_mesh", "surface_for"]
 
-SPARE = 1.001  # of a pseudosphere's rim, where its curvature has no bound
-RINGS, AROUND = 16, 64  # of the mesh of a mould
+RIM_MARGIN = 1.001  # factor on the distance from the rim of a pseudosphere, where curvature is unbounded
+RINGS, AROUND = 16, 64  # resolution of the mesh of a mould
 
 
 class Surface(NamedTuple):
     """A surface of constant curvature in space, with the pole at the origin and its normal along z."""
 
     K: float  # [1/L^2]
-    depth: float = 1.0  # of the pole below the rim of the pseudosphere, the y of the upper half plane; of no meaning for K >= 0
+    depth: float = 1.0  # depth of the pole below the rim of the pseudosphere, the y of the upper half plane; unused for K >= 0
 
     def places(self, points: FloatArray) -> Vertices:
-        """Return points (n, 3) of the space form as places in space (n, 3) [L]."""
+        """Return points (n, 3) of the space form as coordinates in space (n, 3) [L]."""
         if self.K >= 0.0:
             return space_form.places(points, self.K)
         radius = 1.0 / math.sqrt(-self.K)
         x, y = self._half_plane(points)
         here = _pseudosphere(x, y)
         pole = _pseudosphere(np.zeros(1), np.array([self.depth]))[0]
-        # Along the meridian, along the parallel, and outwards.
+        # Axes along the meridian, along the parallel and outwards.
         slope = math.sqrt(1.0 - 1.0 / self.depth**2)
         down = np.array([-1.0 / self.depth, 0.0, slope])
         along = np.array([0.0, -1.0, 0.0])
         return radius * (here - pole) @ np.array([down, along, np.cross(down, along)]).T
 
     def principal(self, points: FloatArray) -> FloatArray:
-        """Return the principal curvatures at points (n, 3), the larger first (n, 2) [1/L]; positive where convex towards +z."""
+        """Return the principal curvatures at points (n, 3), the larger first (n, 2) [1/L]; positive if convex towards +z."""
         root = math.sqrt(abs(self.K))
         if self.K >= 0.0:
             return np.full((len(points), 2), root)
@@ -48,29 +48,29 @@ class Surface(NamedTuple):
         return root * np.sort(np.column_stack([bend, -1.0 / bend]), axis=1)[:, ::-1]
 
     def _half_plane(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return points of the hyperbolic plane in the upper half plane, where the pseudosphere is ``y >= 1``."""
+        """Return coordinates of points in the upper half plane, in which the pseudosphere is ``y >= 1``."""
         root = math.sqrt(-self.K)
         below = points[:, 0] - root * points[:, 1]
         return -self.depth * root * points[:, 2] / below, self.depth / below
 
 
 def surface_for(K: float, radius: float) -> Surface:
-    """Return the mould with room for a cap of a radius [L] about its pole.
+    """Return the mould that holds a cap of a given radius [L] about its pole.
 
     Raises
     ------
     CGCError
-        If a pseudosphere has no room for it.
+        If the cap is too large for the sphere or pseudosphere.
     """
     if K >= 0.0:
         if K > 0.0 and radius * math.sqrt(K) > math.pi:
-            raise CGCError(f"a cap of radius {radius:.4g} is more than the whole sphere of K = {K:.4g}; make the panels smaller")
+            raise CGCError(f"a panel of radius {radius:.4g} is larger than the whole sphere of K = {K:.4g}; use smaller panels")
         return Surface(K)
     reach = radius * math.sqrt(-K)
-    # Where both principal curvatures are equal but for the sign, if the rim is far enough from there.
-    depth = max(math.sqrt(2.0), SPARE * math.exp(min(reach, 50.0)))
+    # The pole lies where the principal curvatures are opposite, or deeper if the rim is too near.
+    depth = max(math.sqrt(2.0), RIM_MARGIN * math.exp(min(reach, 50.0)))
     if depth * math.sinh(min(reach, 50.0)) > math.pi:
-        raise CGCError(f"a pseudosphere of K = {K:.4g} has no room for a panel of radius {radius:.4g}; make the panels smaller")
+        raise CGCError(f"a panel of radius {radius:.4g} is too large for a pseudosphere of K = {K:.4g}; use smaller panels")
     return Surface(K, depth)
 
 
@@ -95,6 +95,6 @@ def cap_mesh(surface: Surface, radius: float) -> tuple[Vertices, Faces]:
 
 
 def _pseudosphere(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the points (n, 3) of the pseudosphere of radius one for those of the upper half plane."""
+    """Return the points (n, 3) of the unit pseudosphere for coordinates in the upper half plane."""
     height = np.arccosh(y) - np.sqrt(1.0 - 1.0 / y**2)
     return np.column_stack([np.cos(x) / y, np.sin(x) / y, height])

@@ -1,4 +1,4 @@
-"""Moulds: the panels of all regions on as few surfaces of constant curvature as K allows."""
+"""Moulds: the panels of all regions on as few surfaces of constant curvature as possible."""
 
 from __future__ import annotations
 
@@ -45,23 +45,23 @@ from .solved import solved_problem
 
 __all__ = ["moulds"]
 
-SAME = 1e-9  # difference of two K, against the larger, that is none
-OPEN = 0.05  # gap, against the mean edge, from which a surface has not the curvature that its moulds have
-TURNS = 24  # about the pole that are tried on a pseudosphere, whose directions differ
+K_TOLERANCE = 1e-9  # relative difference below which two curvatures count as equal
+MAX_GAP = 0.05  # gap relative to the mean edge length above which the surface does not have the K of the mould
+ROTATIONS = 24  # rotations about the pole tried on a pseudosphere, which is not isotropic
 
 
 class _Laid(NamedTuple):
     panel: Panel
     K: float
-    parts: PanelParts  # turned over where the panel is hollow
-    laid: Development  # of the whole faces
+    parts: PanelParts  # flipped if the panel is concave towards its normals
+    laid: Development  # of the whole mesh faces
     there: PartsOnMould
     radius: float
 
 
 def _instead(name: str) -> str:
-    """Return what to write in the place of an argument that moulds do not have."""
-    return f"it is said of the panels: moulds(surface, panels(surface, {name}=...))" if name in ("size", "count", "curves", "along") else ""
+    """Return what to write instead of an argument that `moulds` does not take."""
+    return f"give it to the panels: moulds(surface, panels(surface, {name}=...))" if name in ("size", "count", "curves", "along") else ""
 
 
 @names_what_was_meant(_instead)
@@ -75,38 +75,38 @@ def moulds(
     arc: Optional[bool] = None,
     rough: bool = False,
 ) -> MouldReport:
-    """Return the moulds that panels can be made on, and how each fits.
+    """Return the moulds on which panels can be made, and the fit of each panel.
 
-    By Minding's theorem every piece of a region of curvature K can be bent, without stretching, from the sphere of radius
-    ``1/√K``, the plane or the pseudosphere; after ``measure="exact"`` the triangles are the same to rounding. So one mould serves
-    all panels of one K, of whatever region.
+    By Minding's theorem every piece of a region of curvature K can be bent without stretching from the sphere of radius ``1/√K``,
+    the plane or the pseudosphere; after a solve with ``measure="exact"`` the triangles are congruent to rounding. So one mould
+    serves all panels of one K in any region.
 
     Parameters
     ----------
     mesh
-        A solved surface.
+        Solved surface.
     panels
-        Of :func:`compas_cgc.fabrication.panels`, or groups of faces of your own.
+        Result of :func:`compas_cgc.fabrication.panels`, or other groups of faces.
     material
         A name of :data:`~compas_cgc.fabrication.MATERIALS`, or a :class:`~compas_cgc.fabrication.Material`.
     thickness
-        Of the sheets [mm].
+        Thickness of the sheets [mm].
     tolerance
-        Gap up to which panels of different K may share a mould [mm].
+        Largest gap with which panels of different K may share a mould [mm].
     arc
-        Take edges for lengths along the moulds. Default: as the mesh fits better.
+        Whether edges are arc lengths on the moulds. Default: whichever fits better.
     rough
-        Take a surface that its verdict calls rough all the same.
+        Whether to accept a surface with the verdict rough.
 
     Returns
     -------
     MouldReport
-        Its text is meant to be read, ``to_dict`` gives all figures.
+        ``str(report)`` is a readable text; ``to_dict`` returns all figures.
 
     Raises
     ------
     CGCError
-        If the surface is rough, does not have the curvature asked for, a panel has several K or a hole, or is too large for a mould.
+        If the surface is rough or does not have its target curvature, or a panel has several K, a hole, or is too large for a mould.
 
     References
     ----------
@@ -124,9 +124,9 @@ def moulds(
     problem = solved_problem(mesh, rough)
     stuff, unit = material_named(material), metres_per_unit(problem.drawing.units)
     if not 0.0 < checked_number(thickness, "thickness") < math.inf:
-        raise CGCError(f"the thickness must be a positive number of millimetres, not {thickness!r}")
+        raise CGCError(f"the thickness must be a positive number [mm], not {thickness!r}")
     if not (math.isfinite(tolerance) and tolerance >= 0.0):
-        raise CGCError(f"the tolerance must be 0 mm or more, not {tolerance!r}")
+        raise CGCError(f"the tolerance must be at least 0 mm, not {tolerance!r}")
     _check_panels(problem, panels)
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
@@ -148,47 +148,47 @@ def moulds(
 
 
 def _check_panels(problem: CGCProblem, panels: Sequence[Panel]) -> None:
-    """Refuse panels that are none, or that cannot be told apart."""
+    """Refuse invalid panels and duplicate names."""
     given: object = panels
     if isinstance(given, str) or not isinstance(given, Sequence):
-        raise CGCError(f"panels are those of panels(surface, size), not {panels!r:.60}")
+        raise CGCError(f"panels must be the result of panels(surface, size), not {panels!r:.60}")
     if not len(panels):
-        raise CGCError("there are no panels; divide the surface into some first")
+        raise CGCError("there are no panels; divide the surface into panels first")
     called: set[str] = set()
     for panel in panels:
         if panel.name in called:
-            raise CGCError(f"two panels are called {panel.name}; give each a name of its own")
+            raise CGCError(f"two panels have the name {panel.name}; give each a different name")
         called.add(panel.name)
         own = np.asarray(panel.faces)
         among = len(problem.faces if panel.cut is None else panel.cut.faces)
         if not own.size or own.dtype.kind not in "iu" or own.min() < 0 or own.max() >= among:
-            raise CGCError(f"the faces of panel {panel.name} must be some of the {among} of the mesh, by their positions")
+            raise CGCError(f"the faces of panel {panel.name} must be indices from 0 to {among - 1} of the mesh")
         if panel.cut is not None and not np.array_equal(panel.cut.vertices[: len(problem.vertices)], problem.vertices):
-            raise CGCError(f"panel {panel.name} is of another surface than this; divide this one into panels")
+            raise CGCError(f"panel {panel.name} belongs to another surface; divide this surface into panels")
 
 
 def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[float]]) -> float:
-    """Return the one K of a panel."""
+    """Return the single target K of a panel."""
     used = np.unique(problem.faces[panel.faces if panel.cut is None else np.unique(panel.cut.parent[panel.faces])])
     asked = used[problem.asked[used] & np.isfinite(problem.targets[used])]
     own = np.unique(problem.targets[asked])
     if not len(own):
         target = targets[panel.region] if 0 <= panel.region < len(targets) else None
         if target is None:
-            raise CGCError(f"panel {panel.name} has no K̄; give its region one")
+            raise CGCError(f"panel {panel.name} has no target K̄; set one for its region")
         return target
     low, high = float(own[0]), float(own[-1])
     if low < 0.0 < high:
         raise CGCError(
-            f"panel {panel.name} has K̄ of both signs, from {low:.4g} to {high:.4g}, and no mould has; divide it where the sign changes"
+            f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, but a mould has one sign; divide it where the sign changes"
         )
-    if high - low > SAME * max(abs(low), abs(high)):
-        raise CGCError(f"panel {panel.name} has K̄ from {low:.4g} to {high:.4g}, a mould has but one; ask for one in every panel")
+    if high - low > K_TOLERANCE * max(abs(low), abs(high)):
+        raise CGCError(f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, but a mould has one; set a single K̄ per panel")
     return high
 
 
 def _by_arcs(problem: CGCProblem) -> bool:
-    """Return whether the triangles close better as arcs of the moulds than as chords."""
+    """Check whether the triangles close better as arcs of the moulds than as chords."""
     asked = problem.asked & np.isfinite(problem.targets)
     K = np.where(asked, problem.targets, 0.0)
     chords, arcs = (
@@ -198,7 +198,7 @@ def _by_arcs(problem: CGCProblem) -> bool:
 
 
 def _laid(problem: CGCProblem, panel: Panel, K: float, fits: LocalFits, arc: bool) -> _Laid:
-    """Lay a panel onto its mould, turned over where it is hollow towards its normals."""
+    """Lay a panel onto its mould, flipped if it is concave towards its normals."""
     parts = parts_of(problem, panel)
     mean = fits.mean[np.unique(parts.whole)]
     hollow = K > 0.0 and np.isfinite(mean).any() and float(np.nansum(mean)) < 0.0
@@ -208,17 +208,17 @@ def _laid(problem: CGCProblem, panel: Panel, K: float, fits: LocalFits, arc: boo
 def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: bool) -> _Laid:
     name = f"panel {panel.name}"
     check_disk(parts.faces, name)
-    # Whole faces may close around a notch of the panel.
+    # The whole faces may enclose a notch of the panel.
     seam = "auto" if parts.cut and len(boundary_loops(parts.whole)) != 1 else None
     laid = lay_out(problem.vertices, parts.whole, K, seam, arc=arc, name=name)
     laid = laid._replace(own_faces=parts.own_faces)
     there = on_mould(parts, laid, arc)
     V = problem.vertices[parts.whole]
     edge = float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).mean())
-    if there.gap > OPEN * edge:
+    if there.gap > MAX_GAP * edge:
         raise CGCError(
-            f"panel {panel.name} does not close on a mould of K = {K:.4g}: its faces part by {there.gap:.3g}; "
-            "solve the surface for that K first, best with measure='exact'"
+            f"panel {panel.name} does not close on a mould of K = {K:.4g}: gaps of {there.gap:.3g}; "
+            "solve the surface for this K first, best with measure='exact'"
         )
     cap = smallest_cap(there.on_form, K)
     laid = laid.turned(space_form.to_pole(cap.centre, K))
@@ -226,15 +226,15 @@ def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: boo
 
 
 def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: bool) -> list[_Laid]:
-    """Let panels of nearly the same K share a mould where their gaps and edges stay within a tolerance [L]."""
+    """Let panels of similar K share a mould if gaps and edge errors stay within a tolerance [L]."""
     own = sorted({piece.K for piece in pieces})
     groups: list[list[float]] = [[own[0]]]
     laid: dict[float, list[_Laid]] = {}
     for K in own[1:]:
         group = [*groups[-1], K]
         middle = 0.5 * (group[0] + K)
-        same = K - group[0] <= SAME * abs(K)
-        # Of one sign: a sheet bent from a sphere does not become a saddle.
+        same = K - group[0] <= K_TOLERANCE * abs(K)
+        # A shared K must not change sign: a spherical sheet cannot become a saddle.
         if not same and (tolerance <= 0.0 or group[0] * K <= 0.0):
             groups.append([K])
             continue
@@ -254,9 +254,9 @@ def _astray(piece: _Laid) -> float:
 
 
 def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thickness: float, unit: float) -> PanelFit:
-    """Return a panel on its mould, turned about the pole to where it lies nearest to its place."""
+    """Return the fit of a panel on its mould, rotated about the pole to the best rigid fit."""
     K, vertices = mould.K, piece.parts.vertices
-    angles = 2 * np.pi * np.arange(TURNS) / TURNS if K < 0.0 else [_heading(piece.there.on_form, vertices)]
+    angles = 2 * np.pi * np.arange(ROTATIONS) / ROTATIONS if K < 0.0 else [_heading(piece.there.on_form, vertices)]
     motions = [space_form.rotation(angle) for angle in angles]
     places = np.array([_places(piece, mould.surface, motion) for motion in motions])
     nearest = rigid_fits(places, vertices)
@@ -282,9 +282,9 @@ def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thi
 
 
 def _places(piece: _Laid, surface: Surface, motion: FloatArray) -> Vertices:
-    """Return the vertices of a panel on its mould (p, 3) after a turn about its pole: on joints on the chords of the whole faces.
+    """Return the vertices of a panel on its mould (p, 3) after a rotation about its pole.
 
-    On a pseudosphere, which has no such chords, they are on the surface.
+    Vertices on joints lie on the chords of whole faces; on a pseudosphere, which has no such chords, they lie on the surface.
     """
     if surface.K < 0.0 or not piece.parts.cut:
         return surface.places(space_form.turned(piece.there.on_form, motion))
@@ -293,14 +293,14 @@ def _places(piece: _Laid, surface: Surface, motion: FloatArray) -> Vertices:
 
 
 def _heading(points: FloatArray, there: FloatArray) -> float:
-    """Return the angle about the pole by which points (p, 3) lie as in the plan of their places (p, 3)."""
+    """Return the rotation angle about the pole that best aligns points (p, 3) with the plan of `there` (p, 3)."""
     here, away = points[:, 1:] - points[:, 1:].mean(axis=0), there[:, :2] - there[:, :2].mean(axis=0)
     cross = np.einsum("i,i", here[:, 0], away[:, 1]) - np.einsum("i,i", here[:, 1], away[:, 0])
     return math.atan2(cross, np.einsum("ij,ij", here, away))
 
 
 def _change(surface: Surface, parts: PanelParts, points: FloatArray, fits: LocalFits) -> Optional[float]:
-    """Return the largest change of a principal curvature from the mould into place, None where none was measured [1/L]."""
+    """Return the largest change of a principal curvature from mould to position, None if unknown [1/L]."""
     mean, gaussian = (parts.at_vertices(own[parts.whole]) for own in (fits.mean, fits.gaussian))
     known = np.isfinite(mean)
     if not known.any():
@@ -308,6 +308,6 @@ def _change(surface: Surface, parts: PanelParts, points: FloatArray, fits: Local
     spread = np.sqrt(np.maximum(mean**2 - gaussian, 0.0))
     own = np.column_stack([mean + spread, mean - spread])[known]
     if surface.K > 0.0:
-        # Hollow panels are turned over.
+        # Concave panels are flipped.
         own = own * math.copysign(1.0, float(own.sum()))
     return float(np.abs(own - surface.principal(points)[known]).max())

@@ -1,4 +1,4 @@
-"""Nesting: rectangles laid on as few sheets as a simple rule finds."""
+"""Nesting of rectangles on sheets (skyline heuristic)."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ __all__ = ["Place", "nest"]
 
 
 class Place(NamedTuple):
-    """Where a rectangle lies."""
+    """Position of a rectangle."""
 
     sheet: int
-    x: float  # of its lower left corner [L]
+    x: float  # lower left corner [L]
     y: float
-    turned: bool  # by a right angle
+    turned: bool  # by 90 degrees
 
 
 def nest(sizes: Sequence[tuple[float, float]], sheet: tuple[float, float], spacing: float = 0.0, turn: bool = True) -> list[Place]:
-    """Lay rectangles on sheets: the largest first, each as low as it goes on the first sheet that has room (skyline).
+    """Return positions of rectangles on sheets: the largest first, each as low as possible on the first sheet with room.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ def nest(sizes: Sequence[tuple[float, float]], sheet: tuple[float, float], spaci
     sheet
         Length and width of the sheets [L].
     spacing
-        Distance between rectangles [L]; none at the edges of a sheet.
+        Distance between rectangles [L]; not applied at the edges of a sheet.
     turn
-        Whether rectangles may be turned by a right angle.
+        Whether rectangles may be rotated by 90 degrees.
 
     Returns
     -------
@@ -47,14 +47,16 @@ def nest(sizes: Sequence[tuple[float, float]], sheet: tuple[float, float], spaci
     Jylänki, A thousand ways to pack the bin, 2010: skyline, bottom left.
     """
     order = sorted(range(len(sizes)), key=lambda i: (-max(sizes[i]), -min(sizes[i]), i))
-    skylines: list[list[tuple[float, float, float]]] = []  # of each sheet: from x, to x, height
+    skylines: list[list[tuple[float, float, float]]] = []  # per sheet: start x, end x, height
     places: dict[int, Place] = {}
     for i in order:
         ways = [(sizes[i], False), (sizes[i][::-1], True)] if turn else [(sizes[i], False)]
         ways = [(size, turned) for size, turned in ways if size[0] <= sheet[0] and size[1] <= sheet[1]]
         if not ways:
             length, width = sizes[i]
-            raise ValueError(f"piece {i} of {length:.4g} x {width:.4g} does not lie within a sheet of {sheet[0]:g} x {sheet[1]:g}")
+            raise ValueError(
+                f"piece {i} of {length:.4g} x {width:.4g} does not fit on a sheet of {sheet[0]:g} x {sheet[1]:g}; use larger sheets"
+            )
         for number in range(len(skylines) + 1):
             if number == len(skylines):
                 skylines.append([(0.0, sheet[0], 0.0)])

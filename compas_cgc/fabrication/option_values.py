@@ -1,4 +1,4 @@
-"""Values of options: what a designer writes in a command line, or a program in JSON, as the functions take it."""
+"""Parsing of option values from command lines and JSON."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .materials import METRES
 __all__ = ["ALONG", "LARGEST", "Sheet", "number", "paths", "points", "region_numbers", "sheet", "strain", "text", "truth", "whole"]
 
 LARGEST = 1e9
-ALONG = ("plan", "curvature")  # what a grid of panels follows
+ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
 
@@ -24,7 +24,7 @@ class Sheet(NamedTuple):
 
     length: float
     width: float
-    unit: Optional[str] = None  # that of the drawing where none is given
+    unit: Optional[str] = None  # unit of the drawing if None
 
     def within(self, units: Optional[str]) -> tuple[float, float]:
         """Return length and width in the units of a drawing, such as ``Meters`` [L]."""
@@ -32,11 +32,11 @@ class Sheet(NamedTuple):
         return self.length * scale, self.width * scale
 
 
-# Each takes a value and what to call it in a sentence, and raises CGCError.
+# Each reader takes a value and its name for messages, and raises CGCError.
 
 
 def number(value: object, what: str) -> float:
-    """Return a finite number of moderate size."""
+    """Return a finite number up to LARGEST."""
     found = _as_float(value)
     if found is None or abs(found) > LARGEST:
         raise CGCError(f"{what} must be a number up to {LARGEST:g}, not {_short(value)}")
@@ -54,12 +54,12 @@ def whole(value: object, what: str) -> int:
 def text(value: object, what: str) -> str:
     """Return a text."""
     if not isinstance(value, str) or len(value) > 200:
-        raise CGCError(f"{what} must be a text, not {_short(value)}")
+        raise CGCError(f"{what} must be a text of at most 200 characters, not {_short(value)}")
     return value
 
 
 def truth(value: object, what: str) -> bool:
-    """Return a truth value, ``true`` and ``false`` for those."""
+    """Return a boolean; accepts ``true`` and ``false`` as text."""
     found = {"true": True, "false": False}.get(value) if isinstance(value, str) else value
     if not isinstance(found, bool):
         raise CGCError(f"{what} must be true or false, not {_short(value)}")
@@ -76,7 +76,7 @@ def sheet(value: object, what: str) -> Sheet:
 
 
 def _of_sheet(value: object) -> tuple[list[str], Optional[str]]:
-    """Return the numbers of a text such as ``3000x1500mm``, none where it is no such text, and the unit."""
+    """Return the numbers and the unit of a text such as ``3000x1500mm``; no numbers if it has another form."""
     found = re.fullmatch(r"\s*([0-9.]+)\s*[x×X]\s*([0-9.]+)\s*(mm|cm|m|in|ft)?\s*", value) if isinstance(value, str) else None
     return ([found.group(1), found.group(2)], found.group(3)) if found else ([], None)
 
@@ -100,7 +100,7 @@ def paths(value: object, what: str) -> list[list[int]]:
 
 
 def points(value: object, what: str) -> Union[str, list[list[float]]]:
-    """Return points: texts such as ``1.0,2.0,0.5``, or lists of three numbers; or ``supports``."""
+    """Return points from texts such as ``1.0,2.0,0.5`` or lists of three numbers, or the word ``supports``."""
     rows = _rows(value)
     if rows == ["supports"]:
         return "supports"
@@ -119,7 +119,7 @@ def region_numbers(value: object, what: str) -> list[int]:
 
 
 def _rows(value: object) -> list:
-    """Return a text alone as a list of it, and a list of numbers alone as a list of one row."""
+    """Return rows; a single text or a flat list of numbers counts as one row."""
     if isinstance(value, str):
         return [value]
     if not isinstance(value, (list, tuple)):
@@ -135,7 +135,7 @@ def _numbers(row: object) -> Optional[list[float]]:
 
 
 def _as_float(value: object) -> Optional[float]:
-    """Return a finite number, of a text too, None for anything else."""
+    """Return a finite number, also from text, None for other values."""
     if isinstance(value, bool) or not isinstance(value, (numbers.Real, str)):
         return None
     try:

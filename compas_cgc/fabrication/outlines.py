@@ -28,14 +28,14 @@ class Loop(NamedTuple):
 
 
 class Seam(NamedTuple):
-    """A line along which two pieces, or two places of one, are joined."""
+    """A line along which two pieces, or two sides of one piece, are joined."""
 
     number: int
     kind: str  # crease, seam or cut
     pieces: tuple[int, int]
-    nodes: IntArray  # (k,) along it; the first piece lies to its left
-    sides: tuple[FloatArray, FloatArray]  # (k, 2) the same line in the plane of either piece [L]
-    lengths: tuple[float, float]  # of either side in the plane [L]
+    nodes: IntArray  # (k,) nodes along the seam; the first piece lies to its left
+    sides: tuple[FloatArray, FloatArray]  # (k, 2) the line in the plane of each piece [L]
+    lengths: tuple[float, float]  # of each side in the plane [L]
     length: float  # in space [L]
 
 
@@ -63,7 +63,7 @@ def outline_loops(patchwork: Patchwork) -> list[list[Loop]]:
 
 
 def signed_area(points: FloatArray) -> float:
-    """Return the area within a polygon (k, 2), positive anticlockwise [L^2]."""
+    """Return the signed area of a polygon (k, 2), positive if counterclockwise [L^2]."""
     x, y = (points - points.mean(axis=0)).T
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
@@ -74,7 +74,7 @@ def seams_between(patchwork: Patchwork) -> list[Seam]:
     out = outline_sides(patchwork).ravel()
     side = np.flatnonzero(out & (mate > np.arange(len(mate))))
     piece = np.repeat(patchwork.piece, 3)
-    # Left of the seam the piece with the smaller number; within one piece the same side all along.
+    # The piece with the smaller number lies to the left; within one piece the orientation is consistent.
     left = np.where(piece[side] < piece[mate[side]], side, mate[side])
     within = piece[side] == piece[mate[side]]
     left[within] = _one_way(patchwork, side[within], mate)
@@ -90,14 +90,14 @@ def seams_between(patchwork: Patchwork) -> list[Seam]:
 
 
 def _one_way(own: Patchwork, sides: IntArray, mate: IntArray) -> IntArray:
-    """Return sides (k,) that have a piece on both sides, or their mates, so that those which follow each other run the same way."""
+    """Return sides (k,) within one piece, or their mates, so that consecutive sides have the same orientation."""
     both = np.r_[sides, mate[sides]]
     order = np.argsort(own.faces.ravel()[both], kind="stable")
     node = own.faces.ravel()[both[order]]
     first = np.flatnonzero(np.r_[True, node[1:] != node[:-1]])
     pairs = first[np.diff(np.r_[first, len(node)]) == 2]
     one, other = both[order[pairs]], both[order[pairs + 1]]
-    # What arrives at a node is the mate of what leaves it.
+    # A side that arrives at a node is the mate of one that leaves it.
     ahead, after = np.r_[mate[one], mate[other]], np.r_[other, one]
     graph = sparse.coo_matrix((np.ones(len(ahead), np.int8), (ahead, after)), shape=(len(mate),) * 2)
     label = connected_components(graph, directed=False)[1]
@@ -129,7 +129,7 @@ def _next(corner: IntArray) -> IntArray:
 
 
 def _chains(own: Patchwork, sides: IntArray) -> list[IntArray]:
-    """Return sides in the order in which they follow each other: every chain of them goes on while one side leaves a node."""
+    """Return sides as chains of consecutive ones; a chain ends at branching nodes."""
     nodes = own.faces.ravel()
     tail, head = nodes[sides], nodes[_next(sides)]
     leaving = np.bincount(tail, minlength=len(own.space))
@@ -138,7 +138,7 @@ def _chains(own: Patchwork, sides: IntArray) -> list[IntArray]:
     at = {int(u): i for i, u in enumerate(tail.tolist())}
     seen = np.zeros(len(sides), bool)
     chains = []
-    # Those that begin somewhere first, then closed ones.
+    # Open chains first, then closed ones.
     for first in np.argsort(through[tail], kind="stable").tolist():
         chain, i = [], first
         while not seen[i]:
@@ -152,15 +152,14 @@ def _chains(own: Patchwork, sides: IntArray) -> list[IntArray]:
 
 
 def _fans(own: Patchwork, out: np.ndarray) -> tuple[IntArray, IntArray]:
-    """Return for every outline side the corner fan that it starts from and the one that it ends at.
+    """Return the corner fans at the start and the end of every outline side.
 
-    A node that an outline passes twice has a fan of faces for each time; turning around the node inside of the piece
-    tells them apart.
+    A node that an outline passes twice has one fan of faces per pass, found by turning around the node inside the piece.
     """
     mate = mates(own.faces).ravel()
     flat = out.ravel()
     sides = np.flatnonzero(flat)
-    # From the end of a side turn through the faces until the next side of the outline leaves the node.
+    # Turn through the faces from the end of a side to the next outline side.
     corner = _next(sides)
     while True:
         inner = ~flat[corner]

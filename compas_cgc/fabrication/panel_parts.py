@@ -1,4 +1,4 @@
-"""Parts of whole faces that a panel consists of, in place and on its mould."""
+"""Parts of mesh faces that form a panel, in position and on its mould."""
 
 from __future__ import annotations
 
@@ -25,44 +25,44 @@ __all__ = ["PanelParts", "PartsOnMould", "on_mould", "parts_of"]
 
 
 class PanelParts(NamedTuple):
-    """The faces of a panel as parts of whole faces of the mesh.
+    """The faces of a panel as parts of whole mesh faces.
 
-    A joint cuts a flat face along a straight line, and the same line cuts the congruent face inscribed in the mould: the parts
-    are congruent, their corners at the same barycentric weights. Laid out are the whole faces, so no sliver beside a joint has a say.
+    A joint cuts a flat face along a straight line; with the same barycentric weights it cuts the congruent face on the mould into
+    congruent parts. The layout uses whole faces, so that slivers beside joints do not matter.
     """
 
-    whole: Faces  # (m, 3) corners of the faces that it has a part of
+    whole: Faces  # (m, 3) corners of the mesh faces that it covers at least partly
     own_faces: Indices  # (m,) their numbers in the mesh
-    vertices: Vertices  # (p, 3) in place [L]
-    faces: Faces  # (f, 3) of these
-    within: IntArray  # (f,) of `whole`, that each is, or is a part of
-    weights: FloatArray  # (f, 3, 3) barycentric weights of the corners in that
-    cut: bool  # some are parts only
+    vertices: Vertices  # (p, 3) vertices in position [L]
+    faces: Faces  # (f, 3) indices into `vertices`
+    within: IntArray  # (f,) index into `whole` for every face
+    weights: FloatArray  # (f, 3, 3) barycentric weights of the corners in the whole face
+    cut: bool  # whether some faces are parts only
 
     def at_vertices(self, values: FloatArray) -> FloatArray:
-        """Return values (p,) at the vertices, of those at the corners of whole faces (m, 3)."""
+        """Return values at the vertices (p,), interpolated from the corners of whole faces (m, 3)."""
         parts = np.where(self.weights == 0.0, 0.0, self.weights * values[self.within][:, None])
         found = np.empty(len(self.vertices))
-        # Every face around a vertex gives it the same value, but for rounding.
+        # All faces around a vertex give the same value up to rounding.
         found[self.faces.reshape(-1)] = parts.sum(axis=2).reshape(-1)
         return found
 
 
 class PartsOnMould(NamedTuple):
-    """Where the vertices of a panel lie on its mould."""
+    """Positions of the vertices of a panel on its mould."""
 
     on_form: FloatArray  # (p, 3) points of the space form
-    lifted: FloatArray  # (p, 3) the same, those on joints on the chords and facets of whole faces, see space_form.lifted
-    gap: float  # largest distance between places that its faces give to one vertex [L]
-    edge_error: float  # largest difference of an edge on the mould, against the edge
+    lifted: FloatArray  # (p, 3) lifted points, on joints those of chords and facets of whole faces, see space_form.lifted
+    gap: float  # largest distance between the positions of a vertex in different faces [L]
+    edge_error: float  # largest relative difference of edges on the mould
 
 
 def parts_of(problem: CGCProblem, panel: Panel, turned: bool = False) -> PanelParts:
-    """Return the faces of a panel as parts of the faces of a problem, all run through the other way if it is turned over."""
+    """Return the faces of a panel as parts of mesh faces, with reversed orientation if `turned`."""
     mesh = uncut(problem.vertices, problem.faces) if panel.cut is None else panel.cut
     own = np.asarray(panel.faces)
     faces, weights, parent = mesh.faces[own], mesh.weights[own], mesh.parent[own]
-    # Faces that are given keep their order.
+    # Given faces keep their order.
     numbers, within = (own, np.arange(len(own))) if panel.cut is None else np.unique(parent, return_inverse=True)
     whole = problem.faces[numbers]
     if turned:
@@ -73,9 +73,9 @@ def parts_of(problem: CGCProblem, panel: Panel, turned: bool = False) -> PanelPa
 
 
 def on_mould(parts: PanelParts, laid: Development, arc: bool) -> PartsOnMould:
-    """Return where the vertices of a panel lie on the mould that its whole faces are laid onto.
+    """Return the positions of the vertices of a panel on the mould of its laid-out whole faces.
 
-    At the same weights as in place: on the chord of an edge, or along its arc where edges are lengths along the mould.
+    Barycentric weights are kept: along the chords of edges, or along their arcs if edges are arc lengths.
     """
     K = laid.K
     if not parts.cut:
@@ -94,7 +94,7 @@ def on_mould(parts: PanelParts, laid: Development, arc: bool) -> PartsOnMould:
 
 
 def _along_arcs(weights: FloatArray, corners: FloatArray, K: float) -> FloatArray:
-    """Return weights (f, 3, 3) of points that lie on sides, changed so that these come as far along the arcs of the sides."""
+    """Return weights (f, 3, 3) with those of points on sides changed to the same fraction of arc length."""
     changed = weights.copy()
     root = math.sqrt(abs(K))
     sine = np.sin if K > 0.0 else np.sinh
@@ -109,7 +109,7 @@ def _along_arcs(weights: FloatArray, corners: FloatArray, K: float) -> FloatArra
 
 
 def _edge_error(parts: PanelParts, lifted: FloatArray, K: float, arc: bool) -> float:
-    """Return the largest difference between edges of a panel and those on its mould, against the first; of arcs along the mesh's edges."""
+    """Return the largest relative difference between edges of a panel and those on its mould; with arcs only along mesh edges."""
     ahead = np.roll(parts.faces, -1, axis=1)
     long = np.linalg.norm(parts.vertices[ahead] - parts.vertices[parts.faces], axis=2)
     there = space_form.straight(lifted[ahead] - lifted[parts.faces], K)

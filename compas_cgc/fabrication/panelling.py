@@ -1,4 +1,4 @@
-"""Panels: regions divided into groups of faces, along a grid in plan, lines of curvature, or curves."""
+"""Panels: division of regions into groups of faces along a grid in plan, lines of curvature or curves."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .option_values import ALONG
 
 __all__ = ["Panel", "panels"]
 
-CRUMB = 0.2  # area of a panel, against a cell of the grid, below which it goes to a neighbour
+MIN_CELL_SHARE = 0.2  # area relative to a grid cell below which a panel is merged with a neighbour
 
 
 class Panel(NamedTuple):
@@ -42,13 +42,13 @@ class Panel(NamedTuple):
     Parameters
     ----------
     name
-        Such as 3-07, region and number.
+        Region and number, such as 3-07.
     region
-        Its number.
+        Number of the region.
     faces
-        (f,) by their positions: of `cut` where joints cut through the mesh, else of the mesh.
+        (f,) face indices in `cut` if joints cut through faces, else in the mesh.
     cut
-        The mesh cut along the joints; None where these follow its edges.
+        Mesh cut along the joints; None if these follow its edges.
 
     Examples
     --------
@@ -56,17 +56,17 @@ class Panel(NamedTuple):
     'A1'
     """
 
-    name: str  # such as 3-07, region and number
+    name: str  # region and number, such as 3-07
     region: int
-    faces: Indices  # (f,) by their positions: of `cut` where joints cut through the mesh, else of the mesh
-    cut: Optional[CutMesh] = None  # the mesh cut along the joints; None where these follow its edges
+    faces: Indices  # (f,) face indices in `cut` if joints cut through faces, else in the mesh
+    cut: Optional[CutMesh] = None  # mesh cut along the joints; None if these follow its edges
 
 
 def _instead(name: str) -> str:
-    """Return what to write in the place of an argument that panels do not have."""
+    """Return what to write instead of an argument that `panels` does not take."""
     if name in ("length", "width", "edge_length"):
         return "write size=..."
-    return "it is for moulds(surface, panels)" if name in ("material", "thickness", "tolerance") else ""
+    return "give it to moulds(surface, panels, ...)" if name in ("material", "thickness", "tolerance") else ""
 
 
 @names_what_was_meant(_instead)
@@ -80,33 +80,33 @@ def panels(
 ) -> list[Panel]:
     """Divide every region into panels.
 
-    Joints are smooth: they cut straight through faces. The mesh of the panels has the vertices of `mesh` first, and new ones on
-    its edges and inside of its faces, so the surface is the same. A joint that passes a vertex within a hundredth of an edge goes
-    through it; a line of a grid that runs along a row of edges follows them.
+    Joints cut through faces. The mesh of the panels has the vertices of `mesh` first and new ones on its edges and in its faces, so
+    that the surface does not change. A joint that passes a vertex within 1 % of an edge length goes through it, and a grid line
+    along a row of edges follows them.
 
     Parameters
     ----------
     mesh
         A result, mesh or problem.
     size
-        Width of the panels, nearly: every region is divided into a whole number of them [L].
+        Approximate width of the panels; every region gets a whole number of them [L].
     count
-        Instead: panels that every region is divided into, nearly.
+        Alternative: approximate number of panels per region.
     curves
-        Instead: paths of vertices by their positions, or curves as points ``(k, 3)`` [L], which are cut along.
+        Alternative: joints as paths of vertex indices or as curves of points ``(k, 3)`` [L].
     along
-        ``"plan"`` for a grid along the sides of regions with four corners, else along the axes of the plan; ``"curvature"`` for
-        one along the lines of curvature.
+        ``"plan"``: grid along the sides of regions with four corners, else along the axes of the plan. ``"curvature"``: grid along
+        lines of curvature.
 
     Returns
     -------
     list of Panel
-        In the order of the regions.
+        Panels in the order of the regions.
 
     Raises
     ------
     CGCError
-        If not exactly one of `size`, `count` and `curves` is given, or it makes no sense.
+        If not exactly one of `size`, `count` and `curves` is given, or its value is invalid.
 
     Examples
     --------
@@ -116,13 +116,13 @@ def panels(
     (6, '0-1')
     """
     if sum(given is not None for given in (size, count, curves)) != 1:
-        raise CGCError("say how to divide the regions by one of size, count and curves")
+        raise CGCError("give exactly one of size, count and curves to divide the regions")
     if along not in ALONG:
         raise CGCError(f"along must be one of {', '.join(ALONG)}, not {along!r}")
     if size is not None and not 0.0 < checked_number(size, "the size of panels") < math.inf:
         raise CGCError(f"the size of panels must be a positive length, not {size!r}")
     if count is not None and not checked_number(count, "the count of panels") >= 1:
-        raise CGCError(f"there must be at least one panel to a region, not {count!r}")
+        raise CGCError(f"the count of panels per region must be at least 1, not {count!r}")
     problem = problem_of(mesh, "or the result of a solve is built from").without_dummies()
     label = problem.regions()
     if curves is not None:
@@ -145,7 +145,7 @@ def panels(
 
 
 def _grouped(faces: Faces, part: IntArray, cell: IntArray, blocked: Edges, n: int) -> IntArray:
-    """Return the piece of every face (m,): faces of one part and cell that meet at edges which are not blocked."""
+    """Return the piece of every face (m,): connected faces of one part and cell, without crossing blocked edges."""
     edges = edge_faces(faces)
     edges = edges[edges[:, 3] >= 0]
     left, right = edges[:, 2:].T
@@ -155,14 +155,14 @@ def _grouped(faces: Faces, part: IntArray, cell: IntArray, blocked: Edges, n: in
 
 
 def _without_crumbs(vertices: Vertices, faces: Faces, part: IntArray, piece: IntArray, share: FloatArray) -> IntArray:
-    """Give every piece that is much smaller than a cell to the one of its part that it has the longest joint with."""
+    """Merge every piece much smaller than a cell with the neighbour of its part with the longest common joint."""
     areas = face_areas(vertices, faces)
     edges = edge_faces(faces)
     edges = edges[(edges[:, 3] >= 0)]
     edges = edges[(part[edges[:, 2]] == part[edges[:, 3]]) & (piece[edges[:, 2]] != piece[edges[:, 3]])]
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
     own = piece.copy()
-    few = CRUMB * share[part[np.unique(piece, return_index=True)[1]]]
+    few = MIN_CELL_SHARE * share[part[np.unique(piece, return_index=True)[1]]]
     left_out: set[int] = set()
     while True:
         area = np.bincount(own, areas, len(few))
@@ -179,7 +179,7 @@ def _without_crumbs(vertices: Vertices, faces: Faces, part: IntArray, piece: Int
 
 
 def _numbered(piece: IntArray, cell: IntArray) -> IntArray:
-    """Return pieces (m,) numbered from 0 in the order of their first cells."""
+    """Return pieces (m,) renumbered from 0 in the order of their first cells."""
     numbers, first, inverse = np.unique(piece, return_index=True, return_inverse=True)
     rank = np.empty(len(numbers), np.int64)
     rank[np.lexsort((first, cell[first]))] = np.arange(len(numbers))

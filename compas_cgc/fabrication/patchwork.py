@@ -1,4 +1,4 @@
-"""A surface with the place of every face in the plane, cut into pieces without losing how they fit."""
+"""Patchwork: a surface cut into flat pieces that keep their common nodes."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ from ..meshing.split_sides import weighted
 
 __all__ = ["CREASE", "CUT", "EDGE", "FREE", "SEAM", "SIDES", "Patchwork", "split_piece"]
 
-# What a side of a face is, from what a cut draws on a face to what bounds the surface.
+# Kinds of sides of faces, from lines of subdivision to boundaries of the surface.
 SIDES = ("none", "fold", "cut", "seam", "crease", "edge")
 NONE, EDGE, CUT, SEAM, CREASE, FREE = range(len(SIDES))
 
 
 @dataclass(frozen=True)
 class Patchwork:
-    """A mesh whose faces lie in the plane by pieces.
+    """A mesh with every face also placed in the plane, piece by piece.
 
-    Neighbours share their nodes wherever one of them is cut, so the two sides of every seam are the same edges.
+    A cut adds its nodes to both neighbours, so that both sides of every seam have the same edges.
     """
 
     space: Vertices  # (n, 3) nodes on the surface [L]
-    names: IntArray  # (n,) numbers of the nodes, the mesh's where they are its vertices
+    names: IntArray  # (n,) keys of the nodes; those of mesh vertices are kept
     faces: Faces  # (m, 3) nodes
-    plane: FloatArray  # (m, 3, 2) place of every corner [L]
-    side: IntArray  # (m, 3) what the side from a corner to the next one is, in SIDES
+    plane: FloatArray  # (m, 3, 2) position of every corner [L]
+    side: IntArray  # (m, 3) kind of the side from a corner to the next, index into SIDES
     piece: IntArray  # (m,) piece of every face
     region: IntArray  # (m,) region of every face
-    parent: IntArray  # (m,) face of the mesh that it is, or is a part of
+    parent: IntArray  # (m,) mesh face that contains it
 
     def size(self) -> float:
-        """Return the largest distance along an axis in the plane [L]."""
+        """Return the largest extent along an axis of the plane [L]."""
         return float(np.ptp(self.plane.reshape(-1, 2), axis=0).max(initial=0.0))
 
 
 def mates(faces: Faces) -> IntArray:
-    """Return for every side of faces (m, 3) the number of the same edge's other side, 3 x face + corner, or -1 (m, 3)."""
+    """Return the opposite half-edge of every side, as 3 x face + corner, or -1 (m, 3)."""
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     n = int(faces.max(initial=0)) + 1
     key = np.minimum(u, v) * n + np.maximum(u, v)
@@ -58,7 +58,7 @@ def mates(faces: Faces) -> IntArray:
 
 
 def pairs_of_equal(one: IntArray, other: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the common values of two lists, with all pairs of positions at which they stand."""
+    """Return the common values of two arrays, with all pairs of their positions."""
     order = np.argsort(other, kind="stable")
     low, high = np.searchsorted(other[order], one, "left"), np.searchsorted(other[order], one, "right")
     count = high - low
@@ -79,14 +79,14 @@ def weights_in(corners: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def outline_sides(patchwork: Patchwork) -> Mask:
-    """Tell which sides bound their piece (m, 3)."""
+    """Return which sides bound their piece (m, 3)."""
     mate = mates(patchwork.faces)
     other = np.where(mate >= 0, patchwork.piece[mate // 3], -1)
     return (patchwork.side >= SEAM) | (other != patchwork.piece[:, None])
 
 
 def connected_pieces(patchwork: Patchwork) -> Patchwork:
-    """Number the pieces anew, each connected part of one by itself, in the order of their first faces."""
+    """Renumber the pieces so that each connected part is one, in the order of first faces."""
     mate = mates(patchwork.faces)
     within = np.argwhere(~outline_sides(patchwork))
     m = len(patchwork.faces)
@@ -101,7 +101,7 @@ def connected_pieces(patchwork: Patchwork) -> Patchwork:
 def split_piece(patchwork: Patchwork, piece: int, normal: FloatArray, level: float, tolerance: float) -> Patchwork:
     """Cut a piece along a straight line in its plane.
 
-    Faces of other pieces get the nodes too where the line meets an edge that they share.
+    Where the line meets an edge shared with another piece, the faces of both get the new node.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def split_piece(patchwork: Patchwork, piece: int, normal: FloatArray, level: flo
     Returns
     -------
     Patchwork
-        The part beyond the line is a new piece, with the next free number.
+        Patchwork in which the part beyond the line is a new piece with the next free number.
     """
     own = patchwork
     while True:
@@ -130,7 +130,7 @@ def split_piece(patchwork: Patchwork, piece: int, normal: FloatArray, level: flo
     middle = _heights(own.plane, normal, level, tolerance).sum(axis=1)
     beyond = inside & (middle > 0)
     labels = np.where(beyond, own.piece.max() + 1, own.piece)
-    # Edges along the line, between its two sides, are cuts from now on.
+    # Edges between the two parts become cuts.
     mate = mates(own.faces)
     parted = (mate >= 0) & (labels[mate // 3] != labels[:, None]) & (own.piece[mate // 3] == own.piece[:, None]) & (own.side < SEAM)
     return replace(own, piece=labels, side=np.where(parted, CUT, own.side))
@@ -142,7 +142,7 @@ def _heights(plane: FloatArray, normal: FloatArray, level: float, tolerance: flo
 
 
 def _with_nodes(own: Patchwork, crossing: Mask, height: FloatArray) -> Patchwork:
-    """Put a node on every edge with a crossing side, where that side's height is zero, and divide all faces beside it."""
+    """Insert a node at the zero of `height` on every edge with a crossing side, and divide its faces."""
     split = split_sides(own.faces, crossing, height, np.roll(height, -1, axis=1), len(own.space))
     tail, head = split.ends.T
     nodes = (1.0 - split.share)[:, None] * own.space[tail] + split.share[:, None] * own.space[head]

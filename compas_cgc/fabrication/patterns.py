@@ -1,4 +1,4 @@
-"""Patterns: a surface as flat pieces on sheets, and what is drawn of them."""
+"""Patterns: a surface as flat pieces on sheets."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ __all__ = ["Patterns", "Piece", "Unrolling", "patterns_of", "refuse_others"]
 
 
 class Unrolling(NamedTuple):
-    """How a region came into the plane."""
+    """Result of unrolling or flattening a region."""
 
     region: int
-    target: Optional[float]  # K asked for [1/L^2], None where it is not one number
-    unrolled: bool  # without strain; else flattened
-    gap: float  # largest distance between the places of one vertex [L]
-    edge_error: float  # largest relative change of an edge
+    target: Optional[float]  # target K [1/L^2], None if it is not one number
+    unrolled: bool  # True if without strain, False if flattened
+    gap: float  # largest distance between the positions of a vertex in different faces [L]
+    edge_error: float  # largest relative change of an edge length
     seam_edges: int
 
 
@@ -54,38 +54,38 @@ class Piece(NamedTuple):
     loops: list[Loop]  # outline and holes, in the coordinates of the sheet
     area: float  # in the plane [L^2]
     area_in_space: float  # [L^2]
-    strain: float  # largest, 0 up to rounding where K is 0
-    allowance: list[FloatArray]  # outline with the strip around it, and holes (k, 2) [L]; empty where there is none
+    strain: float  # largest absolute strain; 0 up to rounding if K = 0
+    allowance: list[FloatArray]  # (k, 2) outlines with the allowance and holes [L]; empty without allowance
 
 
 @dataclass(frozen=True, eq=False)
 class Patterns:
     """A surface as flat pieces on sheets.
 
-    Every number refers to the mesh: nodes by the names of its vertices, those that cuts have made by higher numbers.
+    Node numbers are the vertex keys of the mesh; nodes made by cuts have higher numbers.
 
     Parameters
     ----------
     problem
         The surface.
     patchwork
-        Faces with their places on the sheets.
+        Faces with their positions on the sheets.
     pieces
         Flat pieces on their sheets.
     seams
-        Where pieces meet.
+        Seams between pieces.
     unrollings
-        By region, where K = 0.
+        Result of unrolling or flattening, by region.
     strains
         (m, 2) principal strains of the faces.
     folds
-        (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0.
+        (m, 3) fold angle of every side between two faces of a piece, positive if convex; else 0 [rad].
     rulings
-        Where a region is ruled.
+        Rulings of unrolled regions.
     straightness
-        Of the rulings, by region.
+        Straightness of the rulings, by region.
     stock
-        Length and width of sheets, and what stays free on them.
+        Sheet size, spacing, margin and allowance.
 
     Examples
     --------
@@ -97,19 +97,19 @@ class Patterns:
     """
 
     problem: CGCProblem
-    patchwork: Patchwork  # faces with their places on the sheets
+    patchwork: Patchwork  # faces with their positions on the sheets
     pieces: list[Piece]
     seams: list[Seam]
     unrollings: list[Unrolling]
     strains: FloatArray  # (m, 2) principal strains of the faces
-    folds: FloatArray  # (m, 3) angle over every side between two faces of a piece [rad], positive where convex; else 0
-    rulings: list[Ruling]  # where a region is ruled
+    folds: FloatArray  # (m, 3) fold angle of every side between two faces of a piece, positive if convex; else 0 [rad]
+    rulings: list[Ruling]  # of unrolled regions
     straightness: dict[int, Straightness]  # of the rulings, by region
-    stock: Stock  # sheets, and what stays free on them
+    stock: Stock  # sheet size, spacing, margin and allowance
 
     @property
     def sheet(self) -> Optional[tuple[float, float]]:
-        """Length and width of the sheets [L]; None where there is no end of it."""
+        """Length and width of the sheets [L]; None if unlimited."""
         return self.stock.sheet
 
     @property
@@ -134,27 +134,29 @@ class Patterns:
 
     @property
     def largest_strain(self) -> float:
-        """Largest strain of a piece."""
+        """Largest absolute strain of all pieces."""
         return max(piece.strain for piece in self.pieces)
 
     def summary(self) -> str:
-        """Return what was made, in lines."""
+        """Return lines of text with the figures."""
         count, units = len(self.pieces), self.problem.drawing.units
         area, in_space = (in_square_metres(area, units) for area in (self.area, self.area_in_space))
         lines = [
             f"{count} piece{'s' if count > 1 else ''}, {len(self.seams)} seam{'' if len(self.seams) == 1 else 's'}, "
-            f"area {area} m², in space {in_space} m² (to {abs(self.area / self.area_in_space - 1.0):.1e})"
+            f"flat area {area} m², area in space {in_space} m² (relative difference {abs(self.area / self.area_in_space - 1.0):.1e})"
         ]
         if self.sheet is not None:
             used = self.area / (self.sheets * self.sheet[0] * self.sheet[1])
             many = "" if self.sheets == 1 else "s"
             lines.append(f"{self.sheets} sheet{many} of {in_mm(self.sheet, units)}, {100 * used:.0f} % used")
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
-        lines.append("left free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
-        lines.append(f"the two sides of every seam agree to {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
+        lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
+        lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
         for own in self.unrollings:
             if own.unrolled:
-                lines.append(f"region {own.region}: unrolled, gap {own.gap:.2g}, edges to {own.edge_error:.2g}{self._straight(own.region)}")
+                lines.append(
+                    f"region {own.region}: unrolled, gap {own.gap:.2g}, edge error {own.edge_error:.2g}{self._straight(own.region)}"
+                )
             else:
                 strain = max(piece.strain for piece in self.pieces if piece.region == own.region)
                 lines.append(f"region {own.region}: K = {_number(own.target)}, flattened with strains up to {100 * strain:.2g} %")
@@ -166,13 +168,13 @@ class Patterns:
         found = self.straightness.get(region)
         if found is None:
             return ""
-        return f", rulings off their chords by {100 * found.median:.2g} % (median), {100 * found.largest:.2g} % at most"
+        return f", rulings deviate from their chords by {100 * found.median:.2g} % (median), {100 * found.largest:.2g} % at most"
 
 
 def refuse_others(patterns: object, what: str, call: str) -> None:
-    """Refuse what is no patterns with a sentence that says what is done of them, by which call."""
+    """Refuse an object that is not a Patterns object; `what` and `call` name the operation."""
     if not hasattr(patterns, "sheets"):
-        raise CGCError(f"{what} of patterns: {call}(unroll(surface)), not of {patterns!r:.60}")
+        raise CGCError(f"{what} from patterns: {call}(unroll(surface)), not from {patterns!r:.60}")
 
 
 def patterns_of(
@@ -204,7 +206,7 @@ def patterns_of(
 
 
 def _folds(problem: CGCProblem, own: Patchwork) -> FloatArray:
-    """Return the angle over every side between two faces of a piece [rad] (m, 3), positive where convex."""
+    """Return the fold angle of every side between two faces of a piece, positive if convex (m, 3) [rad]."""
     normals = face_normals(problem.vertices, problem.faces)[own.parent]
     mate = mates(own.faces)
     other = np.maximum(mate, 0) // 3

@@ -1,4 +1,4 @@
-"""Cut list: a row for every piece, as a workshop reads it."""
+"""Cut list: one row per piece for the workshop."""
 
 from __future__ import annotations
 
@@ -38,20 +38,19 @@ def cut_list_text(patterns: Patterns) -> str:
 
 @names_what_was_meant()
 def cut_list(patterns: Patterns) -> list[tuple]:
-    """Return a row for every piece, in the order of the sheets.
+    """Return the rows of the cut list, in the order of the sheets.
 
     Parameters
     ----------
     patterns
-        What :func:`compas_cgc.fabrication.unroll` gave.
+        Result of :func:`compas_cgc.fabrication.unroll`.
 
     Returns
     -------
     list of tuple
-        Number of the sheet, from 1; name and region of the piece; area without allowance [m2], three digits after the point; length
-        and width of the rectangle along the sheet around the line to be cut, and the length of that line with holes [mm], one digit;
-        edges to be folded; names of the pieces that it is joined to; its course from the supports on; the mould that it is pressed
-        on, nothing where K = 0.
+        Number of the sheet, from 1; name and region of the piece; area without allowance [m2], three decimals; length and width
+        of the bounding rectangle, and the cutting length with holes [mm], one decimal; number of folds; names of neighbours;
+        course from the supports; mould, empty if K = 0.
 
     Examples
     --------
@@ -64,7 +63,7 @@ def cut_list(patterns: Patterns) -> list[tuple]:
     refuse_others(patterns, "a cut list is made", "cut_list")
     units = patterns.problem.drawing.units
     own = patterns.patchwork
-    # Both faces beside an edge have it.
+    # Both faces of an edge count its fold.
     folds = np.bincount(own.piece, folded(patterns).sum(axis=1), len(patterns.pieces)) / 2
     rows = []
     for number, (piece, beside, course) in enumerate(zip(patterns.pieces, neighbours(patterns), courses(patterns))):
@@ -82,5 +81,5 @@ def cut_list(patterns: Patterns) -> list[tuple]:
 def _mould(patterns: Patterns, region: int) -> str:
     target = next(own.target for own in patterns.unrollings if own.region == region)
     if not target:
-        return "" if target == 0 else "of several K"
+        return "" if target == 0 else "several K"
     return f"{'sphere' if target > 0 else 'pseudosphere'} of radius {in_mm([abs(target) ** -0.5], patterns.problem.drawing.units)}"

@@ -1,4 +1,4 @@
-"""Pieces: a surface in the plane cut by straight lines until every piece lies within a sheet."""
+"""Pieces: straight cuts of a flat surface until every piece fits on a sheet."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from .patchwork import split_piece
 
 __all__ = ["Box", "best_box", "cut_to_fit"]
 
-SNAP = 1e-9  # of a piece's size: a node so near to a cut lies on it
-MOST_PIECES = 5000
+SNAP_TOLERANCE = 1e-9  # distance of a node from a cut, relative to the size of the piece, that counts as zero
+MAX_PIECES = 5000
 
 
 class Box(NamedTuple):
-    """The rectangle around points, turned as suits a sheet."""
+    """Bounding rectangle of points, rotated to suit a sheet."""
 
-    along: FloatArray  # (2,) unit vector of its length
+    along: FloatArray  # (2,) unit vector along its length
     length: float  # along it [L]
     width: float  # across [L]
-    parts: float  # sheets that it would take at least
+    parts: float  # least number of sheets
 
 
 def best_box(points: FloatArray, sheet: tuple[float, float]) -> Box:
-    """Return the rectangle around points (k, 2) [L] that takes the fewest sheets of a length and a width, of these the smallest."""
+    """Return the bounding rectangle of points (k, 2) [L] that needs the fewest sheets, and of these the smallest."""
     hull = points[_hull(points)]
     ahead = np.roll(hull, -1, axis=0) - hull
     angle = np.unique(np.round(np.r_[0.0, np.arctan2(ahead[:, 1], ahead[:, 0])] % (np.pi / 2), 9))
@@ -56,22 +56,22 @@ def cut_to_fit(
     taken: Optional[Callable[[Patchwork, int], FloatArray]] = None,
     before_cut: Optional[Callable[[Patchwork, int, Box], None]] = None,
 ) -> Patchwork:
-    """Cut pieces by straight lines until each lies within a sheet, and does not lie over itself.
+    """Cut pieces by straight lines until each fits on a sheet and does not overlap itself.
 
     Parameters
     ----------
     patchwork
         The surface; its pieces may have any size.
     sheet
-        Length and width [L].
+        Length and width of the sheets [L].
     flattened
-        Lays a piece into the plane anew before it is looked at. Default: pieces keep their places.
+        Function that flattens a piece again before it is checked. Default: pieces keep their positions.
     too_wide
-        Tells of a piece that fits whether it has to be cut all the same.
+        Function that decides whether a fitting piece must be cut nevertheless.
     taken
-        Points (k, 2) around what a piece takes of a sheet. Default: its corners.
+        Function that returns points (k, 2) around the room of a piece. Default: its corners.
     before_cut
-        Looks at a piece that would be cut, with the rectangle around it; what it raises is the end. Default: all may be cut.
+        Function called with a piece and its rectangle before a cut; it may raise to stop. Default: all pieces may be cut.
 
     Returns
     -------
@@ -80,11 +80,11 @@ def cut_to_fit(
     Raises
     ------
     ValueError
-        If the sheet is so small that thousands of pieces would come of it.
+        If the sheet would give more than MAX_PIECES pieces.
     """
-    too_many = f"more than {MOST_PIECES} pieces would come of a sheet of {sheet[0]:g} x {sheet[1]:g}; give a larger one"
+    too_many = f"a sheet of {sheet[0]:g} x {sheet[1]:g} would give more than {MAX_PIECES} pieces; use larger sheets"
     ahead, back = patchwork.plane[:, 1] - patchwork.plane[:, 0], patchwork.plane[:, 2] - patchwork.plane[:, 0]
-    if 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() > MOST_PIECES * sheet[0] * sheet[1]:
+    if 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]).sum() > MAX_PIECES * sheet[0] * sheet[1]:
         raise ValueError(too_many)
     own = connected_pieces(patchwork)
     done: set[int] = set()
@@ -101,24 +101,24 @@ def cut_to_fit(
                 continue
             if before_cut is not None:
                 before_cut(own, piece, box)
-            if own.piece.max() > MOST_PIECES:
+            if own.piece.max() > MAX_PIECES:
                 raise ValueError(too_many)
             own = _parted(_halved(own, piece, box, sheet), piece)
 
 
 def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> Patchwork:
-    """Cut a piece across the direction in which it takes more sheets, one that fits across its longer side, lest strips come of it."""
+    """Cut a piece across the direction that needs more sheets, or a fitting piece across its longer side."""
     fits = box.parts <= 1
     length, width = (box.length, box.width) if fits else (box.length / sheet[0], box.width / sheet[1])
     normal = box.along if length >= width else np.array([-box.along[1], box.along[0]])
     count = 2 if fits else max(2, int(np.ceil(max(length, width) - 1e-12)))
     height = own.plane[own.piece == piece] @ normal
     level = height.min() + np.ptp(height) * (count // 2) / count
-    return split_piece(own, piece, normal, level, SNAP * float(np.ptp(height)))
+    return split_piece(own, piece, normal, level, SNAP_TOLERANCE * float(np.ptp(height)))
 
 
 def _parted(own: Patchwork, piece: int) -> Patchwork:
-    """Number the connected parts of a piece, and of what was cut off it, without touching other numbers."""
+    """Renumber the connected parts of the two pieces of a cut, keeping other numbers."""
     parts = connected_pieces(own).piece
     labels = own.piece.copy()
     free = int(labels.max()) + 1
@@ -130,12 +130,12 @@ def _parted(own: Patchwork, piece: int) -> Patchwork:
 
 
 def overlaps(own: Patchwork, piece: int) -> bool:
-    """Tell whether the outline of a piece crosses itself in the plane."""
+    """Check whether the outline of a piece crosses itself in the plane."""
     inside = own.piece == piece
     out = outline_sides(own) & inside[:, None]
     start, end = own.plane[out], np.roll(own.plane, -1, axis=1)[out]
     order = np.argsort(np.minimum(start[:, 0], end[:, 0]), kind="stable")
-    return bool(_crossing(start[order], end[order], SNAP * float(np.ptp(start, axis=0).max())))
+    return bool(_crossing(start[order], end[order], SNAP_TOLERANCE * float(np.ptp(start, axis=0).max())))
 
 
 def _hull(points: FloatArray) -> IntArray:
@@ -147,7 +147,7 @@ def _hull(points: FloatArray) -> IntArray:
 
 @njit(cache=True)
 def _crossing(start: FloatArray, end: FloatArray, tolerance: float) -> bool:
-    """Tell whether two of the segments (k, 2), sorted by their smaller x, cross by more than a tolerance [L]."""
+    """Check whether two of the segments (k, 2), sorted by their smaller x, cross by more than a tolerance [L]."""
     for i in range(len(start)):
         a0, a1, b0, b1 = start[i, 0], start[i, 1], end[i, 0], end[i, 1]
         right = max(a0, b0)

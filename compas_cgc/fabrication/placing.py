@@ -1,4 +1,4 @@
-"""Placing: pieces turned and shifted to their places on sheets."""
+"""Placing of pieces on sheets."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .nesting import nest
 from .outlines import outline_loops
 from .patchwork import Patchwork
 from .pieces import best_box
-from .stock import KERF
+from .stock import DEFAULT_SPACING
 from .stock import Stock
 
 __all__ = ["extent", "on_sheets"]
 
 
 def extent(own: Patchwork, piece: int, allowance: float) -> FloatArray:
-    """Return points (k, 2) around what a piece takes of a sheet, with the strip around it [L]."""
+    """Return points (k, 2) around a piece with its allowance [L]."""
     faces = own.piece == piece
     if not allowance:
         return own.plane[faces].reshape(-1, 2)
@@ -29,7 +29,7 @@ def extent(own: Patchwork, piece: int, allowance: float) -> FloatArray:
 
 
 def on_sheets(own: Patchwork, stock: Stock) -> tuple[Patchwork, list[int], Stock]:
-    """Turn and shift the pieces to their places inside of the margins, and return the sheet of each, and how far they are apart."""
+    """Return the patchwork with its pieces placed on sheets, the sheet of each piece, and the stock with its spacing."""
     turned, sizes = [], []
     for piece in range(int(own.piece.max()) + 1):
         taken = extent(own, piece, stock.allowance)
@@ -38,7 +38,7 @@ def on_sheets(own: Patchwork, stock: Stock) -> tuple[Patchwork, list[int], Stock
         low = (taken @ turn).min(axis=0)
         turned.append(own.plane[own.piece == piece] @ turn - low)
         sizes.append(tuple(np.ptp(taken @ turn, axis=0).tolist()))
-    spacing = KERF * max(map(min, sizes)) if stock.spacing is None else stock.spacing
+    spacing = DEFAULT_SPACING * max(map(min, sizes)) if stock.spacing is None else stock.spacing
     places = nest(sizes, stock.room if stock.sheet is not None else _roll(sizes, spacing), spacing)
     plane = np.empty_like(own.plane)
     for piece, place in enumerate(places):
@@ -50,6 +50,6 @@ def on_sheets(own: Patchwork, stock: Stock) -> tuple[Patchwork, list[int], Stock
 
 
 def _roll(sizes: list[tuple[float, float]], spacing: float) -> tuple[float, float]:
-    """Return a sheet that has room for all pieces, about square [L]."""
+    """Return a roughly square sheet with room for all pieces [L]."""
     side = max(max(max(size) for size in sizes), 1.2 * float(np.sqrt(sum(length * width for length, width in sizes))))
     return side, sum(max(size) + spacing for size in sizes)

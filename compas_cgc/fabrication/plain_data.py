@@ -1,4 +1,4 @@
-"""What was built as plain lists and numbers, ready for JSON and for whoever draws it."""
+"""Fabrication results as plain data for JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LINE_KINDS = ("support", "crease", "free edge")
 
 
 def _mould(problem: CGCProblem, report: MouldReport) -> dict[str, Any]:
-    """Return moulds as meshes, and panels as meshes and outlines in place and on their moulds, with their figures."""
+    """Return moulds as meshes, and panels as meshes and outlines in position and on their moulds, with figures."""
     told = report.to_dict()
     for own, mould in zip(told["moulds"], report.moulds):
         vertices, faces = cap_mesh(mould.surface, mould.radius)
@@ -46,7 +46,7 @@ def _mould(problem: CGCProblem, report: MouldReport) -> dict[str, Any]:
 
 
 def _patterns(problem: CGCProblem, patterns: Patterns) -> dict[str, Any]:
-    """Return sheets as lines and texts by layer, pieces with their outlines and figures, seams, and the pieces in place as a mesh."""
+    """Return sheets as lines and texts by layer, pieces with outlines and figures, seams, and the pieces in position as a mesh."""
     drawing = draw_sheets(patterns)
     own = patterns.patchwork
     labels = [piece.label for piece in patterns.pieces]
@@ -99,7 +99,7 @@ def _patterns(problem: CGCProblem, patterns: Patterns) -> dict[str, Any]:
 
 
 def _membrane(problem: CGCProblem, state: MembraneState) -> dict[str, Any]:
-    """Return N1 and N2 at vertices and faces, crosses as lines, reactions, and line loads on the edges around regions."""
+    """Return N1 and N2 at vertices and faces, crosses as lines, reactions, and line loads around regions."""
     drawn = crosses(state)
     own = state.problem
     N = forces_at_vertices(state)
@@ -134,7 +134,7 @@ def _membrane(problem: CGCProblem, state: MembraneState) -> dict[str, Any]:
 
 
 def _net(problem: CGCProblem, net: CurveNet) -> dict[str, Any]:
-    """Return curves as polylines with their figures, the nodes where they cross, and the sides between these."""
+    """Return curves as polylines with figures, and the nodes and sides of the net."""
     names = ("region", "kind", "family", "length", "straightness")
     return {
         "spacing": net.spacing,
@@ -149,7 +149,7 @@ def _net(problem: CGCProblem, net: CurveNet) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return a value with None for numbers that JSON does not have, and plain numbers for those of NumPy."""
+    """Return a value with None for non-finite numbers and Python numbers for NumPy ones."""
     if isinstance(value, dict):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -168,15 +168,15 @@ _BY_TASK: dict[str, Callable[[CGCProblem, Any], dict[str, Any]]] = {
 
 
 def build_data(task: str, problem: CGCProblem, report: Any) -> dict[str, Any]:
-    """Return what a task has made (of :func:`compas_cgc.fabrication.tasks.build`) as plain data, ready for JSON.
+    """Return the result of :func:`compas_cgc.fabrication.tasks.build` as plain data for JSON.
 
     Parameters
     ----------
     task
         One of :data:`compas_cgc.fabrication.tasks.TASKS`.
     problem
-        The surface that it was made of.
+        The surface.
     report
-        What was made.
+        Result of the task.
     """
     return plain(_BY_TASK[task](problem.without_dummies(), report))

@@ -1,4 +1,4 @@
-"""Development onto the plane."""
+"""Development of developable meshes onto the plane."""
 
 from __future__ import annotations
 
@@ -22,20 +22,19 @@ __all__ = ["PlaneLayout", "unfold"]
 class PlaneLayout(NamedTuple):
     """A mesh in the plane, opened along its seams."""
 
-    plane: FloatArray  # (k, 2) places of its vertices, of which a seam has two [L]
-    faces: Faces  # (m, 3) into these
-    origin: IntArray  # (k,) vertex in space of each
-    gap: float  # largest distance between the places that faces give to one vertex [L]
+    plane: FloatArray  # (k, 2) positions of vertices; a vertex on a seam has several [L]
+    faces: Faces  # (m, 3) indices into `plane`
+    origin: IntArray  # (k,) mesh vertex of every position
+    gap: float  # largest distance between the positions of a vertex in different faces [L]
     edge_error: float  # largest relative difference between an edge in the plane and in space
 
 
 @names_what_was_meant()
 def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = None) -> PlaneLayout:
-    """Lay a mesh out in the plane, face after face.
+    """Unfold a mesh to the plane, face by face.
 
-    Every face keeps its shape, and a rigid motion carries it to the edge that it shares with the one before it, breadth
-    first from the middle. Lengths are not taken off circles, so that errors do not grow from ring to ring. Where the
-    mesh is flat (no angle defect) and its seams open it to a disk the faces close up, and `gap` is at rounding.
+    Every face keeps its shape and moves rigidly to the edge shared with its predecessor, breadth first from the centre. If the
+    mesh has no angle defects and its seams open it to a disk, the faces close and `gap` is at rounding level.
 
     Parameters
     ----------
@@ -44,17 +43,17 @@ def unfold(vertices: ArrayLike, faces: ArrayLike, seams: Optional[ArrayLike] = N
     faces
         ``(m, 3)`` vertex indices of an oriented manifold.
     seams
-        ``(s, 2)`` edges that are cut. Default: none.
+        ``(s, 2)`` edges to cut. Default: none.
 
     Returns
     -------
     PlaneLayout
-        Each connected part about an origin of its own, normals up.
+        Layout with normals up; each connected part has its own origin.
 
     Raises
     ------
     MeshError
-        If the arrays are no oriented manifold.
+        If the arrays do not form an oriented manifold.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Regions in the plane: unrolled where K is 0, else flattened, each cut open where it has to be."""
+"""Regions in the plane: unrolled if K = 0, else flattened, with cuts where necessary."""
 
 from __future__ import annotations
 
@@ -36,23 +36,23 @@ from .straight_seams import straightened
 
 __all__ = ["developed"]
 
-CLOSED = 1e-6  # gap, against the size of a region, up to which its faces close up
-CONE = 1e-9  # angle defect [rad] of a vertex where none is asked, from which on a seam has to pass through it
+GAP_TOLERANCE = 1e-6  # gap relative to the size of a region up to which its faces close
+CONE_DEFECT = 1e-9  # angle defect [rad] of a vertex without target above which a seam must pass through it
 
 
 class _Laid(NamedTuple):
     """A region in the plane."""
 
-    plane: FloatArray  # (m, 3, 2) places of the corners of its faces [L]
+    plane: FloatArray  # (m, 3, 2) positions of the corners of its faces [L]
     faces: Faces  # (m, 3) vertices
-    parent: IntArray  # (m,) face of the mesh that each is, or is a part of
-    fresh: Vertices  # (k, 3) new vertices on its seams, numbered from a number on [L]
+    parent: IntArray  # (m,) mesh face that contains each face
+    fresh: Vertices  # (k, 3) new vertices on its seams [L]
     seams: Edges  # (s, 2)
     unrolling: Unrolling
 
 
 def developed(problem: CGCProblem, regions: list[int], given: Optional[Edges]) -> tuple[Patchwork, Edges, list[Unrolling]]:
-    """Return the chosen regions in the plane, each a piece by itself, the edges cut for it, and how they came there."""
+    """Return the chosen regions in the plane, one piece each, the cut edges, and the results of unrolling."""
     label, targets = problem.regions(), problem.region_targets()
     space, laid = problem.vertices, []
     for region in regions:
@@ -86,15 +86,15 @@ def _sides_among(faces: IntArray, edges: Edges, n: int) -> np.ndarray:
 
 
 def _region(problem: CGCProblem, region: int, own: IntArray, target: Optional[float], given: Optional[Edges], free: int) -> _Laid:
-    """Return a region in the plane, with new vertices from the number `free` on."""
+    """Return a region in the plane; its new vertices are numbered from `free`."""
     edges = edge_faces(problem.faces[own])
     faces, origin = cut_open(problem.faces[own], edges[edges[:, 3] >= 0])
     V = problem.vertices[origin]
     inner = ~boundary_vertices(V, faces)
     defect = np.where(inner, np.abs(angle_defects(V, faces)), 0.0)
     asked = problem.roles[origin] == INTERNAL
-    cones = (defect > CONE) & ~asked
-    flat = target == 0.0 or (target is None and not (defect[asked] > CLOSED).any())
+    cones = (defect > CONE_DEFECT) & ~asked
+    flat = target == 0.0 or (target is None and not (defect[asked] > GAP_TOLERANCE).any())
     if given is None:
         cuts = seam_edges(V, faces, cones if flat else _ends_of_a_slit(V, inner))
         if flat and len(cuts):
@@ -106,14 +106,14 @@ def _region(problem: CGCProblem, region: int, own: IntArray, target: Optional[fl
         cuts = every[among(origin[every], given, len(problem.vertices))]
     layout = unfold(V, faces, cuts)
     size = float(np.linalg.norm(np.ptp(V, axis=0)))
-    if given is not None and not opens_to_disks(layout.faces) and layout.gap > CLOSED * size:
+    if given is not None and not opens_to_disks(layout.faces) and layout.gap > GAP_TOLERANCE * size:
         raise CGCError(_no_seam(region))
-    if flat and layout.gap > CLOSED * size:
+    if flat and layout.gap > GAP_TOLERANCE * size:
         worst = problem.names.vertices[origin[np.argmax(np.where(asked, defect, 0.0))]]
         raise CGCError(
-            f"region {region} does not unroll: its faces leave gaps of up to {layout.gap:.3g} "
-            f"({100 * layout.gap / size:.2g} % of its size), most of all at vertex {worst}; "
-            "solve it to K = 0 first, on irregular meshes with the measure exact"
+            f"region {region} does not unroll: gaps of up to {layout.gap:.3g} "
+            f"({100 * layout.gap / size:.2g} % of its size), the largest at vertex {worst}; "
+            "solve it for K = 0 first, on irregular meshes with the measure exact"
         )
     if not flat:
         if not opens_to_disks(layout.faces):
@@ -122,13 +122,13 @@ def _region(problem: CGCProblem, region: int, own: IntArray, target: Optional[fl
         gap, error = 0.0, float("nan")
     else:
         plane, gap, error = layout.plane[layout.faces], layout.gap, layout.edge_error
-        cuts = cuts[~_close_again(faces, plane, cuts, CLOSED * size)]
+        cuts = cuts[~_close_again(faces, plane, cuts, GAP_TOLERANCE * size)]
     fresh = V[origin >= free]
     return _Laid(plane, origin[faces], own, fresh, origin[cuts], Unrolling(region, target, flat, gap, error, len(cuts)))
 
 
 def _ends_of_a_slit(vertices: Vertices, inner: Mask) -> Mask:
-    """Mark two vertices far apart on a surface without an open edge, between which it is slit; none on others (n,)."""
+    """Return the mask of two distant vertices between which a closed surface is slit; empty for others (n,)."""
     ends = np.zeros(len(vertices), bool)
     if inner.all():
         first = int(np.argmax(np.linalg.norm(vertices - vertices.mean(axis=0), axis=1)))
@@ -137,11 +137,11 @@ def _ends_of_a_slit(vertices: Vertices, inner: Mask) -> Mask:
 
 
 def _no_seam(region: int) -> str:
-    return f"region {region} goes round a hole that no seam opens; lead a seam from one open edge to the other, or name none"
+    return f"region {region} has a hole that no given seam opens; run a seam from boundary to boundary, or give no seams"
 
 
 def _close_again(faces: IntArray, plane: FloatArray, cuts: Edges, tolerance: float) -> np.ndarray:
-    """Tell of which cut edges (s, 2) both sides lie at the same place."""
+    """Return which cut edges (s, 2) have coincident sides in the plane."""
     edges = edge_faces(faces)
     edges = edges[among(edges[:, :2], cuts, int(faces.max()) + 1)]
     u, v, left, right = edges.T

@@ -1,4 +1,4 @@
-"""Rulings of unrolled pieces: where they lie on the sheets, and how straight they are."""
+"""Rulings of unrolled pieces: their lines on the sheets and their straightness."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from ..errors import CGCError
 from ..model.problem import CGCProblem
 from .curves import CurveNet
 from .curves import curve_net
-from .curves.net import SHARE
+from .curves.net import DEFAULT_SPACING
 from .curves.net import check_spacing
 from .curves.net import usual_spacing
 from .patchwork import Patchwork
 from .patchwork import pairs_of_equal
 from .patchwork import weights_in
 
-__all__ = ["STRAIGHT", "Ruling", "Straightness", "rulings_of"]
+__all__ = ["MAX_BOW", "Ruling", "Straightness", "rulings_of"]
 
-STRAIGHT = 0.02  # distance from its chord, against the chord, up to which a curve is drawn as a ruling
+MAX_BOW = 0.02  # bow over chord up to which a curve is drawn as a ruling
 
 
 class Ruling(NamedTuple):
     """A ruling on a piece."""
 
     piece: int
-    points: FloatArray  # (k, 2) on its sheet [L]
+    points: FloatArray  # (k, 2) points on the sheet [L]
 
 
 class Straightness(NamedTuple):
-    """How far the rulings of a region are off their chords, against these."""
+    """Bow of the rulings of a region, relative to their chords."""
 
     median: float
     largest: float
@@ -41,20 +41,20 @@ class Straightness(NamedTuple):
 def rulings_of(
     problem: CGCProblem, patchwork: Patchwork, regions: list[int], spacing: Optional[float], widest: float
 ) -> tuple[list[Ruling], dict[int, Straightness]]:
-    """Return the rulings of unrolled regions, and how straight they are by region; a flat region has none.
+    """Return the rulings of unrolled regions, and their straightness by region; a flat region has none.
 
-    Where no spacing is given it is that of a net, but at most so wide [L].
+    The default spacing is that of a net, but at most `widest` [L].
     """
     rulings: list[Ruling] = []
     straightness = {}
     for region in regions:
         usual = usual_spacing(problem, region)
         if spacing is not None and usual > 0.0:
-            check_spacing(usual / SHARE, spacing, region)
+            check_spacing(usual / DEFAULT_SPACING, spacing, region)
         try:
             net = curve_net(problem, spacing or min(widest, usual), regions=[region], rough=True)
         except CGCError:
-            continue  # Flat, or too coarse to tell.
+            continue  # Flat, or too coarse for curvatures.
         off = np.array([curve.straightness for curve in net.curves])
         straightness[region] = Straightness(float(np.median(off)), float(off.max()))
         rulings += _on_pieces(patchwork, net)
@@ -62,8 +62,8 @@ def rulings_of(
 
 
 def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
-    """Return the curves that are straight enough on the sheets, cut where pieces end."""
-    curves = [curve for curve in net.curves if curve.straightness <= STRAIGHT]
+    """Return the straight curves on the sheets, cut at the boundaries of pieces."""
+    curves = [curve for curve in net.curves if curve.straightness <= MAX_BOW]
     if not curves:
         return []
     start = np.vstack([curve.points[:-1] for curve in curves])
@@ -91,7 +91,7 @@ def _on_pieces(own: Patchwork, net: CurveNet) -> list[Ruling]:
 
 
 def _clipped(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the part of segments, from weights a to b (k, 3), within their triangles: from and to a share of them."""
+    """Return the parameter intervals of segments from weights a to b (k, 3) within their triangles."""
     slope = b - a
     with np.errstate(divide="ignore", invalid="ignore"):
         at = -a / slope

@@ -1,4 +1,4 @@
-"""Seams: the edges to cut a surface along until it can be laid out, the shortest ones or those of given paths."""
+"""Seams: edges to cut so that a surface can be laid out, the shortest ones or given paths."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ __all__ = ["along_paths", "opens_to_disks", "seam_edges"]
 def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
     """Return the edges to cut so that a connected surface becomes a disk with no cone inside.
 
-    A tree of shortest paths reaches from one open edge (or the first cone) to all others and to all cones; whatever
-    handles are left are opened by a cotree of faces.
+    A tree of shortest paths connects one boundary loop (or the first cone) with all other loops and cones; a cotree of
+    faces opens the remaining handles.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
     faces
         ``(m, 3)`` vertex indices of a connected oriented manifold.
     cones
-        ``(n,)`` inner vertices with an angle defect of their own, which have to lie on a seam.
+        ``(n,)`` mask of inner vertices with an angle defect, which must lie on a seam.
 
     Returns
     -------
@@ -53,7 +53,7 @@ def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
     inner = edges[edges[:, 3] >= 0]
     node, terminals = _contracted(len(vertices), faces, cones)
     if not len(terminals):
-        # A closed surface without cones: any vertex may be the root.
+        # On a closed surface without cones any vertex may be the root.
         terminals = node[faces[0, :1]]
     tree = _tree(vertices, inner, node, int(terminals[0]))
     crossed = _cotree(len(faces), inner, tree)
@@ -61,7 +61,7 @@ def seam_edges(vertices: Vertices, faces: Faces, cones: Mask) -> Edges:
 
 
 def along_paths(faces: Faces, seam: Union[Sequence[int], Sequence[Sequence[int]]]) -> Edges:
-    """Return the edges (e, 2) of a seam: one path of vertices, or several.
+    """Return the edges (e, 2) of one or more paths of vertices.
 
     Raises
     ------
@@ -73,12 +73,12 @@ def along_paths(faces: Faces, seam: Union[Sequence[int], Sequence[Sequence[int]]
     lost = lost_edges(faces, edges)
     if lost.any():
         a, b = edges[np.argmax(lost)].tolist()
-        raise CGCError(f"the seam from vertex {a} to {b} does not follow an edge of the region; lead it along edges")
+        raise CGCError(f"the seam from vertex {a} to {b} does not follow an edge of the region; define it along edges")
     return edges
 
 
 def opens_to_disks(faces: Faces) -> bool:
-    """Tell whether every connected part of cut faces (m, 3) is a disk."""
+    """Check whether every connected part of cut faces (m, 3) is a disk."""
     edges = edge_faces(faces)
     graph = sparse.coo_matrix((np.ones(len(edges), np.int8), (edges[:, 0], edges[:, 1])), shape=(int(faces.max()) + 1,) * 2)
     _, label = connected_components(graph, directed=False)
@@ -88,7 +88,7 @@ def opens_to_disks(faces: Faces) -> bool:
 
 
 def _contracted(n: int, faces: Faces, cones: Mask) -> tuple[IntArray, IntArray]:
-    """Return vertices with every open edge drawn together to its first one (n,), and those that seams must reach."""
+    """Return vertices with every boundary loop contracted to its first one (n,), and the vertices that seams must reach."""
     node = np.arange(n)
     roots = []
     for loop in boundary_loops(faces):
@@ -98,12 +98,12 @@ def _contracted(n: int, faces: Faces, cones: Mask) -> tuple[IntArray, IntArray]:
 
 
 def _tree(V: Vertices, inner: Edges, node: IntArray, root: int) -> Mask:
-    """Mark the inner edges on the tree of shortest paths from a root."""
+    """Return the mask of inner edges on the tree of shortest paths from a root."""
     n = len(node)
     a, b = node[inner[:, 0]], node[inner[:, 1]]
     length = np.linalg.norm(V[inner[:, 0]] - V[inner[:, 1]], axis=1)
     low, high = np.minimum(a, b), np.maximum(a, b)
-    # Of edges between the same two open edges the shortest; those from an open edge to itself are in no tree.
+    # Keep the shortest of parallel edges between contracted loops, and no loops.
     order = np.lexsort((length, high, low))
     order = order[low[order] != high[order]]
     _, first = np.unique(low[order] * n + high[order], return_index=True)
@@ -116,14 +116,14 @@ def _tree(V: Vertices, inner: Edges, node: IntArray, root: int) -> Mask:
 
 
 def _cotree(m: int, inner: Edges, tree: Mask) -> Mask:
-    """Mark the inner edges that a tree of faces crosses, which keeps off a tree of edges."""
+    """Return the mask of inner edges crossed by a tree of faces that avoids a tree of edges."""
     open_ = np.flatnonzero(~tree)
     left, right = inner[open_, 2], inner[open_, 3]
     graph = sparse.coo_matrix((np.ones(len(open_)), (left, right)), shape=(m, m)).tocsr()
     _, before = breadth_first_order(graph, 0, directed=False)
     crossed = np.zeros(len(inner), bool)
     crossed[open_] = (before[left] == right) | (before[right] == left)
-    # Two faces may share two edges; the tree crosses one of them.
+    # Of two edges shared by two faces the tree crosses one.
     hit = np.flatnonzero(crossed)
     key = np.sort(inner[hit, 2:], axis=1) @ [m, 1]
     _, first = np.unique(key, return_index=True)
@@ -133,12 +133,12 @@ def _cotree(m: int, inner: Edges, tree: Mask) -> Mask:
 
 
 def _pruned(ends: IntArray, kept: Mask, terminals: IntArray) -> Mask:
-    """Take off the branches of marked edges that end nowhere."""
+    """Return the mask without branches that end at no terminal."""
     fixed = np.zeros(int(ends.max(initial=0)) + 1, bool)
     fixed[terminals[terminals < len(fixed)]] = True
     left = np.flatnonzero(kept)
     while True:
-        # Of the edges that are left alone: branches are long, and each round takes one edge off each.
+        # Only the remaining edges are checked; each round removes one edge per branch.
         valence = np.bincount(ends[left].ravel(), minlength=len(fixed))
         loose = ((valence == 1) & ~fixed)[ends[left]].any(axis=1)
         if not loose.any():

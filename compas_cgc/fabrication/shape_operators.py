@@ -1,4 +1,4 @@
-"""Shape operators of polynomials fitted around vertices: principal curvatures with their directions."""
+"""Shape operators of polynomials fitted around vertices, with principal curvatures and directions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ DEGREE, RINGS = 4, 3
 
 
 class PrincipalCurvatures(NamedTuple):
-    """Principal curvatures, positive where convex towards the normal."""
+    """Principal curvatures, positive if convex towards the normal."""
 
     larger: PerVertex  # (n,) [1/L]
     smaller: PerVertex  # (n,) [1/L]
@@ -44,29 +44,29 @@ class PrincipalCurvatures(NamedTuple):
 class ShapeOperators(NamedTuple):
     """Second fundamental forms as matrices in space."""
 
-    operators: FloatArray  # (n, 3, 3) S with S n = 0, positive in directions in which the surface is convex towards n [1/L]
+    operators: FloatArray  # (n, 3, 3) S with S n = 0, positive if convex towards n [1/L]
     normals: Vectors  # (n, 3) unit normals n of the fits
 
 
 def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE) -> ShapeOperators:
     """Return the shape operator at every vertex as a symmetric matrix in space.
 
-    A polynomial is fitted to the three rings around a vertex (four on an open edge) as a height over the tangent plane.
+    A polynomial height over the tangent plane is fitted to three rings around a vertex (four at the boundary).
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside; give the faces of one region, so that no fit looks
-        across a crease.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside; give the faces of one region, so that fits do not
+        reach across creases.
     degree
-        Of the polynomials, 2 to 4; lowered where the rings have too few vertices.
+        Degree of the polynomials, 2 to 4; reduced if the rings have too few vertices.
 
     Returns
     -------
     ShapeOperators
-        NaN at vertices without faces or with too few around them.
+        NaN at vertices with too few neighbours.
 
     References
     ----------
@@ -82,7 +82,7 @@ def shape_operators(vertices: ArrayLike, faces: ArrayLike, degree: int = DEGREE)
 def principal_curvatures(operators: FloatArray, normals: Vectors) -> PrincipalCurvatures:
     """Return the principal curvatures and directions of shape operators (n, 3, 3), of surfaces with normals (n, 3)."""
     known = np.isfinite(operators).all(axis=(1, 2))
-    # The normal is moved out of the way: its eigenvalue becomes larger than both others.
+    # Shift the eigenvalue of the normal above the others.
     scale = 4.0 * np.abs(operators[known]).max(initial=1.0)
     lifted = operators[known] + scale * normals[known, :, None] * normals[known, None, :]
     values, vectors = np.linalg.eigh(lifted)

@@ -1,4 +1,4 @@
-"""Solved surfaces: what all of fabrication starts from."""
+"""Validation of solved surfaces for fabrication."""
 
 from __future__ import annotations
 
@@ -19,41 +19,41 @@ from .option_values import region_numbers
 
 __all__ = ["chosen_regions", "solved_problem"]
 
-ASTRAY = 0.1  # part of the total curvature asked for that a rough surface which has been solved may be off by
-FLAT = 1e-9  # total curvature below which a surface counts as flat
+MAX_TOTAL_ERROR = 0.1  # relative error of the total curvature above which a rough surface counts as unsolved
+FLAT_CURVATURE = 1e-9  # total curvature below which a surface counts as flat
 
 
 def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
-    """Return the problem of a surface without dummies, refused when the surface is rough and targets are known.
+    """Return the problem of a surface without dummies; refuse rough surfaces unless `rough` is true.
 
     Raises
     ------
     CGCError
-        If there are no faces, or the surface is not solved, or rough, and rough ones are not wanted.
+        If there are no faces, or the surface is unsolved or rough.
     """
     problem = problem_of(surface, "or the result of a solve is built from").without_dummies()
     if not len(problem.faces):
-        raise CGCError("there are no faces to build from; give a mesh with some")
+        raise CGCError("the mesh has no faces; give a mesh with faces")
     if not rough and np.isfinite(problem.targets[problem.asked]).any():
         judged = verdict(problem)
         reached = _reached(problem)
-        if not judged.fair and abs(reached - 1.0) > ASTRAY:
+        if not judged.fair and abs(reached - 1.0) > MAX_TOTAL_ERROR:
             raise CGCError(
-                f"the surface is rough, as it is not solved: in all it has {round(100 * reached)} % of the curvature asked for; "
-                "solve it first, and build from the result"
+                f"the surface is not solved: its total curvature is {round(100 * reached)} % of the target; "
+                "solve it first and use the result"
             )
         if not judged.fair:
-            raise CGCError(f"the surface is {judged}; solve it (again) before it is built, or allow rough surfaces")
+            raise CGCError(f"the surface is {judged}; solve it again, or accept rough surfaces (rough=True)")
     return problem
 
 
 def chosen_regions(problem: CGCProblem, regions: Optional[Iterable[int]]) -> list[int]:
-    """Return the regions that are to be taken, each once and in order; all where none are named.
+    """Return the chosen regions, sorted and without duplicates; all by default.
 
     Raises
     ------
     CGCError
-        If there is no such region.
+        If a region does not exist.
     """
     count = len(problem.region_targets())
     if regions is None:
@@ -67,12 +67,12 @@ def chosen_regions(problem: CGCProblem, regions: Optional[Iterable[int]]) -> lis
 
 
 def _reached(problem: CGCProblem) -> float:
-    """Return the total curvature of the vertices with a target against what is asked for; 1 where that is none.
+    """Return the total curvature of vertices with a target over its target value; 1 if that is zero.
 
-    Every measure of K agrees on the total, however the faces lie.
+    All measures of K agree on the total.
     """
     K, areas = problem.targets[problem.asked], vertex_areas(problem.vertices, problem.faces)[problem.asked]
     known = np.isfinite(K)
     asked = float(np.abs(K[known]) @ areas[known])
     found = float(np.sign(K[known]) @ angle_defects(problem.vertices, problem.faces)[problem.asked][known])
-    return found / asked if asked > FLAT else 1.0
+    return found / asked if asked > FLAT_CURVATURE else 1.0

@@ -1,8 +1,8 @@
-"""The surfaces of constant curvature that moulds are pieces of: sphere, plane and hyperbolic plane, in one set of formulas.
+"""Space forms: sphere, plane and hyperbolic plane in one set of formulas.
 
 Points are ``(X0, X1, X2)`` with ``X0² + K (X1² + X2²) = 1``, where X1 and X2 are lengths and the pole is ``(1, 0, 0)``: the sphere
-of radius ``1/√K`` with its height divided by that radius, the plane as ``(1, x, y)``, the hyperboloid in Minkowski's space.
-Rigid motions are matrices (3, 3) that keep this: SO(3), SE(2) and SO(2, 1). All is smooth through K = 0.
+of radius ``1/√K`` with its height divided by that radius, the plane ``(1, x, y)``, or the hyperboloid in Minkowski space.
+Rigid motions are matrices (3, 3) that preserve this: SO(3), SE(2) and SO(2, 1). All formulas are smooth at K = 0.
 """
 
 from __future__ import annotations
@@ -31,59 +31,59 @@ __all__ = [
 
 
 def on_form(flat: FloatArray, K: float) -> FloatArray:
-    """Return the points (n, 3) on the pole's side whose X1 and X2 are given (n, 2) [L]."""
+    """Return the points (n, 3) on the side of the pole with given X1 and X2 (n, 2) [L]."""
     squares = np.einsum("ij,ij->i", flat, flat)
     return np.column_stack([np.sqrt(np.maximum(1.0 - K * squares, 0.0)), flat])
 
 
 def heights(points: FloatArray) -> FloatArray:
-    """Return ``(X0 - 1) / K`` (n,) [L^2], without the cancellation, for K = 0 too."""
+    """Return ``(X0 - 1) / K`` (n,) [L^2], computed without cancellation, also for K = 0."""
     return -(points[:, 1] ** 2 + points[:, 2] ** 2) / (1.0 + points[:, 0])
 
 
 def places(points: FloatArray, K: float) -> FloatArray:
     """Return points (n, 3) as coordinates x, y, z with the pole at the origin [L].
 
-    On a sphere z is the height, zero at the top; on the hyperboloid the coordinate whose square counts negative.
+    On a sphere z is the height, zero at the top; on the hyperboloid it is the timelike coordinate.
     """
     return lifted_places(lifted(points), K)
 
 
 def lifted(points: FloatArray) -> FloatArray:
-    """Return points (n, 3) as ``(X0 - 1) / K, X1, X2``, which has no cancellation and in which chords are straight lines."""
+    """Return points (n, 3) as ``(X0 - 1) / K, X1, X2``: free of cancellation, and chords are straight lines."""
     return np.column_stack([heights(points), points[:, 1:]])
 
 
 def from_lifted(points: FloatArray, K: float) -> FloatArray:
-    """Return lifted points (n, 3), which may lie on chords, on the surface, see :func:`normalised`."""
+    """Return lifted points (n, 3), such as points of chords, projected to the surface, see :func:`normalised`."""
     return normalised(np.column_stack([1.0 + K * points[:, 0], points[:, 1:]]), K)
 
 
 def normalised(points: FloatArray, K: float) -> FloatArray:
-    """Return the points (n, 3) of the surface on the rays from its centre through others near it (n, 3)."""
+    """Return points (n, 3) near the surface projected onto it along rays from its centre."""
     return points / np.sqrt(points[:, 0] ** 2 + K * (points[:, 1] ** 2 + points[:, 2] ** 2))[:, None]
 
 
 def lifted_places(points: FloatArray, K: float) -> FloatArray:
-    """Return lifted points (n, 3) as :func:`places` does [L]."""
+    """Return the coordinates of lifted points (n, 3) as in :func:`places` [L]."""
     return np.column_stack([points[:, 1:], math.copysign(math.sqrt(abs(K)), K) * points[:, 0]])
 
 
 def straight(difference: FloatArray, K: float) -> FloatArray:
-    """Return the lengths of differences of lifted points (..., 3), straight in space, or in Minkowski's space for K < 0 [L]."""
+    """Return the straight lengths of differences of lifted points (..., 3), in Minkowski space for K < 0 [L]."""
     square = difference[..., 1] ** 2 + difference[..., 2] ** 2 + K * difference[..., 0] ** 2
     return np.sqrt(np.maximum(square, 0.0))
 
 
 def chords(first: FloatArray, second: FloatArray, K: float) -> FloatArray:
-    """Return the chords between points (n, 3), straight in space, or in Minkowski's space for K < 0 (n,) [L]."""
+    """Return the chord lengths between points (n, 3), in Minkowski space for K < 0 (n,) [L]."""
     flat = first[:, 1:] - second[:, 1:]
     square = np.einsum("ij,ij->i", flat, flat) + K * (heights(first) - heights(second)) ** 2
     return np.sqrt(np.maximum(square, 0.0))
 
 
 def geodesics(chord: FloatArray, K: float) -> FloatArray:
-    """Return the lengths along the surface of chords (n,) [L]."""
+    """Return the geodesic lengths of chords (n,) [L]."""
     if K == 0.0:
         return chord
     root = math.sqrt(abs(K))
@@ -104,7 +104,7 @@ def rotation(angle: float) -> FloatArray:
 
 
 def to_pole(point: FloatArray, K: float) -> FloatArray:
-    """Return the rigid motion (3, 3) along a geodesic that brings a point (3,) to the pole."""
+    """Return the rigid motion (3, 3) along a geodesic that moves a point (3,) to the pole."""
     distance = math.hypot(point[1], point[2])
     if distance == 0.0:
         return np.eye(3) if point[0] > 0.0 else np.diag([-1.0, -1.0, 1.0])

@@ -1,4 +1,4 @@
-"""Stock: sheets, and what has to stay free on them."""
+"""Stock: sheet size, spacing, margin and allowance."""
 
 from __future__ import annotations
 
@@ -12,42 +12,42 @@ from ..model.given import checked_number
 
 __all__ = ["Stock", "stock_of"]
 
-KERF = 0.01  # of the width of sheets, that pieces are apart where nothing is said
-LIMIT = 4.0  # of an allowance, how far from a corner its mitre reaches at most
+DEFAULT_SPACING = 0.01  # default distance between pieces relative to the sheet width
+MITRE_LIMIT = 4.0  # largest mitre length in allowances
 
 
 class Stock(NamedTuple):
-    """Sheets, and what stays free on them."""
+    """Sheet size, spacing, margin and allowance."""
 
-    sheet: Optional[tuple[float, float]]  # length and width [L]; None where there is no end of it
-    spacing: Optional[float]  # between pieces [L]; None where there are no sheets to tell it by
+    sheet: Optional[tuple[float, float]]  # length and width [L]; None if unlimited
+    spacing: Optional[float]  # between pieces [L]; None until known for unlimited sheets
     margin: float  # along the edges of a sheet [L]
     allowance: float  # around every piece [L]
 
     @property
     def room(self) -> tuple[float, float]:
-        """Length and width of a sheet inside of its margins [L]."""
+        """Length and width of a sheet inside its margins [L]."""
         return (np.inf, np.inf) if self.sheet is None else (self.sheet[0] - 2 * self.margin, self.sheet[1] - 2 * self.margin)
 
 
 def stock_of(sheet: Optional[tuple[float, float]], spacing: Optional[float], margin: float, allowance: float) -> Stock:
-    """Return stock when it is such.
+    """Return the validated stock.
 
     Parameters
     ----------
     sheet
-        Length and width [L], in any order. None: no end of it.
+        Length and width [L], in any order. None: unlimited.
     spacing
-        Between pieces [L]. None: a hundredth of the width of the sheets, room for a saw or a router and its way in.
+        Distance between pieces [L]. None: 1 % of the sheet width, enough for a saw or router.
     margin
-        Along the edges of sheets [L].
+        Free margin along the edges of sheets [L].
     allowance
-        Around every piece [L].
+        Width of the strip around every piece [L].
 
     Raises
     ------
     CGCError
-        If a number is none or negative, or there is no room left on a sheet.
+        If a value is not a number or negative, or leaves no room on a sheet.
     """
     size = _size(sheet)
     lengths = {
@@ -57,21 +57,23 @@ def stock_of(sheet: Optional[tuple[float, float]], spacing: Optional[float], mar
     }
     for what, length in lengths.items():
         if length is not None and not 0 <= length < np.inf:
-            raise CGCError(f"the {what} must be 0 or more, not {length:g}")
+            raise CGCError(f"the {what} must be at least 0, not {length:g}")
     if size is not None and not 2 * margin < size[1]:
-        raise CGCError(f"margins of {margin:g} leave nothing of a sheet of {size[0]:g} x {size[1]:g}; they are in the units of the drawing")
+        raise CGCError(
+            f"margins of {margin:g} leave no room on a sheet of {size[0]:g} x {size[1]:g}; check the units, which are those of the drawing"
+        )
     if size is not None and spacing is not None and not spacing < size[1]:
         raise CGCError(
-            f"a spacing of {spacing:g} is as wide as a sheet of {size[0]:g} x {size[1]:g}; it is in the units of the drawing, such as "
-            f"{KERF * size[1]:g}"
+            f"a spacing of {spacing:g} is too large for a sheet of {size[0]:g} x {size[1]:g}; give it in the units of the drawing, such as "
+            f"{DEFAULT_SPACING * size[1]:g}"
         )
-    # Room for the mitres of the smallest piece, so that cutting comes to an end.
-    if size is not None and not 2 * margin + 2 * LIMIT * allowance < size[1]:
+    # Without room for the mitres of the smallest piece, cutting would not terminate.
+    if size is not None and not 2 * margin + 2 * MITRE_LIMIT * allowance < size[1]:
         raise CGCError(
-            f"an allowance of {allowance:g} leaves no room for pieces on a sheet of {size[0]:g} x {size[1]:g}; take less than "
-            f"{(size[1] - 2 * margin) / (2 * LIMIT):.3g}, in the units of the drawing"
+            f"an allowance of {allowance:g} leaves no room for pieces on a sheet of {size[0]:g} x {size[1]:g}; use less than "
+            f"{(size[1] - 2 * margin) / (2 * MITRE_LIMIT):.3g}, in the units of the drawing"
         )
-    return Stock(size, KERF * size[1] if spacing is None and size is not None else spacing, margin, allowance)
+    return Stock(size, DEFAULT_SPACING * size[1] if spacing is None and size is not None else spacing, margin, allowance)
 
 
 def _size(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
@@ -82,5 +84,5 @@ def _size(sheet: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]
     except (TypeError, ValueError):
         raise CGCError(f"a sheet must have a length and a width, such as (3.0, 1.5), not {sheet!r}") from None
     if not (np.isfinite([length, width]).all() and min(length, width) > 0):
-        raise CGCError(f"a sheet must have a length and a width more than 0, such as 3.0 x 1.5, not {length:g} x {width:g}")
+        raise CGCError(f"the length and width of a sheet must be positive, such as 3.0 x 1.5, not {length:g} x {width:g}")
     return max(length, width), min(length, width)

@@ -1,4 +1,4 @@
-"""Straight seams: seams of a flat region from one open edge to another, cut through faces instead of led along edges."""
+"""Straight seams of flat regions from boundary to boundary, cut through faces instead of along edges."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ from .plane_layout import unfold
 
 __all__ = ["straightened"]
 
-RINGS = 4  # of faces beside a seam that are looked at for its straight line
-CLOSED = 1e-6  # gap, against the length of a seam, up to which they lie in a plane
+RINGS = 4  # rings of faces beside a seam in which its straight line is sought
+GAP_TOLERANCE = 1e-6  # gap relative to the length of a seam up to which these faces are developable
 
 
 class _Line(NamedTuple):
-    """A straight line from one vertex to another in the plane of some faces."""
+    """A straight line between two vertices in the unfolded plane of some faces."""
 
-    faces: IntArray  # (f,) these
-    along: FloatArray  # (f, 3) of their corners, 0 to 1 from one end to the other
-    off: FloatArray  # (f, 3) to its left, against its length
+    faces: IntArray  # (f,) indices of the faces
+    along: FloatArray  # (f, 3) position of corners along the line, 0 to 1
+    off: FloatArray  # (f, 3) distance of corners to its left, relative to its length
 
 
 def straightened(vertices: Vertices, faces: Faces, seams: Edges) -> tuple[CutMesh, Edges]:
-    """Return a mesh cut along the straight lines that stand for seams (s, 2) from edge to edge, and the seams there.
+    """Return a mesh cut along straight lines that replace seams (s, 2) between boundaries, and the new seams.
 
-    Seams that end inside of the mesh, and those whose straight line leaves it, stay as they are.
+    Seams that end inside the mesh, or whose straight line leaves it, are kept.
     """
     mesh, paths = uncut(vertices, faces), crease_paths(seams.tolist())
     rim = boundary_vertices(vertices, faces)
@@ -65,14 +65,14 @@ def _straight(mesh: CutMesh, path: list[int], others: Edges) -> tuple[CutMesh, l
 
 
 def _line(mesh: CutMesh, chosen: IntArray, first: int, last: int) -> Optional[_Line]:
-    """Return the line between two vertices in the plane of faces, None where these do not lie in one."""
+    """Return the line between two vertices in the unfolded faces, None if these are not developable."""
     laid = unfold(mesh.vertices, mesh.faces[chosen])
     ends = [np.flatnonzero(laid.origin == vertex) for vertex in (first, last)]
     if any(len(end) != 1 for end in ends):
         return None
     start, end = (laid.plane[own[0]] for own in ends)
     length = float(np.linalg.norm(end - start))
-    if laid.gap > CLOSED * length:
+    if laid.gap > GAP_TOLERANCE * length:
         return None
     ahead = (end - start) / length**2
     away = laid.plane[laid.faces] - start
@@ -80,7 +80,7 @@ def _line(mesh: CutMesh, chosen: IntArray, first: int, last: int) -> Optional[_L
 
 
 def _cut(mesh: CutMesh, line: _Line, first: int, last: int) -> Optional[tuple[CutMesh, list[int]]]:
-    """Return the mesh cut along a line, and the vertices on it; None where it leaves the faces."""
+    """Return the mesh cut along a line, and the vertices on it; None if the line leaves the faces."""
     off, along = np.zeros(mesh.faces.shape), np.full(mesh.faces.shape, -1.0)
     off[line.faces], along[line.faces] = line.off, line.along
     corners = mesh.faces[line.faces]

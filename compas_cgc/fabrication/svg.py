@@ -1,4 +1,4 @@
-"""SVG: the sheets in their units, for laser cutters and browsers."""
+"""SVG output of sheets in real units, for laser cutters and browsers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _IN_MM = {"Meters": 1000.0, "Kilometers": 1e6, "Feet": 304.8, "Yards": 914.4}
 
 
 def svg_text(drawing: Drawing) -> str:
-    """Return a drawing as SVG with a group for every layer; lengths are those of the drawing."""
+    """Return a drawing as SVG in real units, with one group per layer."""
     width, height = drawing.size
     top = 0.02 * max(width, height)
     units = drawing.units or "Meters"
@@ -35,7 +35,7 @@ def svg_text(drawing: Drawing) -> str:
         for text in drawing.texts:
             if text.layer == layer and text.height > 0:
                 x, y = text.place.tolist()
-                # Letters smaller than a unit are set badly by many programs, so they are made large and shrunk.
+                # Many programs render font sizes below one unit badly, so texts are large and scaled down.
                 size = text.height / _LETTERS
                 lines.append(
                     f'<text transform="translate({x:.6g} {height + top - y + 0.35 * text.height:.6g}) scale({size:.6g})" '

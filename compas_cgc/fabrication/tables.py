@@ -1,4 +1,4 @@
-"""Tables: every edge of the patterns with its lengths."""
+"""Edge table of patterns as CSV."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .patterns import Patterns
 
 __all__ = ["csv_text", "edge_table", "edge_table_text", "escaped", "unescaped"]
 
-_FORMULA_MARKS = frozenset("=+-@\t\r")  # that a spreadsheet takes for the begin of a formula
+_FORMULA_MARKS = frozenset("=+-@\t\r")  # first characters of formulas in spreadsheets
 _HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
 
 
@@ -31,7 +31,7 @@ def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def escaped(value: object) -> object:
-    """Return a cell that no spreadsheet runs as a formula: a text that would be one gets an apostrophe before it."""
+    """Return a cell that spreadsheets do not run as a formula; such texts get a leading apostrophe."""
     return f"'{value}" if isinstance(value, str) and _runs(value) else value
 
 
@@ -56,20 +56,20 @@ def edge_table_text(patterns: Patterns) -> str:
 
 
 def edge_table(patterns: Patterns) -> list[tuple]:
-    """Return a row for every edge of every piece.
+    """Return one row per edge of every piece.
 
     Returns
     -------
     list of tuple
-        Label of the piece, the two nodes, what it is (``fold`` inside of a piece; ``cut``, ``seam`` or ``crease`` between
-        two; ``edge`` at the end of the surface), length in space and in the plane [L], angle between its faces, number of
-        the seam and label of the piece beyond it, or nothing.
+        Label of the piece, the two nodes, kind (``fold`` inside a piece; ``cut``, ``seam`` or ``crease`` between pieces;
+        ``edge`` at the boundary), length in space and in the plane [L], fold angle [degree], number of the seam and label of the
+        neighbouring piece, or empty.
     """
     own = patterns.patchwork
     out = outline_sides(own)
     mate = mates(own.faces)
     u, v = own.faces, np.roll(own.faces, -1, axis=1)
-    # An edge inside of a piece once, one of an outline for either piece; what dividing faces drew is none.
+    # Inner edges once, outline edges once per piece, without lines of subdivision.
     wanted = out | ((own.side != NONE) & (mate > np.arange(mate.size).reshape(mate.shape)))
     space = np.linalg.norm(own.space[u] - own.space[v], axis=2)
     plane = np.linalg.norm(np.roll(own.plane, -1, axis=1) - own.plane, axis=2)

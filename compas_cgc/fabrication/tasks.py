@@ -275,32 +275,32 @@ TASKS: dict[str, Task] = {
 
 
 def read_settings(task: str, given: Mapping[str, object], called: Optional[Mapping[str, str]] = None) -> dict[str, Any]:
-    """Return the options of a task as :func:`build` takes them; those that are None stay open.
+    """Return the parsed options of a task for :func:`build`; None values are left out.
 
     Parameters
     ----------
     task
         One of :data:`TASKS`.
     given
-        Values by name, of JSON or as texts.
+        Values by name, from JSON or as text.
     called
-        How sentences call the options. Default: by their names in quotes.
+        Names of the options in messages. Default: their names in quotes.
 
     Raises
     ------
     CGCError
-        With a sentence that names the option.
+        If an option is unknown or its value is invalid.
     """
     options = {own.name: own for own in TASKS[task].options}
     unknown = [name for name in given if name not in options]
     if unknown:
-        raise CGCError(f"there is no option {unknown[0]!r:.60}; there are {', '.join(options)}")
+        raise CGCError(f"there is no option {unknown[0]!r:.60}; options are {', '.join(options)}")
     called = called or {name: f"'{name}'" for name in options}
     return {name: options[name].read(value, called[name]) for name, value in given.items() if value is not None}
 
 
 def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
-    """Make something of a solved surface.
+    """Run a fabrication task on a solved surface.
 
     Parameters
     ----------
@@ -309,7 +309,7 @@ def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
     surface
         A result, mesh or problem.
     settings
-        Of :func:`read_settings`, or as the function of the task takes them.
+        Result of :func:`read_settings`, or arguments of the task's function.
 
     Returns
     -------
@@ -318,20 +318,20 @@ def build(task: str, surface: PosesProblem, settings: Mapping[str, Any]) -> Any:
     Raises
     ------
     CGCError
-        If there is no such thing, in a sentence.
+        If an option is invalid or the task fails.
     """
     files = file_options(task, settings)
     return TASKS[task].run(surface, {name: value for name, value in settings.items() if name not in files})
 
 
 def file_options(task: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return those of the options of a task that change what is written only, as its writers take them.
+    """Return the options of a task that affect only the written file.
 
     Parameters
     ----------
     task
         One of :data:`TASKS`.
     settings
-        Of :func:`read_settings`.
+        Result of :func:`read_settings`.
     """
     return {own.name: settings[own.name] for own in TASKS[task].options if own.file and own.name in settings}

@@ -1,4 +1,4 @@
-"""Unrolling: a surface cut into flat pieces, each within a sheet."""
+"""Unrolling: a surface cut into flat pieces that fit on sheets."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ from .stock import stock_of
 
 __all__ = ["unroll"]
 
-VAST = 20.0  # widths of a sheet against a surface, from which on it is in other units
-ROOM = 1e-9  # of a sheet, that is left free at its edges
+MAX_SHEET_RATIO = 20.0  # sheet width over the size of the surface above which the units probably differ
+EDGE_TOLERANCE = 1e-9  # tolerance at the edges of a sheet, relative to it
 
 
 @names_what_was_meant()
@@ -59,38 +59,37 @@ def unroll(
     whole: Optional[bool] = None,
     rough: bool = False,
 ) -> Patterns:
-    """Lay a surface out as flat pieces, each within a sheet.
+    """Return a surface as flat pieces that fit on sheets.
 
-    Regions of K = 0 keep all their lengths. Others are cut into panels and flattened with the least distortion.
+    Regions of K = 0 are unrolled without strain. Others are cut into panels and flattened at least distortion.
 
     Parameters
     ----------
     surface
-        A problem, a mesh, or what has ``to_problem()``; its creases divide it into regions.
+        Solved result, mesh or problem; its creases divide it into regions.
     sheet
-        Length and width of the sheets [L]. Default: no end of it, so that nothing is cut but seams.
+        Length and width of the sheets [L]. Default: unlimited, so that only seams are cut.
     strain
-        Largest strain of flattened pieces. Default: what comes of the sheet.
+        Largest strain of flattened pieces. Default: limited by the sheet only.
     seams
-        Paths of vertices (by their names) to cut along. Default: the shortest ones that open every region.
+        Paths of vertex keys to cut along. Default: the shortest ones that open every region.
     regions
-        Which to take. Default: all.
+        Numbers of regions. Default: all.
     spacing
-        Distance between pieces on a sheet [L], 0 for edge to edge. Default: a hundredth of the width of the sheets, or without
-        sheets of the largest piece, room for a saw or a router.
+        Distance between pieces on a sheet [L], 0 for edge to edge. Default: 1 % of the sheet width, or of the largest piece on
+        unlimited sheets, enough for a saw or router.
     margin
-        What is left free along the edges of a sheet [L].
+        Free margin along the edges of a sheet [L].
     allowance
-        Width of a strip around every piece, for seams to be welded or sewn [L]. It has an outline of its own, for which sheets
-        have room.
+        Width of a strip around every piece for welding or sewing [L]. It is drawn as a separate outline and included in nesting.
     rulings
-        Distance between the rulings that are drawn [L], 0 for none. Default: a twelfth of a region's size, a quarter of the width of
-        sheets at most.
+        Distance between drawn rulings [L], 0 for none. Default: 1/12 of the size of the region, at most a quarter of the sheet
+        width.
     whole
-        Whether what creases and seams part is kept whole, so that a panel that no sheet has room for is refused instead of cut.
-        Default: where seams are given, as panels are drawn then.
+        Whether to keep the parts between creases and seams whole, so that parts larger than a sheet are refused instead of cut.
+        Default: True if seams are given.
     rough
-        Whether a rough surface (see :class:`compas_cgc.analysis.Verdict`) is taken as it is.
+        Whether to accept a surface with the verdict rough, see :class:`compas_cgc.analysis.Verdict`.
 
     Returns
     -------
@@ -99,8 +98,8 @@ def unroll(
     Raises
     ------
     CGCError
-        If the surface is rough, a region of K = 0 does not unroll, seams do not open it, there is no such region, the sheet is no
-        sheet, or a panel that is kept whole is larger.
+        If the surface is rough, a region of K = 0 does not unroll, seams do not open a region, a region does not exist, the sheet
+        is invalid, or a whole panel is larger than a sheet.
 
     Examples
     --------
@@ -114,12 +113,12 @@ def unroll(
     stock = stock_of(sheet, spacing, margin, allowance)
     _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:
-        raise CGCError(f"the distance between rulings must be more than 0, or 0 for none, not {rulings:g}")
+        raise CGCError(f"the distance between rulings must be positive, or 0 for none, not {rulings:g}")
     paths: object = seams
     if paths is not None and (isinstance(paths, str) or not isinstance(paths, Iterable)):
         raise CGCError(f"seams must be paths of vertices, such as [[4, 12, 20]], not {seams!r:.60}")
     if strain is not None and not checked_number(strain, "strain") > 0:
-        raise CGCError(f"the largest strain must be more than 0, such as 0.002, not {strain:g}")
+        raise CGCError(f"the largest strain must be positive, such as 0.002, not {strain:g}")
     given = None if seams is None else _given_seams(problem, seams)
     flat, cuts, unrollings = developed(problem, chosen_regions(problem, regions), given)
     curved = {own.region for own in unrollings if not own.unrolled}
@@ -144,7 +143,9 @@ def unroll(
             _refuse_to_cut(problem, stock, own, piece, box)
 
     try:
-        cut = cut_to_fit(flat, (stock.room[0] * (1 - ROOM), stock.room[1] * (1 - ROOM)), flattened, too_wide, taken, refuse)
+        cut = cut_to_fit(
+            flat, (stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)), flattened, too_wide, taken, refuse
+        )
     except ValueError as error:
         raise CGCError(str(error)) from None
     placed, on_sheet, stock = on_sheets(cut, stock)
@@ -154,19 +155,19 @@ def unroll(
 
 
 def _check_scale(problem: CGCProblem, stock: Stock) -> None:
-    """Refuse a sheet that is so much larger than the surface that it must be in other units, and so what stays free on it."""
+    """Refuse sheets, spacings, margins and allowances that are probably in other units than the surface."""
     size = float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     units = (problem.drawing.units or "units of the model").lower()
     sheet = stock.sheet
-    if sheet is not None and sheet[1] > VAST * size:
+    if sheet is not None and sheet[1] > MAX_SHEET_RATIO * size:
         raise CGCError(
-            f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is out of scale with a surface {size:.3g} across; say in which unit it is, "
+            f"a sheet of {sheet[0]:g} x {sheet[1]:g} {units} is far larger than the surface, whose size is {size:.3g}; add its unit, "
             f"such as {sheet[0]:g}x{sheet[1]:g}mm"
         )
     for what in ("spacing", "margin", "allowance"):
         length = getattr(stock, what) or 0.0
         if length > size:
-            raise CGCError(f"the {what} of {length:g} {units} is wider than the surface, {size:.3g} across; give it in {units}")
+            raise CGCError(f"the {what} of {length:g} {units} is larger than the surface, whose size is {size:.3g}; give it in {units}")
 
 
 def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
@@ -174,12 +175,12 @@ def _given_seams(problem: CGCProblem, seams: Iterable[Sequence[int]]) -> Edges:
     lost = ~among(edges, edge_faces(problem.faces)[:, :2], len(problem.vertices))
     if lost.any():
         u, v = problem.names.vertices[edges[np.argmax(lost)]].tolist()
-        raise CGCError(f"the seam from vertex {u} to {v} does not follow an edge; lead it along edges of the mesh")
+        raise CGCError(f"the seam from vertex {u} to {v} does not follow an edge; define it along edges of the mesh")
     return edges
 
 
 def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> Patchwork:
-    """Flatten a curved piece by itself: the whole faces that it has a part of, so that no sliver has a say."""
+    """Flatten a curved piece by its whole mesh faces, so that slivers do not matter."""
     faces = own.piece == piece
     parents, position = np.unique(own.parent[faces], return_inverse=True)
     whole = problem.faces[parents]
@@ -194,35 +195,35 @@ def _flattened(problem: CGCProblem, cuts: Edges, own: Patchwork, piece: int) -> 
 
 
 def _refuse_to_cut(problem: CGCProblem, stock: Stock, own: Patchwork, piece: int, box: Box) -> None:
-    """Refuse to cut a panel that is kept whole.
+    """Refuse to cut a whole panel.
 
     Raises
     ------
     ValueError
-        With its size, that of the sheets, and what would help.
+        With its size, the sheet size and a remedy.
     """
     faces, units = own.piece == piece, problem.drawing.units
     panel = f"the panel of region {own.region[faces][0]} at vertex {own.names[own.faces[faces][0, 0]]}"
     if stock.sheet is not None and box.parts > 1:
-        free = "" if stock.room == stock.sheet else f", with room for {in_mm(stock.room, units)}"
-        why = f"takes {in_mm((box.length, box.width), units)}, more than a sheet of {in_mm(stock.sheet, units)}{free}; take larger sheets,"
+        free = "" if stock.room == stock.sheet else f" (usable: {in_mm(stock.room, units)})"
+        why = f"needs {in_mm((box.length, box.width), units)}, more than a sheet of {in_mm(stock.sheet, units)}{free}; use larger sheets,"
     else:
-        why = "lies over itself in the plane, or is strained by more than is allowed;"
+        why = "overlaps itself in the plane, or exceeds the allowed strain;"
     raise ValueError(f"{panel} {why} divide it by a crease or a seam, or do not keep panels whole")
 
 
 def _check_fineness(problem: CGCProblem, own: Patchwork, faces: np.ndarray, strain: float, worst: float) -> None:
-    """Refuse to cut a piece smaller than the edges of the mesh: it is flattened with the faces that it is of, so that nothing is won.
+    """Refuse to cut pieces smaller than mesh edges: they are flattened by whole faces, so that cutting does not reduce the strain.
 
     Raises
     ------
     ValueError
-        With what would help.
+        With a remedy.
     """
     whole = problem.vertices[problem.faces[np.unique(own.parent[faces])]]
     edge = float(np.median(np.linalg.norm(np.roll(whole, -1, axis=1) - whole, axis=2)))
     if np.ptp(own.plane[faces].reshape(-1, 2), axis=0).max() < edge:
         raise ValueError(
-            f"region {own.region[faces][0]} would be cut into pieces smaller than the edges of its mesh, {edge:.2g}, for a strain of "
+            f"region {own.region[faces][0]} needs pieces smaller than its mesh edges ({edge:.2g}) for a strain of "
             f"{100 * strain:.2g} %; allow more than {100 * worst:.2g} %, or solve a finer mesh"
         )

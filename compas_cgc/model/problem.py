@@ -1,4 +1,4 @@
-"""CGCProblem: a mesh as arrays with supports, creases, targets and constraints."""
+"""CGCProblem: a mesh as arrays with supports, creases, targets and goals."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def problem_of(given: PosesProblem, use: str = "is needed here") -> CGCProblem:
 @names_what_was_meant()
 @dataclass(frozen=True, eq=False, repr=False)
 class CGCProblem:
-    """A triangle mesh with supports, creases, target curvatures and constraints.
+    """A triangle mesh with supports, creases, target curvatures and goals.
 
     Methods take vertices by their keys in ``names``; by default keys are indices. Every method returns a new problem.
 
@@ -200,7 +200,7 @@ class CGCProblem:
         return self
 
     # ------------------------------------------------------------------
-    # Supports, creases, targets, constraints
+    # Supports, creases, targets, goals
     # ------------------------------------------------------------------
 
     def with_supports(self, supports: Union[str, Iterable[int]], add: bool = False) -> CGCProblem:

@@ -81,7 +81,7 @@ def test_a_net_through_points_has_no_spacing_to_hold_its_sides_against():
     middle = np.argsort(np.linalg.norm(problem.vertices - problem.vertices.mean(axis=0), axis=1))
     net = curve_net(problem, 0.5, through=problem.vertices[middle[[0, 8]]])
     assert net.spacing is None and len(net.sides) > 0
-    assert "of the spacing" not in str(net)
+    assert "times the spacing" not in str(net)
 
 
 def test_around_a_hole_asymptotic_curves_are_traced_one_by_one():
@@ -105,7 +105,7 @@ def test_lines_of_curvature_keep_their_distance():
     freely, apart = (curve_net(result, 1.5, stop=stop).curves for stop in (0.0, 0.5))
     assert 0 < len(apart) < len(freely)
     assert _nearest_beside(freely) < 0.2 and _nearest_beside(apart) > 0.6
-    with pytest.raises(CGCError, match="stop distance is a part of the spacing"):
+    with pytest.raises(CGCError, match="stop distance, relative to the spacing, must be"):
         curve_net(result, 1.0, stop=1.0)
 
 
@@ -233,12 +233,12 @@ def sphere() -> CGCProblem:
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: curve_net(patch(8, -0.02), 0.0), "the spacing must be more than 0"),
-        (lambda: curve_net(CGCProblem(*revolved_patch(8, 0.02)), 1.0), "no one target K"),
+        (lambda: curve_net(patch(8, -0.02), 0.0), "the spacing must be larger than 0"),
+        (lambda: curve_net(CGCProblem(*revolved_patch(8, 0.02)), 1.0), "no single target K"),
         (lambda: curve_net(sphere(), 1.0), "it is a sphere"),
         (lambda: curve_net(CGCProblem(*grid(6)).with_supports("boundary").with_targets(0.0), 0.1), "it is a plane"),
-        (lambda: curve_net(patch(8, -0.02), through=[[0.0, 0.0]]), "of the shape"),
-        (lambda: curve_net(patch(8, -0.02), through=[[90.0, 0.0, 0.0]]), "does a point lie on it"),
+        (lambda: curve_net(patch(8, -0.02), through=[[0.0, 0.0]]), "with shape"),
+        (lambda: curve_net(patch(8, -0.02), through=[[90.0, 0.0, 0.0]]), "the points lie on it"),
     ],
     ids=["spacing", "target", "sphere", "plane", "points", "far away"],
 )

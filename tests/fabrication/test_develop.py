@@ -113,7 +113,7 @@ def test_regions_that_cannot_be_laid_are_refused():
         develop(problem, 9)
     with pytest.raises(ValueError, match="too large for a mould"):
         develop(problem, 0, K=10.0)
-    with pytest.raises(ValueError, match="region 0 has no single K̄"):
+    with pytest.raises(ValueError, match="region 0 has no single target K̄"):
         develop(problem.with_targets(np.linspace(0, 1, len(problem.vertices))), 0)
     vertices, faces = icosphere(1)
     with pytest.raises(ValueError, match="is closed; give a seam"):

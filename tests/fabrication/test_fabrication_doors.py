@@ -50,7 +50,7 @@ def test_commands_write_what_python_gives(files, tmp_path, capsys):
     )
     assert unroll(CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5)).summary() in capsys.readouterr().out
     assert main(["membrane", str(files / "dome.3dm"), "-o", str(tmp_path / "forces.inp"), "--pressure", "2"]) == 0
-    assert "balanced to" in capsys.readouterr().out
+    assert "equilibrium to" in capsys.readouterr().out
     assert main(["net", str(files / "saddle.3dm"), "-o", str(tmp_path / "net.json"), "--spacing", "1"]) == 0
     assert "asymptotic curves" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {"cut.svg", "cut.csv", "forces.inp", "net.json"}
@@ -67,7 +67,7 @@ def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
         CGCProblem(*cone(6, 24)).with_supports("boundary").with_targets(0.0), (3.0, 1.5), margin=0.02, spacing=0.03, allowance=0.04
     )
     said = capsys.readouterr().out
-    assert made.summary() in said and "left free: 30 mm between pieces, 20 mm along edges, 40 mm around pieces" in said
+    assert made.summary() in said and "free: 30 mm between pieces, 20 mm along edges, 40 mm around pieces" in said
     digits = len(str(made.sheets))
     sheets = {f"cut-{number:0{digits}d}.svg" for number in range(1, made.sheets + 1)}
     assert {path.name for path in tmp_path.iterdir()} == {*sheets, "cut.list.csv", "cut.plan.svg"}
@@ -81,13 +81,13 @@ def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
         (("unroll", "rough.3dm", "-o", "out.dxf", "--rough"), "does not unroll"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--sheet", "large"), "--sheet must be LENGTHxWIDTH"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--strain", "much"), "--strain must be a number"),
-        (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "no seam opens"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "no given seam opens"),
         (("unroll", "cone.3dm", "-o", "out.pdf"), "patterns are written to .dxf"),
-        (("unroll", "cone.3dm", "-o", "new/out.dxf", "--sheet", "3x1.5", "--margin", ".8"), "margins of 0.8 leave nothing of a sheet"),
+        (("unroll", "cone.3dm", "-o", "new/out.dxf", "--sheet", "3x1.5", "--margin", ".8"), "margins of 0.8 leave no room on a sheet"),
         (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--allowance", ".5"), "an allowance of 0.5 leaves no room"),
-        (("unroll", "cone.3dm", "-o", "out.dxf", "--allowance", "-1"), "allowance around pieces must be 0 or more"),
-        (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--whole"), "more than a sheet of 3000 x 1500 mm; take larger"),
-        (("membrane", "dome.3dm", "-o", "out.3dm"), "there is no load"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--allowance", "-1"), "allowance around pieces must be at least 0"),
+        (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--whole"), "more than a sheet of 3000 x 1500 mm; use larger"),
+        (("membrane", "dome.3dm", "-o", "out.3dm"), "the load is zero"),
         (("membrane", "cone.3dm", "-o", "out.3dm", "--pressure", "1"), "has K = 0"),
         (("net", "saddle.3dm", "-o", "out.3dm", "--through", "1,2"), "--through must be X,Y,Z"),
         (("net", "saddle.3dm", "-o", "out.3dm", "--region", "4"), "there is no region 4; the mesh has 1"),

@@ -1,4 +1,4 @@
-"""Chebyshev nets: coordinates of a surface of K < 0 whose lines are its asymptotic curves, at one distance from crossing to crossing."""
+"""Chebyshev nets: asymptotic curves of a surface of K < 0 with equal distances between crossings."""
 
 from __future__ import annotations
 
@@ -14,43 +14,43 @@ from ...discrete.arrays import PerVertex
 from ...linalg import factorise
 from ..seams import opens_to_disks
 from .crossings import is_long
-from .trace import INSIDE
+from .trace import EDGE_MARGIN
 from .trace import DirectionField
 from .trace import Traced
 
-__all__ = ["EQUAL", "chebyshev_net"]
+__all__ = ["LENGTH_TOLERANCE", "chebyshev_net"]
 
-EQUAL = 0.03  # of a length, by which a net may be off in one face, where its sides cross several
-ROUNDS = 8  # at most, in which directions give way to lengths
+LENGTH_TOLERANCE = 0.03  # relative error of lengths in a face; a side of a net crosses several faces
+ROUNDS = 8  # largest number of rounds of correcting directions by lengths
 
-Pair = tuple[FloatArray, FloatArray]  # one for each family
+Pair = tuple[FloatArray, FloatArray]  # one array per family
 
 
 def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[tuple[float, list[list[Traced]]]]:
-    r"""Return both families of asymptotic curves at a spacing, the first two through the middle, and what lengths in a face are off by.
+    r"""Return the largest length error in a face and both families of asymptotic curves at a spacing, with two curves through the centre.
 
-    On a surface of constant K < 0 asymptotic curves are the lines of coordinates u, v in which both are lengths along them. These are
-    found all at once,
+    On a surface of constant K < 0 the asymptotic curves are coordinate lines u, v with arc length as parameter. The coordinates
+    minimise
 
     .. math:: \min_{u, v} \int (\partial_1 u - 1)^2 + (\partial_2 u)^2 + (\partial_2 v - 1)^2 + (\partial_1 v)^2,
 
-    with derivatives along the two asymptotic directions, so that what a mesh is off by is shared out over the surface and does not add up
-    from curve to curve, as it does where each is traced by itself. Directions of a mesh are known less well than its lengths: they are
-    taken anew from the lines found, until the sides are equal.
+    with derivatives along the two asymptotic directions. This spreads discretisation errors over the surface, while they would
+    accumulate from curve to curve in tracing. Lengths on a mesh are more accurate than directions, so the directions are
+    recomputed from the coordinate lines until the sides are equal.
 
     Parameters
     ----------
     field
-        Of a region.
+        Direction field of a region.
     spacing
-        Between curves, along those that they cross [L].
+        Distance between curves along those that they cross [L].
     K
-        Of the surface, below 0 [1/L²].
+        Negative Gaussian curvature of the surface [1/L²].
 
     Returns
     -------
     tuple of a float and two lists of Traced, or None
-        None where the region has a hole, no directions in most of it, or such as turn about.
+        None if the region has a hole, if it lacks asymptotic directions in most faces, or if these have a singularity.
 
     References
     ----------
@@ -61,14 +61,14 @@ def chebyshev_net(field: DirectionField, spacing: float, K: float) -> Optional[t
         return None
     directions, values, off = _coordinates(field, directions)
     for _ in range(ROUNDS):
-        if off < EQUAL:
+        if off < LENGTH_TOLERANCE:
             break
         directions, values, off = _coordinates(field, directions)
     return off, [_lines(field, each, spacing) for each in values]
 
 
 def _coordinates(field: DirectionField, directions: Pair) -> tuple[Pair, Pair, float]:
-    """Return the directions (m, 2) of the lines of both coordinates, the coordinates (n,) [L], and what lengths in a face are off by."""
+    """Return the directions (m, 2) of both coordinate lines, the coordinates (n,) [L], and the largest length error in a face."""
     first, second = directions
     u, v = _coordinate(field, second, first), _coordinate(field, first, second)
     along = _along(field, u, first), _along(field, v, second)
@@ -76,14 +76,14 @@ def _coordinates(field: DirectionField, directions: Pair) -> tuple[Pair, Pair, f
 
 
 def _combed(field: DirectionField, K: float) -> Optional[Pair]:
-    """Return the asymptotic directions of both families in the axes of every face (m, 2), each family pointing one way all over."""
+    """Return consistently oriented asymptotic directions of both families in the axes of every face (m, 2), None if impossible."""
     S = field.operators[field.faces].mean(axis=1)
     x, y = field.axes.transpose(1, 0, 2)
     a, b, c = (np.einsum("fi,fij,fj->f", p, S, q) for p, q in ((x, x), (x, y), (y, y)))
     half, difference = 0.5 * (a + c), 0.5 * (a - c)
     if not np.median(half**2 - np.hypot(difference, b) ** 2) < 0.0:
         return None
-    # Fits beside free edges are off by more than others, some as far as K > 0: what K is there is known.
+    # Fits at free edges are inaccurate, some even have K > 0; the known K replaces theirs.
     largest, aside = 0.5 * np.arctan2(b, difference), 0.5 * np.arccos(-half / np.sqrt(half**2 - K))
     mate = field.mate.ravel()
     side = np.flatnonzero(mate >= 0)
@@ -106,7 +106,7 @@ def _combed(field: DirectionField, K: float) -> Optional[Pair]:
 
 
 def _along(field: DirectionField, values: PerVertex, directions: FloatArray) -> FloatArray:
-    """Return the directions (m, 2) of the lines along which a coordinate (n,) stays the same, on the side of others (m, 2)."""
+    """Return the directions (m, 2) of the level lines of a coordinate (n,), oriented like `directions` (m, 2)."""
     x, y = (_derivatives(field, np.broadcast_to(axis, directions.shape)) @ values for axis in np.eye(2))
     lines = np.column_stack([-y, x]) * np.sign(x * directions[:, 1] - y * directions[:, 0])[:, None]
     return lines / np.maximum(np.hypot(x, y), np.finfo(float).tiny)[:, None]
@@ -123,7 +123,7 @@ def _derivatives(field: DirectionField, directions: FloatArray) -> sparse.csr_ma
 
 
 def _coordinate(field: DirectionField, along: FloatArray, across: FloatArray) -> PerVertex:
-    """Return the coordinate (n,) [L] that grows by lengths along one direction and not along the other, 0 in the middle."""
+    """Return the coordinate (n,) [L] with unit derivative along one direction and zero along the other; 0 at the centre."""
     corners = field.vertices[field.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normals, axis=1)
@@ -131,7 +131,7 @@ def _coordinate(field: DirectionField, along: FloatArray, across: FloatArray) ->
     middle = field.faces[np.argmin(np.linalg.norm(centres - centres.mean(axis=0), axis=1))]
     grown, still = _derivatives(field, along), _derivatives(field, across)
     matrix = (grown.T @ sparse.diags(area) @ grown + still.T @ sparse.diags(area) @ still).tocsr()
-    # Known but for a constant.
+    # The solution is unique up to a constant.
     used = np.setdiff1d(np.unique(field.faces), middle[:1])
     values = np.zeros(len(field.vertices))
     values[used] = factorise(matrix[used][:, used], symmetric=True, points=field.vertices[used]).solve((grown.T @ area)[used])
@@ -139,14 +139,14 @@ def _coordinate(field: DirectionField, along: FloatArray, across: FloatArray) ->
 
 
 def _lines(field: DirectionField, values: PerVertex, spacing: float) -> list[Traced]:
-    """Return the lines along which a coordinate (n,) is a multiple of the spacing."""
+    """Return the level lines of a coordinate (n,) at multiples of the spacing."""
     corners = values[field.faces]
     levels = range(int(np.ceil(corners.min() / spacing)), int(np.floor(corners.max() / spacing)) + 1)
     return [line for level in levels for line in _level(field, values - level * spacing) if is_long(line, spacing)]
 
 
 def _level(field: DirectionField, values: PerVertex) -> list[Traced]:
-    """Return the lines along which values (n,) are 0, from edge to edge."""
+    """Return the zero level lines of values (n,), from boundary to boundary."""
     above = values[field.faces] >= 0.0
     ahead = np.roll(above, -1, axis=1)
     into, out = np.argmax(~above & ahead, axis=1), np.argmax(above & ~ahead, axis=1)
@@ -167,7 +167,7 @@ def _level(field: DirectionField, values: PerVertex) -> list[Traced]:
 
 
 def _zeros(field: DirectionField, values: PerVertex, faces: IntArray, sides: IntArray) -> FloatArray:
-    """Return the places (k, 3) on sides of faces at which values (n,) are 0."""
+    """Return the zeros (k, 3) of values (n,) on sides of faces."""
     start, end = field.faces[faces, sides], field.faces[faces, (sides + 1) % 3]
-    share = np.clip(values[start] / (values[start] - values[end]), INSIDE, 1.0 - INSIDE)[:, None]
+    share = np.clip(values[start] / (values[start] - values[end]), EDGE_MARGIN, 1.0 - EDGE_MARGIN)[:, None]
     return (1.0 - share) * field.vertices[start] + share * field.vertices[end]

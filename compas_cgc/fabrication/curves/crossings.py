@@ -1,4 +1,4 @@
-"""Where traced curves cross, and the net that they make."""
+"""Crossings of traced curves, and the net that they form."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .trace import Traced
 
 __all__ = ["arc_lengths_of", "bow_of", "crossings", "is_closed", "is_long", "meetings", "place_at"]
 
-SHORT = 0.05  # of the spacing: curves shorter than this are left out
+MIN_LENGTH = 0.05  # relative to the spacing; shorter curves are dropped
 
 
 def meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[float, float]]:
-    """Return the arc lengths of both curves where they cross."""
+    """Return the arc lengths of both curves at their crossings."""
     common, first, second = pairs_of_equal(one.faces, other.faces)
     if not len(common):
         return []
@@ -40,7 +40,7 @@ def meetings(field: DirectionField, one: Traced, other: Traced) -> list[tuple[fl
     for k in np.flatnonzero(met).tolist():
         i, j = first[k], second[k]
         place = (float(at[i] + s[k] * (at[i + 1] - at[i])), float(there[j] + t[k] * (there[j + 1] - there[j])))
-        # On an edge two pairs of segments meet in one place.
+        # At a mesh edge two pairs of segments share one crossing.
         if not any(abs(place[0] - old[0]) < 1e-6 * at[-1] for old in found):
             found.append(place)
     return found
@@ -68,22 +68,22 @@ def crossings(field: DirectionField, traced: list[list[Traced]]) -> tuple[Vector
 
 
 def arc_lengths_of(curve: Traced) -> FloatArray:
-    """Return the length along a curve up to each of its points (k,) [L]."""
+    """Return the arc lengths of the points of a curve (k,) [L]."""
     return np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(curve.points, axis=0), axis=1))]
 
 
 def is_closed(curve: Traced) -> bool:
-    """Tell whether a curve ends where it begins."""
+    """Check whether a curve is closed."""
     return len(curve.points) > 2 and np.array_equal(curve.points[0], curve.points[-1])
 
 
 def is_long(curve: Traced, spacing: float) -> bool:
-    """Tell whether a curve is long enough to be built, at a spacing [L]."""
-    return len(curve.points) > 1 and float(arc_lengths_of(curve)[-1]) > SHORT * spacing
+    """Check whether a curve is long enough to keep, at a spacing [L]."""
+    return len(curve.points) > 1 and float(arc_lengths_of(curve)[-1]) > MIN_LENGTH * spacing
 
 
 def bow_of(points: Vectors) -> float:
-    """Return the largest distance of points (k, 3) from the chord between the first and the last, against it."""
+    """Return the largest distance of points (k, 3) from their chord, relative to its length."""
     chord = points[-1] - points[0]
     away = points - points[0]
     # A closed curve has no chord.
@@ -92,7 +92,7 @@ def bow_of(points: Vectors) -> float:
 
 
 def place_at(curve: Traced, at: FloatArray, mark: float) -> tuple[int, Vectors]:
-    """Return the face and the place (3,) at a length along a curve, whose points lie at (k,) [L]."""
+    """Return the face and the point (3,) at arc length `mark`, given the arc lengths of the points (k,) [L]."""
     k = int(np.clip(np.searchsorted(at, mark) - 1, 0, len(curve.faces) - 1))
     share = (mark - at[k]) / max(at[k + 1] - at[k], np.finfo(float).tiny)
     return int(curve.faces[k]), (1.0 - share) * curve.points[k] + share * curve.points[k + 1]

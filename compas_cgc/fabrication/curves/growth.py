@@ -1,4 +1,4 @@
-"""Which curves are traced: through points, or a net that grows from the middle of a region."""
+"""Choice of curves to trace: through points, or a net grown from the centre of a region."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from .trace import trace
 
 __all__ = ["curves_through", "grown_net"]
 
-CROWDED = 0.5  # of the spacing: other curves do not cross a third one nearer to each other than this
-STRAIGHT = 0.05  # distance from its chord, against this, up to which a curve that fills a gap is a ruling
-GAP = 0.5  # more than the spacing between two crossings, from which on a curve goes between
-MOST = 2000  # curves of a region
+MIN_CROSSING_DISTANCE = 0.5  # relative to the spacing; two curves must not cross a third one nearer to each other
+MAX_BOW = 0.05  # bow over chord up to which a curve that fills a gap counts as a ruling
+GAP_TOLERANCE = 0.5  # excess over the spacing, relative to it, above which a gap between crossings gets a curve
+MAX_CURVES = 2000  # per region
 
 
 def curves_through(field: DirectionField, kind: int, points: Vectors, supports: Optional[IntArray]) -> list[list[Traced]]:
-    """Trace curves through points, or from supports: from a place just inside of them."""
+    """Return curves traced through points, or from supports (starting just inside)."""
     if supports is not None:
         points = field.vertices[supports]
     centres = field.vertices[field.faces].mean(axis=1)
@@ -41,7 +41,7 @@ def curves_through(field: DirectionField, kind: int, points: Vectors, supports: 
         near = int(np.argmin(np.linalg.norm(centres - point, axis=1)))
         edge = np.linalg.norm(field.vertices[field.faces[near, 0]] - field.vertices[field.faces[near, 1]])
         if np.linalg.norm(used - point, axis=1).min() > 2.0 * edge:
-            continue  # A point of another region.
+            continue  # The point belongs to another region.
         face, place = _nearest(field, point)
         for family in (0,) if kind == RULING else (0, 1):
             curve = trace(field, kind, family, face, place)
@@ -51,7 +51,7 @@ def curves_through(field: DirectionField, kind: int, points: Vectors, supports: 
 
 
 def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
-    """Return the face nearest to a point, and the place in it, off its edges."""
+    """Return the nearest face to a point, and the nearest point in its interior."""
     corners = field.vertices[field.faces]
     middle = corners.mean(axis=1)
     near = np.argsort(np.linalg.norm(middle - point, axis=1))[:24]
@@ -69,7 +69,7 @@ def _nearest(field: DirectionField, point: Vectors) -> tuple[int, Vectors]:
 
 
 class _Growth:
-    """A net that grows: its curves by family, and where along each it is crossed."""
+    """A growing net: its curves by family, and the crossings on each."""
 
     def __init__(self, field: DirectionField, spacing: float, stop: float):
         self.field, self.spacing = field, spacing
@@ -78,7 +78,7 @@ class _Growth:
         self.crossed: list[list[list[float]]] = [[], []]  # arc lengths, by family and curve
 
     def add(self, family: int, curve: Traced) -> list[tuple[int, int]]:
-        """Add a curve, and return it and those that it crosses by family and number."""
+        """Add a curve, and return (family, number) of it and of the curves that it crosses."""
         number = len(self.curves[family])
         touched = [(family, number)]
         own: list[float] = []
@@ -94,7 +94,7 @@ class _Growth:
         return touched
 
     def uncrowded(self, family: int, new: Traced, place: Vectors) -> Traced:
-        """Return the part of a new curve around its mark up to where it comes near to one that is there, or nothing of it."""
+        """Return the part of a new curve around `place` that keeps its distance from existing curves; it may be empty."""
         new = self.neighbours.clear_part(new, place)
         if len(new.points) < 2:
             return new
@@ -103,7 +103,7 @@ class _Growth:
         low, high = -np.inf, np.inf
         for curve, there in zip(self.curves[1 - family], self.crossed[1 - family]):
             for s, own in meetings(self.field, curve, new) if there else ():
-                if min(_apart(curve, s, t) for t in there) < CROWDED * self.spacing:
+                if min(_apart(curve, s, t) for t in there) < MIN_CROSSING_DISTANCE * self.spacing:
                     if abs(own - mark) < 0.1 * self.spacing:
                         return Traced(new.points[:1], new.faces[:0])
                     low, high = (max(low, own), high) if own < mark else (low, min(high, own))
@@ -112,14 +112,14 @@ class _Growth:
 
 
 def grown_net(field: DirectionField, kind: int, spacing: float, size: float, stop: float) -> list[list[Traced]]:
-    """Trace a net: two curves through the middle, and from marks along every curve those that it is yet to be crossed by.
+    """Return a traced net: two curves through the centre, then further ones from marks along every curve.
 
-    Lines of curvature end where they come nearer to each other than a part of the spacing.
+    Lines of curvature end where they come nearer to each other than `stop` times the spacing.
     """
     centres = field.vertices[field.faces].mean(axis=1)
     face = _first_face(field, kind, centres, size)
     growth = _Growth(field, spacing, stop if kind == CURVATURE else 0.0)
-    # Rulings are marked off along the first curve across them.
+    # For rulings only the first curve across them gets marks.
     for family in (0, 1):
         curve = trace(field, kind, family, face, centres[face])
         if len(curve.points) < 2:
@@ -127,7 +127,7 @@ def grown_net(field: DirectionField, kind: int, spacing: float, size: float, sto
         growth.add(family, curve)
     waiting = [(1, 0)] if kind == RULING else [(0, 0), (1, 0)]
     tried = set()
-    while waiting and sum(map(len, growth.curves)) < MOST:
+    while waiting and sum(map(len, growth.curves)) < MAX_CURVES:
         family, number = waiting.pop(0)
         curve = growth.curves[family][number]
         for mark in _open_marks(curve, growth.crossed[family][number], spacing, kind == CURVATURE):
@@ -144,21 +144,21 @@ def grown_net(field: DirectionField, kind: int, spacing: float, size: float, sto
 
 
 def _filled(field: DirectionField, curves: list[Traced], centres: Vectors, spacing: float) -> list[Traced]:
-    """Return rulings with others where there are none within a spacing, as in fans that the curve across the first does not reach."""
+    """Return rulings with further ones where none is within a spacing, as in fans beyond the first crossing curve."""
     away = cKDTree(np.vstack([curve.points for curve in curves])).query(centres)[0]
     found = list(curves)
-    while away.max() > spacing and len(found) < MOST:
+    while away.max() > spacing and len(found) < MAX_CURVES:
         face = int(np.argmax(away))
         curve = trace(field, RULING, 0, face, centres[face])
         away[face] = 0.0
-        if is_long(curve, spacing) and bow_of(curve.points) < STRAIGHT:
+        if is_long(curve, spacing) and bow_of(curve.points) < MAX_BOW:
             found.append(curve)
             away = np.minimum(away, cKDTree(curve.points).query(centres)[0])
     return found
 
 
 def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float) -> int:
-    """Return the face to begin at: in the middle; for lines of curvature that of the half around it with the clearest directions."""
+    """Return the first face: the central one, or for lines of curvature a central one with distinct principal curvatures."""
     away = np.linalg.norm(centres - centres.mean(axis=0), axis=1)
     if kind != CURVATURE:
         return int(np.argmin(away))
@@ -169,27 +169,27 @@ def _first_face(field: DirectionField, kind: int, centres: Vectors, size: float)
 
 
 def _open_marks(curve: Traced, crossed: list[float], spacing: float, between: bool) -> list[float]:
-    """Return the multiples of the spacing beyond the outermost crossings of a curve, and in gaps where these are wanted."""
+    """Return marks at the spacing beyond the outermost crossings of a curve and, with `between`, in gaps."""
     if not crossed:
         return []
     length = float(arc_lengths_of(curve)[-1])
     crossed = sorted(crossed)
     if between and is_closed(curve):
-        # Closed: the gap over its beginning is one like the others.
+        # On a closed curve the gap across its start counts like the others.
         return [mark % length for mark in _between([*crossed, crossed[0] + length], spacing)]
     marks = [*np.arange(crossed[-1] + spacing, length, spacing).tolist(), *np.arange(crossed[0] - spacing, 0.0, -spacing).tolist()]
     return marks + (_between(crossed, spacing) if between else [])
 
 
 def _apart(curve: Traced, s: float, t: float) -> float:
-    """Return the distance between two places along a curve, the shorter way around a closed one [L]."""
+    """Return the distance along a curve between two arc lengths, the shorter one on a closed curve [L]."""
     return min(abs(s - t), float(arc_lengths_of(curve)[-1]) - abs(s - t)) if is_closed(curve) else abs(s - t)
 
 
 def _between(crossed: list[float], spacing: float) -> list[float]:
-    """Return even marks in the gaps between crossings."""
+    """Return evenly spaced marks in gaps between crossings."""
     marks = []
     for s, t in zip(crossed[:-1], crossed[1:]):
-        count = int((t - s) / spacing + 1.0 - GAP)
+        count = int((t - s) / spacing + 1.0 - GAP_TOLERANCE)
         marks += [s + (t - s) * k / (count + 1) for k in range(1, count + 1)]
     return marks

@@ -1,4 +1,4 @@
-"""Tracing: curves along directions of curvature, from face to face."""
+"""Tracing of curves along directions of curvature, from face to face."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from ..patchwork import mates
 __all__ = ["ASYMPTOTIC", "CURVATURE", "RULING", "DirectionField", "Traced", "direction_field", "trace"]
 
 CURVATURE, ASYMPTOTIC, RULING = range(3)
-INSIDE = 1e-6  # share of an edge that curves keep off its ends
-NEAR = 0.5  # of an edge where it begins: a line of curvature that passes its beginning so near beside ends there
-AWAY = 6.0  # edges that it has to run before
-LOOPS = 4  # how often a curve may pass a face before it is taken for a spiral that never ends
+EDGE_MARGIN = 1e-6  # least distance of a curve from the ends of an edge, relative to the edge
+CLOSING_DISTANCE = 0.5  # a line of curvature that passes its start within this many edge lengths ends there
+MIN_RUN = 6.0  # edge lengths that it must run before closing
+MAX_PASSES = 4  # passes through a face after which a curve counts as an endless spiral
 
 
 class DirectionField(NamedTuple):
-    """What directions come from."""
+    """A region with its shape operators, prepared for tracing."""
 
     vertices: Vertices  # (n, 3) [L]
     faces: Faces  # (m, 3) of one region
-    mate: IntArray  # (m, 3) the other side of every side, 3 x face + corner, or -1
-    axes: FloatArray  # (m, 2, 3) unit vectors along every face, at right angles, anticlockwise
+    mate: IntArray  # (m, 3) opposite half-edge of every side, as 3 x face + corner, or -1
+    axes: FloatArray  # (m, 2, 3) orthonormal axes of every face, counterclockwise
     operators: FloatArray  # (n, 3, 3) shape operators [1/L]
 
 
@@ -42,7 +42,7 @@ class Traced(NamedTuple):
 
 
 def direction_field(vertices: Vertices, faces: Faces, operators: FloatArray) -> DirectionField:
-    """Prepare a region for tracing."""
+    """Return a region prepared for tracing."""
     a, b, c = vertices[faces].transpose(1, 0, 2)
     x = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
     normal = np.cross(b - a, c - a)
@@ -51,25 +51,25 @@ def direction_field(vertices: Vertices, faces: Faces, operators: FloatArray) -> 
 
 
 def trace(field: DirectionField, kind: int, family: int, face: int, point: Vectors, most: int = 100_000) -> Traced:
-    """Return the curve through a point in a face, to both ends.
+    """Return the curve through a point in a face, traced in both directions.
 
     Parameters
     ----------
     field
-        Of the region.
+        Direction field of the region.
     kind, family
         ``CURVATURE``: family 0 along the larger principal curvature at the point, 1 along the smaller; ``ASYMPTOTIC``: 0
-        and 1 to either side of the larger one, where the normal curvature is 0; ``RULING``: 0 along the principal
+        and 1 along the directions of zero normal curvature to either side of the larger one; ``RULING``: 0 along the principal
         curvature nearest to 0, 1 along the other.
     face, point
-        Where it starts.
+        Start.
     most
-        Points of either half.
+        Largest number of points per direction.
 
     Returns
     -------
     Traced
-        Of less than two points where there is no such direction; a line of curvature that comes back to its beginning ends there.
+        Fewer than two points if there is no such direction; a line of curvature that returns to its start is closed.
     """
     corners = field.vertices[field.faces[face]]
     edge = float(np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).max()) if kind == CURVATURE else 0.0
@@ -87,13 +87,13 @@ def trace(field: DirectionField, kind: int, family: int, face: int, point: Vecto
 
 
 def _closed(field: DirectionField, points: Vectors, faces: IntArray) -> Traced:
-    """Return a curve that has come back to the face it begins in as a closed one: what it misses its beginning by is spread along it.
+    """Return a closed curve from one that has returned to its first face; the closing error is spread along it.
 
     Points move along the edges that they lie on, so that every segment stays in its face.
     """
     before, after = field.faces[faces[:-1]], field.faces[faces[1:]]
     shared = (before[:, :, None] == after[:, None]).any(axis=2)
-    # Two faces share one corner less than they have.
+    # The corner of the first face that the second does not share.
     odd = np.argmin(shared, axis=1)
     rows = np.arange(len(before))
     start, end = (field.vertices[before[rows, (odd + k) % 3]] for k in (1, 2))
@@ -104,15 +104,15 @@ def _closed(field: DirectionField, points: Vectors, faces: IntArray) -> Traced:
     edges = end - start
     share = np.einsum("ij,ij->i", points[1:] - start, edges) / np.einsum("ij,ij->i", edges, edges)
     share += missed * np.linspace(0.0, 1.0, len(points))[1:] / np.einsum("ij,ij->i", edges, aside)
-    share = np.clip(share, INSIDE, 1.0 - INSIDE)[:, None]
+    share = np.clip(share, EDGE_MARGIN, 1.0 - EDGE_MARGIN)[:, None]
     return Traced(np.vstack([points[:1], (1.0 - share) * start + share * end, points[:1]]), faces)
 
 
 @njit(cache=True)
 def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y: float) -> tuple[float, float]:
-    """Return the direction of a kind of the form [[a, b], [b, c]], on the side of (x, y); (0, 0) where there is none.
+    """Return the direction of a kind for the form [[a, b], [b, c]], oriented like (x, y); (0, 0) if there is none.
 
-    Before a first direction (x, y) is (0, 0), and the family decides.
+    For a first direction (x, y) is (0, 0), and the family decides.
     """
     half, difference = 0.5 * (a + c), 0.5 * (a - c)
     spread = math.hypot(difference, b)
@@ -125,7 +125,7 @@ def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y
     elif kind == RULING:
         if spread == 0.0:
             return 0.0, 0.0
-        # The smaller one is nearest to 0 where the mean is positive.
+        # If the mean is positive, the smaller curvature is nearest to 0.
         angle = largest + (0.5 * math.pi if (half > 0.0) == (family == 0) else 0.0)
     else:
         if spread <= 1e-9 * abs(half) or spread == 0.0:
@@ -143,7 +143,7 @@ def _direction(a: float, b: float, c: float, kind: int, family: int, x: float, y
 def _field_at(
     corners: FloatArray, forms: FloatArray, u: float, v: float, kind: int, family: int, x: float, y: float
 ) -> tuple[float, float]:
-    """Return the direction at a place (u, v) of a face with corners (3, 2) and forms (3, 3) there."""
+    """Return the direction at (u, v) in a face with corners (3, 2) and forms (3, 3) at these."""
     x0, y0 = corners[0]
     x1, y1 = corners[1, 0] - x0, corners[1, 1] - y0
     x2, y2 = corners[2, 0] - x0, corners[2, 1] - y0
@@ -159,14 +159,14 @@ def _field_at(
 
 @njit(cache=True)
 def _exit(corners: FloatArray, u: float, v: float, x: float, y: float, entry: int) -> tuple[int, float, float]:
-    """Return the side that a ray leaves a face by, the length to it, and the share of the side; side -1 for none."""
+    """Return the side through which a ray leaves a face (-1 for none), the length to it, and the position on the side."""
     best, far, share = -1, np.inf, 0.0
     for c in range(3):
         if c == entry:
             continue
         px, py = corners[c]
         ex, ey = corners[(c + 1) % 3, 0] - px, corners[(c + 1) % 3, 1] - py
-        # Faces are anticlockwise: a ray goes out where it turns to the right of the side.
+        # Faces are counterclockwise: a ray leaves through a side that it crosses from left to right.
         across = x * ey - y * ex
         if across <= 0.0:
             continue
@@ -198,11 +198,11 @@ def _half(
     points[0] = point
     count, f, entry = 1, face, -1
     run, last, closed, d = 0.0, np.inf, False, np.zeros(3)
-    while count < most and passed[f] < LOOPS:
-        if run > AWAY * edge > 0.0:
+    while count < most and passed[f] < MAX_PASSES:
+        if run > MIN_RUN * edge > 0.0:
             now = float(np.linalg.norm(points[count - 1] - point))
             closed = f == face and now < edge
-            if closed or (last < NEAR * edge and now > last):
+            if closed or (last < CLOSING_DISTANCE * edge and now > last):
                 break
             last = now
         passed[f] += 1
@@ -225,7 +225,7 @@ def _half(
             x, y = sign * x, sign * y
         side, far, share = _exit(corners, u, v, x, y, entry)
         if side < 0:
-            # The field leads back over the side it came from: straight on instead.
+            # The field leads back across the entry side: continue straight on.
             length = math.hypot(bx, by)
             if length == 0.0:
                 break
@@ -233,13 +233,13 @@ def _half(
             side, far, share = _exit(corners, u, v, x, y, entry)
             if side < 0:
                 break
-        # The direction halfway, for second order.
+        # Midpoint rule, second order.
         mx, my = _field_at(corners, forms, u + 0.5 * far * x, v + 0.5 * far * y, kind, family, x, y)
         if mx * mx + my * my > 0.0:
             again, reach, part = _exit(corners, u, v, mx, my, entry)
             if again >= 0:
                 x, y, side, far, share = mx, my, again, reach, part
-        share = min(max(share, INSIDE), 1.0 - INSIDE)
+        share = min(max(share, EDGE_MARGIN), 1.0 - EDGE_MARGIN)
         start, end = V[F[f, side]], V[F[f, (side + 1) % 3]]
         points[count] = (1.0 - share) * start + share * end
         faces[count - 1] = f

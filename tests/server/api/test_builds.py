@@ -123,7 +123,7 @@ def test_sheets_have_margins_allowances_and_files_of_their_own(client):
 
 def test_a_panel_that_is_kept_whole_is_refused_on_a_smaller_sheet(client):
     vertices, faces, options = asked(CONE)
-    with pytest.raises((Failed, Refused), match="more than a sheet of 3000 x 1500 mm; take larger sheets"):
+    with pytest.raises((Failed, Refused), match="more than a sheet of 3000 x 1500 mm; use larger sheets"):
         client.build("unroll", vertices, faces, settings={"sheet": [3, 1.5], "whole": True}, **options)
 
 
@@ -188,11 +188,11 @@ def test_wrong_orders_are_refused_before_they_are_queued(server, body, sentence)
 @pytest.mark.parametrize(
     "task, shape, settings, sentence",
     [
-        ("membrane", DOME, {}, "there is no load"),
+        ("membrane", DOME, {}, "the load is zero"),
         ("membrane", CONE, {"pressure": 1.0}, "has K = 0"),
-        ("unroll", CONE, {"seams": [[0, 1]]}, "no seam opens"),
+        ("unroll", CONE, {"seams": [[0, 1]]}, "no given seam opens"),
         ("unroll", CONE, {"sheet": "1e"}, "LENGTHxWIDTH"),
-        ("unroll", CONE, {"sheet": [0.001, 0.001]}, "give a larger one"),
+        ("unroll", CONE, {"sheet": [0.001, 0.001]}, "use larger sheets"),
         ("net", SADDLE, {"regions": [4]}, "there is no region 4"),
         ("mould", DOME, {"material": "cheese"}, "there is no material 'cheese'"),
         ("mould", CONE, {"count": 1}, "hole"),

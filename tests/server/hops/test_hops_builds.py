@@ -75,7 +75,7 @@ def test_sheets_have_margins_and_allowances(hops):
 def test_a_panel_that_is_kept_whole_is_refused_on_a_smaller_sheet(hops):
     given = {"Mesh": mesh_from_arrays(*cone(6, 24)), "K": [0.0], "Length": 3.0, "Width": 1.5}
     _, outputs, errors, _ = hops("unroll").solve(**given, Whole=True)
-    assert "more than a sheet of 3000 x 1500 mm; take larger sheets" in errors[0] and not any(outputs.values())
+    assert "more than a sheet of 3000 x 1500 mm; use larger sheets" in errors[0] and not any(outputs.values())
 
 
 def test_forces_of_a_dome(hops):
@@ -102,9 +102,9 @@ def test_a_net_and_curves_through_points(hops):
     "name, K, inputs, sentence",
     [
         ("unroll", 0.5, {}, "the surface is rough"),
-        ("unroll", 0.02, {"Length": 0.001}, "give a larger one"),
-        ("membrane", 0.02, {"Pressure": 0.0}, "there is no load"),
-        ("net", 0.02, {"Through": [(99.0, 99.0, 99.0)]}, "does a point lie on it"),
+        ("unroll", 0.02, {"Length": 0.001}, "use larger sheets"),
+        ("membrane", 0.02, {"Pressure": 0.0}, "the load is zero"),
+        ("net", 0.02, {"Through": [(99.0, 99.0, 99.0)]}, "the points lie on it"),
         ("mould", 0.02, {"Material": "cheese"}, "there is no material 'cheese'"),
     ],
 )
