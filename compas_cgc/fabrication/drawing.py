@@ -31,7 +31,7 @@ LAYERS = {
     "FOLD_UP": (30, 80, 200),
     "FOLD_DOWN": (150, 40, 160),
     "RULING": (40, 150, 70),
-    "MARK_LENGTH": (230, 140, 20),
+    "MARK": (230, 140, 20),
     "LABEL": (30, 30, 30),
     "SEAM": (230, 140, 20),
     "NODE": (120, 120, 120),
@@ -102,7 +102,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
-    ['FOLD_DOWN', 'FOLD_UP', 'MARK_LENGTH', 'OUTLINE', 'RULING', 'SHEET']
+    ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
     """
     refuse_others(patterns, "sheets are drawn", "draw_sheets")
     if sheet is not None and sheet not in range(patterns.sheets):
@@ -149,7 +149,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
             origin = origins[patterns.pieces[seam.pieces[side]].sheet]
             mate = patterns.pieces[seam.pieces[1 - side]].label
             marks, text = _seam_marks(seam, side, mate, mark, height)
-            lines += [Line("MARK_LENGTH", points + origin) for points in marks]
+            lines += [Line("MARK", points + origin) for points in marks]
             texts.append(text._replace(place=text.place + origin))
     size = step * [across, rows] - [SHEET_GAP * length, SHEET_GAP * width]
     return Drawing(lines, texts, (float(size[0]), float(size[1])), patterns.problem.drawing.units, _hidden(patterns, fold))

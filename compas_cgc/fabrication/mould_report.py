@@ -168,8 +168,8 @@ class MouldReport:
             widths = [fit.width for fit in own]
             strains = [100 * strain_of_width(mould.K, width) for width in widths]
             lines.append(
-                f"  pressing flat sheets instead: {100 * STRAIN:g} % strain allows a width of {wide:.3g} (square, sqrt(24 strain / |K|)) or "
-                f"{strip:.3g} (long strips); these panels ({_spread(widths)}) need strains of {_spread(strains, '%')}"
+                f"  pressed flat sheets: {100 * STRAIN:g} % strain allows widths of {wide:.3g} (square: sqrt(24 strain / |K|)) or "
+                f"{strip:.3g} (long strips); these ({_spread(widths)}) need strains of {_spread(strains, '%')}"
             )
         return lines
 

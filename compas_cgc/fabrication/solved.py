@@ -39,7 +39,7 @@ def solved_problem(surface: PosesProblem, rough: bool = False) -> CGCProblem:
         reached = _reached(problem)
         if not judged.fair and abs(reached - 1.0) > MAX_TOTAL_ERROR:
             raise CGCError(
-                f"the surface is not solved: its total curvature is {round(100 * reached)} % of the target; "
+                f"the surface is rough because it is not solved: its total curvature is {round(100 * reached)} % of the target; "
                 "solve it first and use the result"
             )
         if not judged.fair:

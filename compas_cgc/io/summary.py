@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..errors import names_what_was_meant
-from ..fabrication.flattening import LONG
+from ..fabrication.flattening import LONG_ASPECT
 from ..fabrication.flattening import STRAIN
 from ..fabrication.flattening import widest_panel
 from ..meshing import Diagnostic
@@ -53,7 +53,7 @@ def _panels(K: float) -> str:
     """Return what a curvature means for flat sheets."""
     if not K:
         return "; unrolls into flat sheets without strain"
-    square, strip = widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG)
+    square, strip = widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG_ASPECT)
     return f"; square flat sheets up to {square:.2g} wide are strained by {100 * STRAIN:g} % at most, long ones up to {strip:.2g}"
 
 

@@ -137,5 +137,5 @@ def test_a_region_where_nothing_is_asked_is_said():
 
 
 def test_a_reference_of_another_size_is_refused_in_words():
-    with pytest.raises(ValueError, match="the reference has 9 vertices, the mesh 16"):
+    with pytest.raises(ValueError, match="the reference has 9 vertices, but the surface has 16"):
         analyse(CGCMesh.from_meshgrid(dx=3, nx=3), CGCMesh.from_meshgrid(dx=2, nx=2))
