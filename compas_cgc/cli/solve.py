@@ -93,6 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the command."""
     from ..analysis import analyse
     from ..io import known_suffix
+    from ..model.result import FAILED
 
     # Detect an invalid output before the solve.
     if known_suffix(arguments.output) != ".3dm" and arguments.nurbs:
@@ -122,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report:
         _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
     code = _write_surface(arguments, result, analysis, parts)
-    if draw is not None and result.status not in ("infeasible", "diverged"):
+    if draw is not None and result.status not in FAILED:
         with parts.part("drawing the picture"):
             drawn = draw(result)
         echo(f"wrote {drawn}")

@@ -12,6 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..model.checks import turns_about
 from ..model.goals.wholes import Unknown
 from ..model.problem import CGCProblem
+from ..model.result import FAILED
 from ..model.roles import FIXED
 from ..model.verdict import Verdict
 
@@ -23,7 +24,7 @@ MIN_PLAN_SHARE = 0.5  # share of the area of a drawing that must face one way fo
 PLAN_RANGE = (0.8, 1.25)  # ratios of plan area to drawn plan area that are not reported
 
 
-def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judged: Optional[Verdict], max_error: float) -> str:
+def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judged: Verdict, max_error: float) -> str:
     """Return the verdict and the surface in one sentence.
 
     Parameters
@@ -35,11 +36,11 @@ def summary(problem: CGCProblem, drawn: Optional[FloatArray], status: str, judge
     status
         Status of the solve.
     judged
-        Verdict; None if there is no surface.
+        Verdict.
     max_error
         Largest |K - K̄| [1/L^2].
     """
-    if judged is None:
+    if status in FAILED:
         return "no surface found: the drawing is unchanged"
     surface = f"{_heights(problem)}{_covered(problem, drawn)}, {_curvature(problem, status, max_error)}, {_held(problem)}"
     return f"target not met: {surface}" if status != "converged" else f"{judged}{':' if judged.fair else ';'} {surface}"

@@ -23,6 +23,7 @@ from ..model.goals.wholes import Unknown
 from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import Origin
+from ..model.result import FAILED
 from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import DUMMY
@@ -159,9 +160,10 @@ class SolveResult:
         return self.status == "converged"
 
     @cached_property
-    def verdict(self) -> Optional[Verdict]:
-        """Verdict on the surface, fair or rough with reasons; None if no surface was found."""
-        return None if self.status in ("infeasible", "diverged") else verdict(self.problem, self.start)
+    def verdict(self) -> Verdict:
+        """Whether the surface is fair or rough, with reasons; not fair if no surface was found."""
+        judged = verdict(self.problem, self.start)
+        return replace(judged, fair=False, reasons=["no surface was found"]) if self.status in FAILED else judged
 
     @cached_property
     def summary(self) -> str:
@@ -235,7 +237,7 @@ class SolveResult:
             "measure": self.measure,
             "settings": None if self.settings is None else self.settings.to_dict(),
             "status": self.status,
-            "verdict": None if self.verdict is None else self.verdict.to_dict(),
+            "verdict": self.verdict.to_dict(),
             "message": self.message,
             "steps": self.iterations,
             "seconds": self.seconds,

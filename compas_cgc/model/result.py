@@ -11,9 +11,10 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .verdict import Verdict
 
-__all__ = ["STATUSES", "History", "Solution", "SolveState"]
+__all__ = ["FAILED", "STATUSES", "History", "Solution", "SolveState"]
 
 STATUSES = ("converged", "step_limit", "stalled", "diverged", "infeasible", "cancelled")
+FAILED = ("diverged", "infeasible")  # statuses without a surface
 
 
 class History(NamedTuple):

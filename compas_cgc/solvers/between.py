@@ -103,7 +103,7 @@ def between(branch: Branch, first: SolveResult, last: SolveResult, settings: Opt
 
 
 def _is_fair(result: SolveResult) -> bool:
-    return result.converged and result.verdict is not None and result.verdict.fair
+    return result.converged and result.verdict.fair
 
 
 def _reaches(branch: Branch, result: SolveResult) -> bool:

@@ -16,6 +16,7 @@ from ..model.goals import measures
 from ..model.goals.binding import support_height
 from ..model.goals.binding import unknown_regions
 from ..model.problem import CGCProblem
+from ..model.result import FAILED
 from ..solvers.between import Between
 from ..solvers.between import between
 from ..solvers.between import leads_on
@@ -249,7 +250,7 @@ class Plan:
         return tuple(known.get(column) for column in self.columns)
 
     def _figures(self, result: SolveResult) -> tuple[dict[str, Any], str]:
-        problem, judged = result.problem, result.verdict
+        problem, judged = result.problem, None if result.status in FAILED else result.verdict
         V, F = problem.vertices, problem.faces
         figures: dict[str, Any] = {
             "status": result.status,

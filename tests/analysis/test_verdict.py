@@ -148,7 +148,8 @@ def test_a_result_is_judged_where_there_is_a_surface():
     result = solve(square(12, 0.5))
     assert result.to_dict()["verdict"]["word"] == "fair" and result.start is not None
     lost = replace(result, status="diverged")
-    assert lost.verdict is None and lost.to_dict()["verdict"] is None
+    assert not lost.verdict.fair and str(lost.verdict) == "rough: no surface was found"
+    assert lost.to_dict()["verdict"]["reasons"] == lost.verdict.reasons and lost.summary.startswith("no surface found")
 
 
 def test_a_surface_is_judged_once_however_often_its_verdict_is_read(monkeypatch):

@@ -20,6 +20,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...model.constraint_data import as_goals
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
+from ...model.result import FAILED
 from ...scene.figures import FIGURES
 from ...solvers import Settings
 from ..runtime.address import Address
@@ -226,11 +227,11 @@ def _show(component: Any, memory: Memory) -> SolveOutputs:
     result = memory.shown.result
     if result is not None:
         set_message(component, result.status.replace("_", " "))
-        if result.status in ("infeasible", "diverged"):
+        if result.status in FAILED:
             add_error(component, result.message)
         elif not result.converged:
             add_warning(component, result.message)
-        elif result.verdict is not None and not result.verdict.fair:
+        elif not result.verdict.fair:
             set_message(component, "rough")
             add_warning(component, f"K is as asked, but the surface is {result.verdict}")
     return memory.shown

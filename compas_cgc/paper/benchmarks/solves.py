@@ -21,6 +21,7 @@ from ...discrete.jacobian import CurvatureEquations
 from ...discrete.laplacian import cotangent_stiffness
 from ...discrete.sparsity import RingPattern
 from ...model.problem import CGCProblem
+from ...model.result import FAILED
 from ...model.roles import FIXED
 from ...model.roles import FREE
 from ...model.roles import INTERNAL
@@ -134,7 +135,7 @@ def _fairest_row(cells: int, target: float) -> dict:
         "vertices": len(problem.vertices),
         "K": target,
         "status": result.status,
-        "verdict": "-" if result.verdict is None else result.verdict.word,
+        "verdict": "-" if result.status in FAILED else result.verdict.word,
         "steps": result.iterations,
         "seconds": seconds,
         "laplacian_seconds": laplacian,

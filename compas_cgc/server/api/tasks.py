@@ -14,6 +14,7 @@ from ...execution.worker import report
 from ...execution.worker import stop_wanted
 from ...fabrication.tasks import TASKS
 from ...model.checks import check
+from ...model.result import FAILED
 from ...model.result import SolveState
 from ...solvers.registry import method_of
 from ...solvers.run import solve
@@ -68,7 +69,7 @@ class Progress:
 
     def judged(self, result: SolveResult) -> None:
         """Report the verdict before the surface is measured and packed."""
-        if self.live and result.verdict is not None:
+        if self.live and result.status not in FAILED:
             verdict = {"fair": result.verdict.fair, "reasons": list(result.verdict.reasons)}
             report({**_figures(result), "judged": {"status": result.status, "message": result.message, "ending": result.ending, **verdict}})
 

@@ -70,7 +70,7 @@ def _solved(request: SolveRequest, started: float) -> Reply:
         return Reply(422, [], [result.message], notes, spent(started, read, solved))
     judged = f"the surface is {result.verdict}"
     remarks = [] if result.converged else [in_request_words(said) for said in check(request.problem)]
-    warnings = ([] if result.verdict and result.verdict.fair else [judged]) if result.converged else [result.message, *remarks]
+    warnings = ([] if result.verdict.fair else [judged]) if result.converged else [result.message, *remarks]
     info = "\n".join([result.summary, f"{result.ending} ({result.seconds:.2f} s)", *notes, *remarks])
     return Reply(200, surface_values(result, info), [], warnings, spent(started, read, solved))
 
