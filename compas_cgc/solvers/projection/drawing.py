@@ -57,7 +57,7 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
     heights = V @ up
     if np.ptp(heights) <= LEVEL * np.ptp(V):
         return problem
-    sheet = _Plate(_bending(problem, V, F), fixed).least(heights)
+    sheet = _Plate(_bending(problem, V, F), V, fixed).least(heights)
     bending = _bending(problem, V + (sheet - heights)[:, None] * up, F)
     own, drawn = (float(part @ (bending @ part)) for part in (sheet, heights))
     none = FLAT * float(bending.diagonal().sum()) * float(np.ptp(heights)) ** 2
@@ -68,14 +68,14 @@ def as_meant(problem: CGCProblem) -> CGCProblem:
         carried = _carried_on_coarse(problem, V + (sheet - heights)[:, None] * up)
         if carried is not None:
             return problem.with_vertices(np.where(movable[:, None], carried, V))
-    shape = V + (movable * (sheet + _Plate(bending, ~fixed).carried(heights - sheet) - heights))[:, None] * up
+    shape = V + (movable * (sheet + _Plate(bending, V, ~fixed).carried(heights - sheet) - heights))[:, None] * up
     near = None
     for _ in range(TURNS if own <= none else 0):
         # The sheet has turned with its supports, and so has what counts as its height.
         up = _up(shape, F, np.zeros_like(fixed))
         if up is None:
             break
-        heights, plate = shape @ up, _Plate(_bending(problem, shape, F), ~fixed)
+        heights, plate = shape @ up, _Plate(_bending(problem, shape, F), shape, ~fixed)
         if len(V) > MANY:
             # It hardly turns any more after the first time.
             near = near or plate.factors()
@@ -114,14 +114,15 @@ def _bending(problem: CGCProblem, vertices: FloatArray, faces: IntArray) -> spar
 class _Plate:
     """The heights of a plate, some of which (n,) are let go, at which the others hold them with the least energy."""
 
-    def __init__(self, bending: sparse.csr_matrix, free: Mask):
+    def __init__(self, bending: sparse.csr_matrix, points: FloatArray, free: Mask):
+        self._points = points[free]
         self._free, self._rows = free, bending[np.flatnonzero(free)]
         own = self._rows[:, np.flatnonzero(free)]
         self._own = (own + HELD * float(own.diagonal().max()) * sparse.identity(own.shape[0])).tocsr()
 
     def factors(self) -> LinearSolver:
         """Return the factors of its matrix."""
-        return factorise(self._own, symmetric=True, refine=False)
+        return factorise(self._own, symmetric=True, points=self._points, refine=False)
 
     def least(self, heights: FloatArray, near: Optional[LinearSolver] = None) -> FloatArray:
         """Return the heights (n,), by factors of a matrix near to its own where there are some."""

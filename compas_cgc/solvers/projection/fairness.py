@@ -81,6 +81,7 @@ class Fairness:
         pull = (weights * mass)[columns]
         self._pull = np.column_stack([plan * pull, plan * pull, (height if has_plan else plan) * pull])
         self._columns, self._drawing = columns, V
+        self.points = np.repeat(V[columns], 3, axis=0)
         # Of a shape that is kept only the move is bent: one that has the curvature already stays as it is.
         self._unbent = V if settings.keep == "shape" else np.zeros_like(V)
         self._bending = (settings.smoothness**4 * bending).tocsr()
@@ -139,17 +140,18 @@ class Fairness:
 
     def metric(self, freedoms: Freedoms) -> Metric:
         """Return the metric in the free directions, which is also E's second derivative; the last one while they are the same."""
-        return self._metric(freedoms.basis)
+        return self._metric(freedoms)
 
-    def _metric(self, basis: Optional[sparse.csr_matrix]) -> Metric:
-        last = self._last
+    def _metric(self, freedoms: Optional[Freedoms]) -> Metric:
+        last, basis = self._last, None if freedoms is None else freedoms.basis
         if last is None or not _same(last.basis, basis):
-            last = self._last = Metric(self.plan, self.height, self.axes, basis)
+            points = self.points if freedoms is None or basis is None else self._drawing[freedoms.owner]
+            last = self._last = Metric(self.plan, self.height, self.axes, points, basis)
         return last
 
     def along_normals(self) -> tuple[sparse.csr_matrix, Callable[[FloatArray], FloatArray]]:
         """Return what moves (c,) across the surface cost, and the inverse of that."""
-        return self.height, factorise(self.height, symmetric=True, refine=False).solve
+        return self.height, factorise(self.height, symmetric=True, points=self.points[::3], refine=False).solve
 
     def fairest_through(self, vertices: FloatArray) -> FloatArray:
         """Return the shape (n, 3) of least energy through the vertices that may not move."""

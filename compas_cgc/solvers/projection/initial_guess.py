@@ -108,7 +108,8 @@ def _quadric(vertices: FloatArray, faces: IntArray, movable: IntArray, stiffness
     if len(fixed):
         shape = shape - shape[fixed].mean()
         rows = stiffness[movable]
-        shape[movable] += factorise(rows[:, movable], symmetric=True, refine=False).solve(rows[:, fixed] @ shape[fixed])
+        solver = factorise(rows[:, movable], symmetric=True, points=vertices[movable], refine=False)
+        shape[movable] += solver.solve(rows[:, fixed] @ shape[fixed])
     result = np.zeros(len(vertices))
     result[movable] = shape[movable]
     return result

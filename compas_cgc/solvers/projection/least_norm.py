@@ -138,7 +138,9 @@ class LeastNorm:
         probe = np.cos(np.arange(self.J.shape[0], dtype=np.float64))
         weight = dot(probe, probe) / (SOFT * dot(probe, self.J @ self._solve(probe)))
         spend(rights(FACTORS, self.transposed.shape[0]))
-        factor = factorise(self.metric.reduced(across) + weight * (transposed @ normal), symmetric=True, refine=False)
+        points = np.empty((across.shape[1], 3))
+        points[across.indices] = self.metric.points
+        factor = factorise(self.metric.reduced(across) + weight * (transposed @ normal), symmetric=True, points=points, refine=False)
         return lambda v: weight * (v - normal @ factor.solve(weight * (transposed @ v)))
 
     def _close(self, start: Cheapest, goal: float, most: int, hope: float = math.inf) -> Cheapest:

@@ -95,21 +95,34 @@ class Metric:
         The same matrix twice where no direction is up.
     axes
         ``(3, 3)`` orthonormal rows: two directions in plan, and up.
+    points
+        ``(q, 3)`` places of the free directions, for the order of elimination.
     basis
         ``(3c, q)`` free directions in the columns, or ``None`` where all are free.
     """
 
-    def __init__(self, plan: sparse.csr_matrix, height: sparse.csr_matrix, axes: FloatArray, basis: Optional[sparse.csr_matrix] = None):
-        self.plan, self.height, self.axes, self.basis = plan, height, axes, basis
+    def __init__(
+        self,
+        plan: sparse.csr_matrix,
+        height: sparse.csr_matrix,
+        axes: FloatArray,
+        points: FloatArray,
+        basis: Optional[sparse.csr_matrix] = None,
+    ):
+        self.plan, self.height, self.axes, self.points, self.basis = plan, height, axes, points, basis
 
     # Without refinement: the solves are the greater part of the work, and any fixed matrix near to the inverse serves.
     @cached_property
     def _factor(self) -> LinearSolver:
-        return factorise(self.plan if self.basis is None else self._on_span(self.basis), symmetric=True, refine=False)
+        if self.basis is None:
+            return factorise(self.plan, symmetric=True, points=self.points[::3], refine=False)
+        return factorise(self._on_span(self.basis), symmetric=True, points=self.points, refine=False)
 
     @cached_property
     def _of_height(self) -> LinearSolver:
-        return self._factor if self.height is self.plan else factorise(self.height, symmetric=True, refine=False)
+        if self.height is self.plan:
+            return self._factor
+        return factorise(self.height, symmetric=True, points=self.points[::3], refine=False)
 
     def solve(self, gradient: FloatArray) -> FloatArray:
         """Return the move (q,) whose metric product with any other is that of the gradient (q,)."""
@@ -175,7 +188,7 @@ class MetricAcross(Metric):
     def __init__(self, metric: Metric, directions: FloatArray):
         c = len(directions)
         basis = sparse.csr_matrix((directions.ravel(), np.repeat(np.arange(c), 3), np.arange(3 * c + 1)), shape=(3 * c, c))
-        super().__init__(metric.plan, metric.height, metric.axes, basis)
+        super().__init__(metric.plan, metric.height, metric.axes, metric.points[::3], basis)
         self._of_all = metric
 
     def solve(self, gradient: FloatArray) -> FloatArray:

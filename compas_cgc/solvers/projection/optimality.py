@@ -97,7 +97,7 @@ def optimality(system: System, point: Point, equations: CurvatureEquations, mult
 def _elimination_order(system: System, owner: IntArray) -> IntArray:
     """Return an order of unknowns that belong to vertices: all of one together, its multiplier last, so that no pivot is zero."""
     rank = np.full(len(system.places.start), len(system.columns))
-    rank[system.columns[elimination_order(system.fairness.plan)]] = np.arange(len(system.columns))
+    rank[system.columns[elimination_order(system.fairness.plan, system.fairness.points[::3])]] = np.arange(len(system.columns))
     return np.argsort(rank[owner], kind="stable")
 
 

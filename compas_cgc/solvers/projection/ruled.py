@@ -55,7 +55,7 @@ def ruled(system: System, vertices: FloatArray) -> Optional[FloatArray]:
     for curve, share in zip((first, second), along):
         across[curve] = share
     used = np.unique(system.faces)
-    s, t = (_harmonic(laplacian, values, used) for values in (across, between))
+    s, t = (_harmonic(laplacian, vertices, values, used) for values in (across, between))
     ends = [np.column_stack([np.interp(s, share, vertices[curve, k]) for k in range(3)]) for curve, share in zip((first, second), along)]
     shape = vertices.copy()
     shape[system.columns] = ((1.0 - t)[:, None] * ends[0] + t[:, None] * ends[1])[system.columns]
@@ -89,11 +89,12 @@ def _along_chord(curve: FloatArray) -> Optional[FloatArray]:
     return share if (np.diff(share) > STRAIGHT).all() else None
 
 
-def _harmonic(laplacian: sparse.csr_matrix, known: FloatArray, used: IntArray) -> FloatArray:
+def _harmonic(laplacian: sparse.csr_matrix, vertices: FloatArray, known: FloatArray, used: IntArray) -> FloatArray:
     """Return the harmonic function (n,) with some values (n,), NaN where there is none."""
     free = used[np.isnan(known[used])]
     given = used[~np.isnan(known[used])]
     result = np.where(np.isnan(known), 0.0, known)
     rows = laplacian[free]
-    result[free] = -factorise(rows[:, free].tocsr(), symmetric=True, refine=False).solve(rows[:, given] @ known[given])
+    solver = factorise(rows[:, free].tocsr(), symmetric=True, points=vertices[free], refine=False)
+    result[free] = -solver.solve(rows[:, given] @ known[given])
     return result

@@ -66,7 +66,7 @@ def _step(system: System, equations: CurvatureEquations, point: Point) -> FloatA
     K[system.rows] = np.abs(equations.targets[system.rows])
     cheap = sliding_ease(point.vertices, system.faces, K, system.columns)
     try:
-        multipliers = factorise((J @ cheap @ J.T).tocsr(), symmetric=True).solve(-point.residual)
+        multipliers = factorise((J @ cheap @ J.T).tocsr(), symmetric=True, points=point.vertices[system.rows]).solve(-point.residual)
     except SingularMatrixError:
         return np.full_like(point.vertices, np.nan)
     step = system.full(cheap @ (J.T @ multipliers))

@@ -147,7 +147,8 @@ class _State:
         matrix = _along(self._smooth, directions) + J.T @ sparse.diags(exact) @ J + sparse.diags(pull)
         move = np.zeros(len(directions))
         count(rights(SOLVE, 3 * len(directions)))
-        move[columns] = -factorise(matrix.tocsr()[columns][:, columns], symmetric=True, refine=False).solve(gradient[columns])
+        own = matrix.tocsr()[columns][:, columns]
+        move[columns] = -factorise(own, symmetric=True, points=self.vertices[columns], refine=False).solve(gradient[columns])
         return move
 
 
