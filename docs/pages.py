@@ -22,6 +22,8 @@ import compas_cgc
 from compas_cgc._atomic_write import write_text
 from compas_cgc.cli.main import COMMANDS
 from compas_cgc.cli.main import build_parser
+from compas_cgc.io import FORMATS
+from compas_cgc.io import SUFFIXES
 
 DOCS = Path(__file__).parent
 
@@ -128,9 +130,20 @@ def command_line() -> str:
     return page
 
 
+def formats() -> str:
+    """Return the page on files with the table of formats."""
+    rows = ["| | format | coordinates | supports, creases | targets | goals | extra |", "| --- | --- | --- | --- | --- | --- | --- |"]
+    for suffix in SUFFIXES:
+        own = FORMATS[suffix]
+        cells = (f"`{suffix}`", own.name, own.coordinates, own.supports, own.targets, own.goals, f"`{own.extra}`" if own.extra else "")
+        rows.append(f"| {' | '.join(cells)} |")
+    before, _, rest = (DOCS / "3dm.md").read_text(encoding="utf-8").partition("<!-- formats -->\n")
+    return before + "<!-- formats -->\n" + "\n".join(rows) + "\n<!-- end -->" + rest.partition("<!-- end -->")[2]
+
+
 def made() -> dict[str, Callable[[], str]]:
     """Return the functions that create the pages, by path."""
-    found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line}
+    found: dict[str, Callable[[], str]] = {"api/index.md": index, "cli.md": command_line, "3dm.md": formats}
     for name, (text, modules) in pages().items():
         found[f"api/{name}.md"] = partial(reference_page, modules[0], text, modules)
     return found

@@ -10,6 +10,7 @@ from typing import Any
 from typing import Optional
 
 from ..errors import CGCError
+from ..io.formats import listed
 from ..solvers import METHODS
 from ..solvers import Option
 from ..solvers import Settings
@@ -22,11 +23,16 @@ if TYPE_CHECKING:
     from ..io.reading import ReadProblem
     from ..model.problem import CGCProblem
 
-__all__ = ["add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_targets"]
+__all__ = ["add_input", "add_options", "add_reading", "add_supports", "read_input", "settings_of", "with_targets"]
 
 # Copied from `meshing.boundary`, which --help must not import.
 SUPPORT_NAMES = ("boundary", "outline", "corners")
 _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
+
+
+def add_input(parser: argparse.ArgumentParser, kind: str = "a") -> None:
+    """Add the argument for the input file."""
+    parser.add_argument("input", metavar="FILE", help=f"{kind} {listed()} file")
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

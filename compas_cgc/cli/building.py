@@ -11,6 +11,7 @@ from typing import Optional
 from ..fabrication.tasks import TASKS
 from ..fabrication.tasks import BuildOption
 from ..fabrication.tasks import read_settings
+from .arguments import add_input
 from .arguments import add_reading
 from .arguments import read_input
 from .arguments import with_targets
@@ -27,7 +28,7 @@ __all__ = ["add_outputs", "add_task", "build_and_write", "read_solved", "setting
 def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = ()) -> None:
     """Add the input file, the options of a task except those in `leave`, and the arguments for reading."""
     parser.description = TASKS[task].text
-    parser.add_argument("input", metavar="FILE", help="a solved .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    add_input(parser, "a solved")
     for own in TASKS[task].options:
         if own.name not in leave:
             _add(parser, own)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from .arguments import add_input
 from .arguments import add_reading
 from .arguments import read_input
 from .exits import DONE
@@ -18,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Read a file as solve does. List its contents, the changes that solve would make, and the problems that prevent a solve."
     )
-    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    add_input(parser)
     add_reading(parser)
     parser.set_defaults(run=run)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from .arguments import add_input
 from .arguments import add_reading
 from .arguments import add_supports
 from .arguments import read_input
@@ -18,7 +19,7 @@ __all__ = ["add_arguments", "run"]
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = "Find the largest target curvature for which a fair surface exists. All targets are scaled by the same factor."
-    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    add_input(parser)
     parser.add_argument(
         "--target", type=float, metavar="K", help="Gaussian curvature everywhere; only its sign matters (default: the targets of the file)"
     )

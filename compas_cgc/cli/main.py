@@ -12,6 +12,7 @@ from typing import Optional
 
 from .._version import __version__
 from ..errors import nearest_name
+from ..io.formats import SUFFIXES
 from .console import compiling
 from .exits import INTERRUPTED
 from .exits import REFUSED
@@ -72,7 +73,7 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     words = sys.argv[1:] if argv is None else list(argv)
-    if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in (".3dm", ".json", ".obj", ".off", ".ply", ".stl"):
+    if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in SUFFIXES:
         print(f"compas-cgc: {words[0]} is a file; put a command before it, such as compas-cgc check {words[0]}", file=sys.stderr)
         return REFUSED
     if not words or words[0] == "help":

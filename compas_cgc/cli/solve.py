@@ -13,6 +13,7 @@ from typing import Optional
 from typing import cast
 
 from ..errors import FileError
+from .arguments import add_input
 from .arguments import add_options
 from .arguments import add_reading
 from .arguments import add_supports
@@ -62,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = "Compute the surface that has the target Gaussian curvature in each region, and write it to a file."
     parser.epilog = _EPILOG
-    parser.add_argument("input", metavar="INPUT", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    add_input(parser)
     parser.add_argument("-o", "--output", required=True, metavar="OUTPUT", help="file to write, in any of these formats")
     parser.add_argument(
         "--target",

@@ -14,6 +14,7 @@ from typing import Any
 from typing import Optional
 
 from ..errors import CGCError
+from .arguments import add_input
 from .arguments import add_reading
 from .arguments import read_input
 from .console import bar
@@ -54,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.description = "Solve many variants of a drawing. Write a table with all results and verdicts, pictures, and the best variants."
     parser.epilog = _EPILOG
-    parser.add_argument("input", metavar="FILE", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    add_input(parser)
     parser.add_argument("study", metavar="STUDY", help=".toml file with the parameters to vary")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder to write to")
     parser.add_argument("--workers", type=_count, metavar="N", help="number of processes (default: number of processors)")

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from .reading import ReadProblem
-from .registry import SUFFIXES
-from .registry import known_suffix
-from .registry import read
-from .registry import read_mesh
-from .registry import read_problem
-from .registry import write
+from .._lazy import attach
 
-__all__ = ["SUFFIXES", "ReadProblem", "known_suffix", "read", "read_mesh", "read_problem", "write"]
+# What is public is listed in __init__.pyi, for type checkers too.
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

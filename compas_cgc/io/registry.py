@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
@@ -18,28 +20,18 @@ from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
 from .cursor import guarded
-from .obj import obj_text
-from .obj import read_obj
-from .off import off_text
-from .off import read_off
-from .ply import ply_text
-from .ply import read_ply
+from .formats import SUFFIXES
+from .formats import listed
 from .reading import ReadProblem
-from .stl import read_stl
-from .stl import stl_text
 
 if TYPE_CHECKING:
     from ..analysis import SurfaceReport
     from ..datastructures import CGCMesh
     from ..datastructures import SolveResult
 
-__all__ = ["SUFFIXES", "known_suffix", "read", "read_mesh", "read_problem", "write"]
+__all__ = ["known_suffix", "read", "read_mesh", "read_problem", "write"]
 
 PathLike = Union[str, "os.PathLike[str]"]
-
-_READERS = {".obj": read_obj, ".off": read_off, ".ply": read_ply, ".stl": read_stl}
-_WRITERS = {".obj": obj_text, ".off": off_text, ".ply": ply_text, ".stl": stl_text}
-SUFFIXES = (".3dm", ".json", *sorted(_WRITERS))
 
 
 @names_what_was_meant()
@@ -54,14 +46,12 @@ def read_problem(
 ) -> ReadProblem:
     """Read a mesh with all that the file asks of it.
 
-    .3dm and COMPAS .json hold supports, creases, targets and goals; .ply all but goals and single
-    strategies, .obj also not targets that vary inside of a region; .off and .stl hold none. Meshes are welded,
-    triangulated and oriented where they need it.
+    :data:`compas_cgc.io.FORMATS` lists what each format holds. Meshes are welded, triangulated and oriented if necessary.
 
     Parameters
     ----------
     path
-        A .3dm, .json, .obj, .off, .ply or .stl file.
+        A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
     layers, crease, tolerance, edge_length, result
         For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
 
@@ -91,7 +81,7 @@ def read_problem(
             return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
         if suffix == ".json":
             return ReadProblem(read_json(source).to_problem())
-        return _READERS[suffix](source)
+        return _function("read_{}", suffix)(source)
 
 
 @names_what_was_meant()
@@ -108,7 +98,7 @@ def read_mesh(
     Parameters
     ----------
     path
-        A .3dm, .json, .obj, .off, .ply or .stl file.
+        A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
     layers, crease, tolerance, edge_length
         For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
 
@@ -153,7 +143,7 @@ def read(
     Parameters
     ----------
     path
-        A .3dm, .json, .obj, .off, .ply or .stl file.
+        A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
     layers, crease, tolerance, edge_length
         For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
 
@@ -187,7 +177,7 @@ def write(
     Parameters
     ----------
     path
-        A .3dm, .json, .obj, .off, .ply or .stl file; an older one is replaced when the new
+        A file in one of the formats of :data:`compas_cgc.io.FORMATS`; an older one is replaced when the new
         one is complete.
     surface
         A result, mesh or problem. A dummy mesh is left out of all formats but .json; a .3dm
@@ -225,10 +215,19 @@ def write(
     target = Path(path)
     if suffix == ".3dm":
         return _write_3dm(target, surface, source, version, analysis, nurbs)
-    text = json_text(surface) if suffix == ".json" else _WRITERS[suffix](problem_of(surface, "or a result is written").without_dummies())
+    if suffix == ".json":
+        text = json_text(surface)
+    else:
+        text = _function("{}_text", suffix)(problem_of(surface, "or a result is written").without_dummies())
     with written(target) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
     return []
+
+
+def _function(name: str, suffix: str) -> Callable:
+    """Return a function of the module of a text format, such as ``read_obj``."""
+    kind = suffix[1:]
+    return getattr(import_module(f".{kind}", __package__), name.format(kind))
 
 
 def _write_3dm(
@@ -280,5 +279,5 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     if suffix not in SUFFIXES and Path(path).is_dir():
         raise FileError(f"{path} is a folder; name a file in it")
     if suffix not in SUFFIXES:
-        raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {', '.join(SUFFIXES)}")
+        raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {listed()}")
     return suffix

@@ -69,7 +69,7 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     figure
         What a ``..._figure`` function returned, or the ``figure`` of drawn axes.
     path
-        File to write or to replace, with its folder, ending in ``.png``, ``.svg`` or ``.pdf``.
+        File to write or to replace, with its folder, with a suffix in :data:`FORMATS`.
 
     Returns
     -------
@@ -108,5 +108,5 @@ def check_picture(path: Union[str, os.PathLike]) -> None:
 def _kind_of(path: Path) -> str:
     kind = path.suffix.lower()
     if kind not in FORMATS:
-        raise FileError(f"a picture is saved as .png, .svg or .pdf, not as {path.name!r}: change the suffix")
+        raise FileError(f"a picture is saved as {', '.join(FORMATS)}, not as {path.name!r}: change the suffix")
     return kind

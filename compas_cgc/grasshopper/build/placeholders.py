@@ -9,6 +9,7 @@ from typing import Any
 from ..._version import __version__
 from ...errors import FileError
 from ...fabrication import MATERIALS
+from ...io.formats import listed
 from ...model.result import STATUSES
 from ...solvers import Option
 from ...solvers.registry import METHODS
@@ -26,15 +27,12 @@ def placeholders() -> dict[str, str]:
     """Return the text for every placeholder."""
     return {
         "version": __version__,
-        "methods": _or(list(map(repr, method_names()))),
-        "materials": _or(list(MATERIALS)),
+        "methods": listed(map(repr, method_names())),
+        "materials": listed(MATERIALS),
         "statuses": ", ".join(STATUSES),
+        "suffixes": listed(),
         **{f"options.{name}": option_text(own) for name, own in options().items()},
     }
-
-
-def _or(names: list[str]) -> str:
-    return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
 def filled(source: Any) -> Any:

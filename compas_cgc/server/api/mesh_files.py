@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from typing import Optional
 
 from ...errors import FileError
+from ...io.formats import FORMATS
+from ...io.formats import SUFFIXES
 from ..errors import Unprocessable
 
 if TYPE_CHECKING:
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["KINDS", "file_bytes", "read_upload", "warm_up_io"]
 
-KINDS = {"3dm": "model/vnd.3dm", "obj": "model/obj"}
+KINDS = {suffix[1:]: FORMATS[suffix].media_type for suffix in SUFFIXES if FORMATS[suffix].media_type}
 
 
 def read_upload(kind: str, body: bytes, result: bool = False, edge_length: Optional[float] = None) -> ReadProblem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...io.formats import FORMATS
 from ...meshing.boundary import SUPPORT_NAMES
 from ...model.constraint_data import KINDS as CONSTRAINTS
 from ...solvers.registry import method_names
@@ -213,7 +214,7 @@ def request_schema() -> dict:
     }
 
 
-PLAN_KINDS = ("dxf", "3dm")
+PLAN_KINDS = tuple(suffix[1:] for suffix, own in FORMATS.items() if own.plan)
 _POINT = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
 PLAN = {
     "type": "object",

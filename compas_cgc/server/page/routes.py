@@ -13,6 +13,7 @@ from flask import Response
 from flask import current_app
 from flask import request
 
+from ...io.formats import listed
 from ..api.blocking_calls import run_in_io_pool
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
@@ -88,7 +89,8 @@ def file(name: str) -> Response:
 def _file(name: str) -> Response:
     path = FILES[name]
     packed = path.suffix != ".png" and request.accept_encodings["gzip"] > 0
-    answer = Response(_packed(path, path.stat().st_mtime_ns) if packed else path.read_bytes(), mimetype=TYPES[path.suffix])
+    content = _packed(path, path.stat().st_mtime_ns) if packed else _content(path)
+    answer = Response(content, mimetype=TYPES[path.suffix])
     answer.headers["Cache-Control"] = "no-cache"
     answer.vary.add("Accept-Encoding")
     if packed:
@@ -101,7 +103,25 @@ def _file(name: str) -> Response:
 @functools.lru_cache(maxsize=256)
 def _packed(path: Path, changed: int) -> bytes:
     """Return a file compressed with gzip, about a quarter of its size; deterministic."""
-    return gzip.compress(path.read_bytes(), mtime=0)
+    return gzip.compress(_content(path), mtime=0)
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of a file, with the kinds of files that the server reads in the page."""
+    content = path.read_bytes()
+    if path.name != "index.html":
+        return content
+    meshes, plans = ([f".{kind}" for kind in kinds] for kinds in (KINDS, PLAN_KINDS))
+    words = {
+        "accept": ",".join(dict.fromkeys([*meshes, *plans, ".json"])),
+        "meshes": " ".join(KINDS),
+        "plans": " ".join(PLAN_KINDS),
+        "mesh files": listed(meshes),
+        "plan files": listed(plans),
+    }
+    for name, text in words.items():
+        content = content.replace(f"{{{{{name}}}}}".encode(), text.encode())
+    return content
 
 
 @page.post("/api/v1/models")

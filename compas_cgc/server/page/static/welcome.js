@@ -2,9 +2,7 @@
 
 import { fromText } from './design/packing.js';
 
-const KINDS = ['3dm', 'obj'];
 const DESIGN = 'json';
-const PLAN = 'dxf';
 const LARGEST = 64 * 2 ** 20; // bytes
 
 /** The first page, and files dropped anywhere. */
@@ -23,6 +21,7 @@ export class Welcome {
     this.opening = room.querySelector('#opening');
     /** @type {HTMLInputElement} */
     const input = room.querySelector('input[type="file"]');
+    [this.meshes, this.plans] = [input.dataset.meshes, input.dataset.plans].map((kinds) => kinds.split(' '));
     input.addEventListener('change', () => {
       const [file] = input.files;
       if (file) this.file(file);
@@ -106,10 +105,10 @@ export class Welcome {
     const kind = file.name.split('.').pop().toLowerCase();
     const size = file.size > 1e6 ? `, ${(file.size / 1e6).toFixed(1)} MB` : '';
     if (file.size > LARGEST) this.say(`“${file.name}” is larger than 64 MB, the most that the server takes. Save the mesh, its supports and folds as a file of their own.`);
-    else if (KINDS.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
-    else if (kind === PLAN) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
+    else if (this.meshes.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
+    else if (this.plans.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
     else if (kind === DESIGN) this.load(`Opening “${file.name}”${size}`, async () => this.listener.state(fromText(await file.text())));
-    else this.say(`“${file.name}” is neither a .3dm nor an .obj file, no .dxf and no saved design. Save the mesh as one of these and drop it again.`);
+    else this.say(`“${file.name}” cannot be opened. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
   }
 
   /** Put the curves of a file on the drawing board. */

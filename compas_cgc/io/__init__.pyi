@@ -1,0 +1,9 @@
+from .formats import FORMATS as FORMATS
+from .formats import SUFFIXES as SUFFIXES
+from .formats import Format as Format
+from .reading import ReadProblem as ReadProblem
+from .registry import known_suffix as known_suffix
+from .registry import read as read
+from .registry import read_mesh as read_mesh
+from .registry import read_problem as read_problem
+from .registry import write as write

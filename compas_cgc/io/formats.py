@@ -1,0 +1,76 @@
+"""Formats of files: the table that readers, writers, doors and the manual use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+__all__ = ["FORMATS", "SUFFIXES", "Format", "listed"]
+
+
+class Format(NamedTuple):
+    """A format of files.
+
+    Parameters
+    ----------
+    name
+        Name of the format.
+    coordinates, supports, targets, goals
+        What a mesh file stores of coordinates, of supports and creases, of targets and of goals; empty if the format
+        holds no meshes.
+    plan
+        Whether plans are read from the curves of such files.
+    media_type
+        Media type over HTTP; empty if the server does not take such files.
+    extra
+        Extra of the package that reads and writes the format; empty if none is needed.
+
+    Examples
+    --------
+    >>> FORMATS[".3dm"].extra
+    'rhino'
+    """
+
+    name: str
+    coordinates: str = ""
+    supports: str = ""
+    targets: str = ""
+    goals: str = ""
+    plan: bool = False
+    media_type: str = ""
+    extra: str = ""
+
+
+FORMATS = {
+    ".3dm": Format("Rhino", "exact", "yes", "yes", "yes", plan=True, media_type="model/vnd.3dm", extra="rhino"),
+    ".json": Format("COMPAS", "exact", "yes", "yes", "yes"),
+    ".obj": Format("Wavefront", "exact", "yes: `p` and `l` elements", "of regions: groups `K=0.03`", "no", media_type="model/obj"),
+    ".off": Format("Object File Format", "exact", "no", "no", "no"),
+    ".ply": Format("Stanford", "exact", "yes: vertex `role`, edge `crease`", "of vertices: `target`", "no"),
+    ".stl": Format("stereolithography", "exact; vertices are renumbered", "no", "no", "no"),
+    ".dxf": Format("AutoCAD", plan=True, media_type="image/vnd.dxf", extra="fabrication"),
+}
+
+SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates)
+
+
+def listed(suffixes: Iterable[str] = SUFFIXES) -> str:
+    """Return suffixes in words.
+
+    Parameters
+    ----------
+    suffixes
+        Suffixes; the default is those of mesh files.
+
+    Returns
+    -------
+    str
+        Text for sentences.
+
+    Examples
+    --------
+    >>> listed()
+    '.3dm, .json, .obj, .off, .ply or .stl'
+    """
+    *others, last = suffixes
+    return f"{', '.join(others)} or {last}" if others else last
