@@ -144,7 +144,6 @@ def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], 
 def _draw(path: str, of: str, result: SolveResult) -> Path:
     """Draw a result and return the path of the picture."""
     from ..plot import draw_zebra
-    from ..plot import hero
     from ..plot import save
     from ..plot import studio
 
@@ -152,7 +151,7 @@ def _draw(path: str, of: str, result: SolveResult) -> Path:
     shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
     if of == "zebra":
         return save(cast("Figure", draw_zebra(*shape).figure), path)
-    return save(studio(*shape) if of == "regions" else hero(*shape, curvature=result.curvature), path)
+    return save(studio(*shape, curvature=result.curvature if of == "K" else None), path)
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:

@@ -20,7 +20,6 @@ from .maps import draw_curvature
 from .maps import draw_error
 from .moulds import moulds_figure
 from .output import save
-from .render import hero
 from .shape import draw_shape
 from .studio_light import studio
 from .studio_light import studio_image
@@ -42,7 +41,6 @@ __all__ = [
     "draw_shape",
     "draw_zebra",
     "error_figure",
-    "hero",
     "history_figure",
     "moulds_figure",
     "save",

@@ -71,7 +71,7 @@ def brightness(normals: FloatArray, view: View, ambient: float) -> FloatArray:
     return ambient + (1.0 - ambient) * np.clip(facing * (normals @ light) / level, 0.0, 1.0)
 
 
-def light_direction(view: View, spread: float = 0.0) -> FloatArray:
-    """Return the unit vector to the light (3,); a spread in 0..1 takes it lower, for the rim of a soft shadow."""
-    light = np.array([-0.45 - 0.15 * spread, 0.65, 0.6]) @ view_axes(view)
+def light_direction(view: View) -> FloatArray:
+    """Return the unit vector to the light (3,)."""
+    light = np.array([-0.45, 0.65, 0.6]) @ view_axes(view)
     return light / np.linalg.norm(light)

@@ -5,6 +5,7 @@ Light is gathered by shadow maps (Williams, 1978): one for each of many directio
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import NamedTuple
@@ -21,12 +22,13 @@ from ..discrete.arrays import IntArray
 from ..errors import ArgumentError
 from ..errors import names_what_was_meant
 from ..meshing import face_regions
+from ..model.roles import INTERNAL
 from .colours import diverging_map
 from .colours import rgba
+from .maps import vertex_values
 from .output import new_figure
 from .projected_mesh import edge_array
 from .projected_mesh import real_faces
-from .render import tones
 from .view import View
 from .view import frame_of
 from .view import project
@@ -85,7 +87,7 @@ def studio(
     creases
         ``(e, 2)`` vertex indices of the edges along which the surface folds, drawn as lines.
     curvature
-        ``(n,)`` K [1/L^2] to colour by: red positive, blue negative. Default: two tones by region.
+        ``(n,)`` K [1/L^2] of internal vertices to colour by: red positive, blue negative. Default: two tones by region.
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`; from above.
     width
@@ -167,7 +169,8 @@ def studio_image(
     V, F = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64)
     F = F[real_faces(F, roles)]
     edges = edge_array(creases, np.ones(len(V), bool))
-    scene = _scene(V, F, edges, curvature, colours)
+    K = None if curvature is None else np.where(np.asarray(roles) == INTERNAL, vertex_values(curvature, len(V), "curvature"), np.nan)
+    scene = _scene(V, F, edges, K, colours)
     ground = _ground(V[F].reshape(-1, 3), int(np.clip(width // 4, 20, 220)))
     corners = np.concatenate([scene.points, ground])
     about = V[np.unique(F)]
@@ -189,7 +192,7 @@ def studio_image(
     return image[: h * oversampling].reshape(h, oversampling, width, oversampling, 3).mean(axis=(1, 3)).clip(0.0, 1.0)
 
 
-def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[ArrayLike], colours: Sequence[str]) -> _Scene:
+def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[FloatArray], colours: Sequence[str]) -> _Scene:
     regions = face_regions(F, edges)
     normal = face_normals(V, F)
     corner_angles = _corner_angles(V[F])
@@ -202,9 +205,9 @@ def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[Arra
         if not len(colours):
             raise ArgumentError("colours must name at least one tone, such as '#d8c3a5'")
         palette = np.array([rgba(colour)[:3] for colour in colours])
-        tone = palette[tones(F, regions) % len(palette)]
+        tone = palette[_tones(F, regions) % len(palette)]
     else:
-        K = np.asarray(curvature, dtype=np.float64)[F]
+        K = curvature[F]
         known = np.isfinite(K)
         weight, sums = known.sum(axis=1), np.where(known, K, 0.0).sum(axis=1)
         whole = np.bincount(regions, sums) / np.maximum(np.bincount(regions, weight), 1)
@@ -213,6 +216,23 @@ def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[Arra
         tone = diverging_map()(np.clip(mean / limit, -1, 1) / 2 + 0.5)[:, :3]
     size = float(np.linalg.norm(np.ptp(V[F].reshape(-1, 3), axis=0)))
     return _Scene(V[F], total[group.reshape(F.shape)], tone, size)
+
+
+def _tones(faces: IntArray, regions: IntArray) -> IntArray:
+    """Return the number of a tone for every face (m,): few tones, but two for regions that share an edge."""
+    sides = edge_faces(faces)[:, 2:]
+    pairs = np.unique(regions[sides[(sides >= 0).all(axis=1)]], axis=0)
+    beside: dict[int, set[int]] = {int(region): set() for region in np.unique(regions)}
+    for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
+        beside[a].add(b)
+        beside[b].add(a)
+    tone: dict[int, int] = {}
+    while len(tone) < len(beside):
+        # Next the one with the most tones around it (DSATUR, doi:10.1145/359094.359101): two tones do where two can.
+        around = {region: {tone[other] for other in beside[region] if other in tone} for region in beside if region not in tone}
+        region = max(around, key=lambda r: len(around[r]))
+        tone[region] = next(i for i in itertools.count() if i not in around[region])
+    return np.array([tone[int(region)] for region in regions], dtype=np.int64)
 
 
 def _corner_angles(points: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from compas_cgc.model.roles import FIXED
 from compas_cgc.model.roles import INTERNAL
 from compas_cgc.plot.colours import limit_above
 from compas_cgc.plot.layout import round_below
-from compas_cgc.plot.render import tones
+from compas_cgc.plot.studio_light import _tones
 from compas_cgc.plot.view import project
 from compas_cgc.plot.visibility import in_sight
 from compas_cgc.solvers.flow import curve_flow
@@ -93,7 +93,7 @@ print("matplotlib" in sys.modules, "matplotlib.pyplot" in sys.modules)
             lambda: plot.draw_shape(CORNERS, SQUARE, np.zeros(4)),
             lambda: plot.history_figure(fake_history([1], [1])),
             lambda: plot.draw_curve(curve),
-            lambda: plot.hero(*roof()[1:5]),
+            lambda: plot.studio(*roof()[1:5], width=80),
             lambda: plot.error_figure([roof()._replace(errors=np.zeros(121))]),
         ):
             with pytest.raises(CGCError) as caught:
@@ -174,7 +174,6 @@ class TestWholeFigures:
             plot.shape_figure([shape, shape], unit="m"),
             plot.comparison_figure([shape] * 3),
             plot.error_figure([shape, shape], "diagonal", unit="m"),
-            plot.hero(*shape[1:5]),
             plot.draw_shape(*shape[1:5]).figure,
             plot.draw_curvature(*shape[1:4], shape.errors).figure,
             plot.history_figure(self.history, "Example", unit="m"),
@@ -307,13 +306,12 @@ class TestCurves:
             plot.draw_curve(CORNERS[:, :2], np.zeros(4))
 
 
-class TestHero:
-    def test_it_is_1600_pixels_wide_and_shows_no_dummies(self):
+class TestStudio:
+    def test_it_shows_no_dummies(self):
         shape = roof()
-        image = pixels(plot.hero(*shape[1:5]))
-        assert image.shape[1] == 1600
+        image = plot.studio_image(*shape[1:5], width=80)
         lowered = shape._replace(vertices=np.where((shape.roles == DUMMY)[:, None], shape.vertices * [9, 9, 1], shape.vertices))
-        assert np.array_equal(image, pixels(plot.hero(*lowered[1:5])))
+        assert np.array_equal(image, plot.studio_image(*lowered[1:5], width=80))
 
     def test_creases_divide_the_mesh_and_neighbours_differ_in_tone(self):
         shape = roof()
@@ -321,24 +319,24 @@ class TestHero:
         regions = face_regions(real, shape.creases[:, ::-1])
         left = shape.vertices[real].mean(axis=1)[:, 0] < 0.5
         assert len(np.unique(regions)) == 2 and np.array_equal(regions == regions[left][0], left)
-        assert np.array_equal(tones(real, regions) == tones(real, regions)[left][0], left)
+        assert np.array_equal(_tones(real, regions) == _tones(real, regions)[left][0], left)
         assert not face_regions(real, np.empty((0, 2), int)).any()
 
     def test_eight_sectors_take_two_tones_in_whatever_order_they_are_numbered(self):
         faces = np.array([[0, i + 1, (i + 1) % 8 + 1] for i in range(8)])
         numbers = np.array([0, 2, 3, 1, 4, 5, 6, 7])
-        tone = tones(faces, numbers)
+        tone = _tones(faces, numbers)
         assert set(tone) == {0, 1} and (tone != np.roll(tone, 1)).all()
 
     def test_curvature_beside_creases_and_supports_is_not_read(self):
         shape = roof()
         K = np.where(shape.roles == INTERNAL, 1.0, -1e6)
-        image = pixels(plot.hero(*shape[1:5], curvature=K))
-        assert not (image[..., 2] > image[..., 0] + 5).any(), "nothing blue"
+        image, same = (plot.studio_image(*shape[1:5], curvature=own, width=80) for own in (K, np.ones(len(K))))
+        assert np.array_equal(image, same)
 
-    def test_one_region_per_face(self):
-        with pytest.raises(ValueError, match="regions must be one per face"):
-            plot.hero(*roof()[1:5], regions=[1, 2])
+    def test_one_curvature_per_vertex(self):
+        with pytest.raises(ValueError, match="curvature must be one per vertex"):
+            plot.studio_image(*roof()[1:5], curvature=[1.0, 2.0], width=80)
 
 
 class TestSaving:
