@@ -209,7 +209,7 @@ def test_what_a_file_does_not_say_is_suggested(client, tmp_path):
     found = client.post("/api/v1/models?kind=obj", data=file_of(CGCMesh.from_meshgrid(dx=8, nx=4), "obj", tmp_path).read_bytes()).json
     assert found["supports"]["file"] == [] and found["support_choice"] == "boundary" and found["roles"].count("fixed") == 16
     assert 0 < found["targets"][0] < np.pi / 64 and found["problems"] == []
-    assert sum("to begin with" in note for note in found["notes"]) == 2
+    assert sum("by default" in note for note in found["notes"]) == 2
 
 
 def test_targets_that_vary_are_kept_by_vertex(client, tmp_path):
