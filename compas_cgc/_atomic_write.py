@@ -1,45 +1,241 @@
-"""Atomic writes: a file is written to a temporary one temporary it, which then takes its place."""
+"""Atomic writes: files are written beside their targets and take their places together, complete and on the disk."""
 
 from __future__ import annotations
 
+import errno
+import json
 import os
+import re
+import shutil
+import signal
+import socket
+import sys
 import tempfile
+import threading
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextlib import suppress
+from contextvars import ContextVar
 from pathlib import Path
+from typing import Optional
 from typing import Union
 
-__all__ = ["replacing", "write_text"]
+from .errors import FileError
 
-# The mask can be read by setting it only, which is not safe when threads write files.
+__all__ = ["PartlyPublished", "published_together", "recover", "replacing", "write_text"]
+
+# The umask can only be read by setting it, which is not safe when threads write files.
 _UMASK = os.umask(0)
 os.umask(_UMASK)
 
+_HOST = f"{zlib.crc32(socket.gethostname().encode()):08x}"  # a process id says nothing about processes of another machine
+_TEMPORARY = re.compile(r"\..*\.cgc-([0-9a-f]{8})-(\d+)-\w+(?:\.\w+)*")
+_JOURNAL = re.compile(r"\.cgc-([0-9a-f]{8})-(\d+)-\w+\.journal")
+
+
+class PartlyPublished(FileError):
+    """Outputs other than the first could not take their places."""
+
+
+class _Outputs:
+    """Complete files beside their targets, in the order in which they were written."""
+
+    def __init__(self) -> None:
+        self.files: list[tuple[Path, Path]] = []  # temporary file and target
+
+    def publish(self) -> None:
+        """Put all files in their places; a journal lets the next command finish what a kill interrupts."""
+        journal = self._journal() if len(self.files) > 1 else None
+        failures = []
+        for place, (temporary, target) in enumerate(self.files):
+            try:
+                _put(temporary, target)
+            except OSError as error:
+                if not place:
+                    self.discard()
+                    if journal is not None:
+                        journal.unlink()
+                    raise
+                failures.append(f"{target} cannot be written ({error.strerror or error})")
+        for folder in {target.parent for _, target in self.files}:
+            _sync_folder(folder)
+        if journal is not None:
+            journal.unlink()
+        self.discard()
+        if failures:
+            raise PartlyPublished("; ".join(failures) + "; close it elsewhere, or choose another name or folder")
+
+    def discard(self) -> None:
+        """Remove the temporary files that are left."""
+        for temporary, _ in self.files:
+            with suppress(OSError):
+                temporary.unlink()
+
+    def _journal(self) -> Path:
+        """Write the list of files, which is complete or not there, beside the first target."""
+        folder = self.files[0][1].parent
+        handle, name = tempfile.mkstemp(prefix=f".cgc-{_HOST}-{os.getpid()}-", suffix=".journal-new", dir=folder)
+        with open(handle, "w", encoding="utf-8") as file:
+            json.dump([[str(temporary), str(target)] for temporary, target in self.files], file)
+            file.flush()
+            os.fsync(file.fileno())
+        journal = Path(name).with_suffix(".journal")
+        os.replace(name, journal)
+        _sync_folder(folder)
+        return journal
+
+
+_outputs: ContextVar[Optional[_Outputs]] = ContextVar("_outputs", default=None)
+
 
 @contextmanager
-def replacing(path: Union[str, Path]) -> Iterator[Path]:
-    """Give the name of a temporary file beside `path`, and put it in its place when the block ends well.
+def published_together() -> Iterator[None]:
+    """Publish all files that are written within a block together when it ends well, and none of them otherwise.
 
-    When the block raises, the temporary file is removed and what was at `path` is left alone.
-    It has the suffix of `path`, for writers that go by it.
+    Files take their places in the order in which they were written. A signal arrives before or after this, not in between; after
+    a kill in between, the next command that writes to or reads from the folder completes it.
+
+    Raises
+    ------
+    PartlyPublished
+        If a file other than the first cannot take its place; the others have.
+    FileError
+        If the first file cannot take its place; no file has.
     """
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+    if _outputs.get() is not None:
+        yield
+        return
+    outputs = _Outputs()
+    token = _outputs.set(outputs)
+    try:
+        yield
+    except BaseException:
+        outputs.discard()
+        raise
+    finally:
+        _outputs.reset(token)
+    with _signals_held():
+        try:
+            outputs.publish()
+        except OSError as error:
+            reason = error.strerror or error
+            raise FileError(f"{error.filename2 or error.filename} cannot be written ({reason}); choose another name or folder") from None
+
+
+@contextmanager
+def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
+    """Yield a temporary file beside `path`, which takes its place when the block ends well.
+
+    If the block raises, the temporary file is removed and `path` stays as it was. The temporary file has the suffix of `path`, for
+    writers that go by it. Links are followed; a device or pipe at `path` receives the content instead of being replaced. Within
+    :func:`published_together` the file takes its place at the end of that block.
+    """
+    special = os.path.exists(path) and not os.path.isfile(path)
+    target = Path(path) if special else Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "it is a folder", str(path))
+    folder = Path(tempfile.gettempdir()) if special else target.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    recover(folder)
+    handle, name = tempfile.mkstemp(prefix=f".{target.stem[:100]}.cgc-{_HOST}-{os.getpid()}-", suffix=target.suffix, dir=folder)
     os.close(handle)
     temporary = Path(name)
+    together = _outputs.get()
+    outputs = _Outputs() if together is None else together
     try:
         yield temporary
-        if path.exists():
-            os.chmod(temporary, path.stat().st_mode)
-        else:
-            os.chmod(temporary, 0o666 & ~_UMASK)
-        os.replace(temporary, path)
-    finally:
+        os.chmod(temporary, target.stat().st_mode if target.is_file() else 0o666 & ~_UMASK)
+        # The content is on the disk before the name points to it.
+        with open(temporary, "r+b") as file:
+            os.fsync(file.fileno())
+    except BaseException:
         temporary.unlink(missing_ok=True)
+        raise
+    outputs.files.append((temporary, target))
+    if together is None:
+        with _signals_held():
+            outputs.publish()
 
 
-def write_text(path: Union[str, Path], text: str) -> None:
+def write_text(path: Union[str, os.PathLike], text: str) -> None:
     """Write a text file in UTF-8 with plain line ends."""
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
+
+
+def recover(folder: Path) -> None:
+    """Complete what killed processes of this machine began to publish in a folder, and remove the files that they left."""
+    try:
+        names = [entry.name for entry in os.scandir(folder) if entry.name.startswith(".") and ".cgc-" in entry.name]
+    except OSError:
+        return
+    for name in names:
+        found = _JOURNAL.fullmatch(name)
+        if found and _is_gone(found):
+            with suppress(OSError, ValueError):
+                for temporary, target in json.loads((folder / name).read_text(encoding="utf-8")):
+                    if _belongs(Path(temporary), Path(target), folder / name):
+                        _put(Path(temporary), Path(target))
+                (folder / name).unlink()
+    for name in names:
+        found = _TEMPORARY.fullmatch(name) or re.fullmatch(r"\.cgc-([0-9a-f]{8})-(\d+)-\w+\.journal-new", name)
+        if found and _is_gone(found):
+            with suppress(OSError):
+                (folder / name).unlink()
+
+
+def _belongs(temporary: Path, target: Path, journal: Path) -> bool:
+    """Check whether a file in a journal is one that is still to be published, and nothing that somebody else wrote there."""
+    named = _TEMPORARY.fullmatch(temporary.name)
+    if not named or temporary.parent != target.parent or not temporary.is_file() or temporary.is_symlink():
+        return False
+    return sys.platform == "win32" or temporary.stat().st_uid == journal.stat().st_uid == os.getuid()
+
+
+def _is_gone(found: re.Match[str]) -> bool:
+    """Check whether the process that made a file ran on this machine and has ended."""
+    host, process = found.group(1), int(found.group(2))
+    if host != _HOST or process == os.getpid():
+        return False
+    if sys.platform == "win32":
+        return False  # os.kill would end the process
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
+def _put(temporary: Path, target: Path) -> None:
+    if target.exists() and not target.is_file():
+        with open(temporary, "rb") as content, open(target, "wb") as device:
+            shutil.copyfileobj(content, device)
+        temporary.unlink()
+    else:
+        os.replace(temporary, target)
+
+
+def _sync_folder(folder: Path) -> None:
+    """Put the names in a folder on the disk, where the system can."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Hold signals that end the process until the end of a block."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import logging
 import os
 import shutil
 import sys
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextlib import suppress
 from functools import cache
 from typing import Any
 from typing import NamedTuple
@@ -21,6 +23,7 @@ from typing import Optional
 __all__ = ["Compilation", "compile_seconds", "is_stored", "kernel", "watch_compilation"]
 
 PACKAGE = __name__.rpartition(".")[0]
+log = logging.getLogger(__name__)
 
 
 class Compilation(NamedTuple):
@@ -95,7 +98,7 @@ def is_stored(made: Any) -> bool:
     """Check whether a kernel has been compiled and stored by this or an earlier process."""
     try:
         return bool(made._cache._cache_file._load_index())
-    except (AttributeError, OSError):  # Numba has no public way to ask
+    except Exception:  # Numba has no public way to ask, and the index may be damaged
         return False
 
 
@@ -103,13 +106,49 @@ def _made(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     import numba
 
     try:
-        return numba.njit(**options)(function)
+        return _guard_storage(numba.njit(**options)(function))
     except RuntimeError:
         # Neither the folder of the package nor the user's can be written to.
         from numba.core import config
 
         setattr(config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
-        return numba.njit(**options)(function)
+        return _guard_storage(numba.njit(**options)(function))
+
+
+def _guard_storage(made: Any) -> Any:
+    """Let a kernel whose stored files are damaged, or cannot be written, be compiled anew.
+
+    A kill or a full disk can leave an empty index or object file, which Numba would raise an EOFError for in every later process.
+    """
+    storage: Any = getattr(made, "_cache", None)
+    load, save = getattr(storage, "load_overload", None), getattr(storage, "save_overload", None)
+    if load is None or save is None:
+        return made
+
+    def discard(error: Exception) -> None:
+        log.warning("the stored kernel %s is damaged (%s) and is compiled anew", made.py_func.__qualname__, type(error).__name__)
+        with suppress(OSError):
+            storage.flush()
+
+    def load_or_discard(*args: Any) -> Any:
+        try:
+            return load(*args)
+        except Exception as error:
+            discard(error)
+            return None
+
+    def save_or_discard(*args: Any) -> None:
+        try:
+            save(*args)
+        except OSError as error:
+            log.warning("the kernel %s cannot be stored (%s)", made.py_func.__qualname__, error)
+        except Exception as error:
+            discard(error)
+            with suppress(OSError):
+                save(*args)
+
+    storage.load_overload, storage.save_overload = load_or_discard, save_or_discard
+    return made
 
 
 @cache

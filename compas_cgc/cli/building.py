@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from typing import Any
 from typing import Optional
 
+from .._atomic_write import published_together
 from ..fabrication.tasks import TASKS
 from ..fabrication.tasks import BuildOption
 from ..fabrication.tasks import read_settings
@@ -113,8 +114,10 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     with parts.part(f"computing {task}"):
         report = build(task, problem, settings)
     echo(str(report))
-    for output in arguments.output:
-        with parts.part(f"writing {output}"):
-            written = write_build(output, task, problem, report, settings)
-        echo("\n".join(f"wrote {path}" for path in written))
+    written = []
+    with published_together():
+        for output in arguments.output:
+            with parts.part(f"writing {output}"):
+                written += write_build(output, task, problem, report, settings)
+    echo("\n".join(f"wrote {path}" for path in written))
     return DONE

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import io
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
@@ -39,7 +41,8 @@ COMMANDS = {
 }
 
 EXITS = """\
-exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 converged, but rough; 130 interrupted
+exit codes: 0 done; 1 not converged to the tolerance; 2 input refused, with the reason; 3 converged, but rough; 4 an output other than
+the surface could not be written; 130 interrupted; 143 terminated
 """
 
 
@@ -87,6 +90,7 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     arguments, unknown = parser.parse_known_args(words)
     if unknown:
         parser.of(words[0]).refuse_unknown(unknown)
+    _end_cleanly_on_signals()
     try:
         with compiling(quiet=getattr(arguments, "quiet", False)):
             return arguments.run(arguments)
@@ -100,3 +104,17 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
     except (ValueError, OSError) as error:
         print(f"compas-cgc: {error}", file=sys.stderr)
         return REFUSED
+
+
+def _end_cleanly_on_signals() -> None:
+    """Let the signals that end a process do so as an exception, so that no temporary file is left."""
+
+    def end(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            # A parent such as nohup may have a signal ignored.
+            if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+                signal.signal(number, end)

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from typing import Optional
 
+from .._atomic_write import published_together
+from .._atomic_write import write_text
 from ..errors import CGCError
 from ..errors import FileError
 from .building import add_task
@@ -74,15 +76,15 @@ def run(arguments: argparse.Namespace) -> int:
     with parts.part("drawing the page"):
         page = _drawn(problem, report, arguments)
     source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-    with parts.part(f"writing {output}"):
+    with published_together(), parts.part(f"writing {output}"):
         write_moulds(output, problem, report, source=source)
         written = [output]
         if page is not None:
             from ..plot import save
 
             written.append(save(page, output.with_suffix(".pdf")))
-    if arguments.report:
-        written.append(_write_report(arguments, report))
+        if arguments.report:
+            written.append(_write_report(arguments, report))
     for path in written:
         echo(f"wrote {path}")
     return DONE
@@ -111,7 +113,6 @@ def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespa
 
 
 def _write_report(arguments: argparse.Namespace, report: MouldReport) -> Path:
-    from .._atomic_write import write_text
     from .._version import __version__
 
     record = {"version": __version__, "input": Path(arguments.input).name, **report.to_dict()}

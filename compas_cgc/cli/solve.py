@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +15,9 @@ from typing import Callable
 from typing import Optional
 from typing import cast
 
+from .._atomic_write import PartlyPublished
+from .._atomic_write import published_together
+from ..errors import CGCError
 from ..errors import FileError
 from .arguments import add_input
 from .arguments import add_options
@@ -25,8 +31,10 @@ from .console import ProgressBar
 from .console import interruptible
 from .console import printer
 from .exits import DONE
+from .exits import INCOMPLETE
 from .exits import INTERRUPTED
 from .exits import NOT_CONVERGED
+from .exits import REFUSED
 from .exits import ROUGH
 from .goals import add_goals
 from .goals import goals_of
@@ -42,6 +50,7 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
+UNFINISHED = ("step_limit", "stalled", "cancelled")  # statuses whose surface is worth keeping
 PICTURES = ("regions", "K", "zebra")
 
 _EPILOG = """\
@@ -121,14 +130,35 @@ def run(arguments: argparse.Namespace) -> int:
             change = sensitivity(result)
         for sentence in change.sentences():
             echo(sentence)
-    if arguments.report:
-        _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
-    code = _write_surface(arguments, result, analysis, parts)
-    if draw is not None and result.status not in FAILED:
-        with parts.part("drawing the picture"):
-            drawn = draw(result)
-        echo(f"wrote {drawn}")
-    return code
+    failures: list[Exception] = []
+    try:
+        # The surface comes first: if it cannot be written, no other output is.
+        with published_together():
+            code, lines = _write_surface(arguments, result, analysis, parts)
+            if draw is not None and result.status not in FAILED:
+                with parts.part("drawing the picture"), _kept_going(failures):
+                    lines.append(f"wrote {draw(result)}")
+            if arguments.report:
+                with _kept_going(failures):
+                    _write_report(arguments, result, analysis, {} if change is None else {"sensitivity": change.to_dict()})
+    except PartlyPublished as error:
+        failures.append(error)
+    except FileError as error:
+        return _save_elsewhere(arguments, result, analysis, error)
+    for line in lines:
+        echo(line)
+    for failure in failures:
+        print(f"compas-cgc: {failure}", file=sys.stderr)
+    return INCOMPLETE if failures and code in (DONE, ROUGH) else code
+
+
+@contextmanager
+def _kept_going(failures: list[Exception]) -> Iterator[None]:
+    """Collect the error of an output that is not the surface."""
+    try:
+        yield
+    except (CGCError, OSError) as error:
+        failures.append(error)
 
 
 def _picture(arguments: argparse.Namespace) -> Optional[Callable[[SolveResult], Path]]:
@@ -191,31 +221,49 @@ def _summary(result: SolveResult, analysis: SurfaceReport) -> str:
 
 
 def _write_report(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, more: dict) -> None:
-    from .._atomic_write import write_text
     from .._version import __version__
+    from ..io._files import written
 
     report = {"version": __version__, "input": Path(arguments.input).name, **result.to_dict(), **analysis.to_dict(), **more}
-    write_text(arguments.report, json.dumps(report, indent=1, ensure_ascii=False) + "\n")
+    with written(arguments.report) as temporary:
+        temporary.write_bytes((json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
 
 
-def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> int:
-    """Write the surface and return the exit code; an unfinished surface is written to a separate file."""
+def _write_surface(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, parts: Parts) -> tuple[int, list[str]]:
+    """Write the surface; return the exit code and what to print when it is in its place. An unfinished surface gets a name of its own."""
     from ..io import write
 
     output = Path(arguments.output)
     if result.converged:
         with parts.part(f"writing {output}"):
             notes = write(output, result, source=arguments.input, analysis=analysis, nurbs=arguments.nurbs)
-        echo = printer(arguments.quiet)
-        for note in (*notes, f"wrote {output}"):
-            echo(note)
-        if analysis.verdict.fair:
-            return DONE
-        print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
-        return ROUGH
+        if not analysis.verdict.fair:
+            print(f"compas-cgc: K meets its target, but the surface is {analysis.verdict}", file=sys.stderr)
+        return (DONE if analysis.verdict.fair else ROUGH), [*notes, f"wrote {output}"]
     print(f"compas-cgc: {result.message}", file=sys.stderr)
-    if result.status in ("step_limit", "stalled", "cancelled"):
-        unfinished = output.with_name(f"{output.stem}.unfinished{output.suffix}")
+    if result.status in UNFINISHED:
+        unfinished = _unfinished(output)
         write(unfinished, result, source=arguments.input, analysis=analysis)
         print(f"compas-cgc: wrote the unfinished surface to {unfinished}; {output} is unchanged", file=sys.stderr)
-    return INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED
+    return (INTERRUPTED if result.status == "cancelled" else NOT_CONVERGED), []
+
+
+def _unfinished(output: Path) -> Path:
+    return output.with_name(f"{output.stem}.unfinished{output.suffix}")
+
+
+def _save_elsewhere(arguments: argparse.Namespace, result: SolveResult, analysis: SurfaceReport, error: FileError) -> int:
+    """Save a surface that cannot be written to its place in the folder for temporary files, so that the solve is not lost."""
+    from ..io import write
+
+    print(f"compas-cgc: {error}", file=sys.stderr)
+    if not (result.converged or result.status in UNFINISHED):
+        return NOT_CONVERGED
+    output = Path(arguments.output) if result.converged else _unfinished(Path(arguments.output))
+    try:
+        saved = Path(tempfile.mkdtemp(prefix="compas_cgc-")) / output.name
+        write(saved, result, source=arguments.input, analysis=analysis)
+        print(f"compas-cgc: saved the surface to {saved} instead", file=sys.stderr)
+    except (CGCError, OSError) as second:
+        print(f"compas-cgc: the surface cannot be saved elsewhere either ({second})", file=sys.stderr)
+    return REFUSED

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Union
 
+from .._atomic_write import recover
 from .._atomic_write import replacing
 from .._samples import no_file
 from ..errors import FileError
@@ -25,6 +26,7 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
     """
     if path.is_dir():
         raise FileError(f"{path} is a folder; give a file in it")
+    recover(path.parent)
     try:
         with open(path, "rb") as file:
             return file.read(most)
@@ -43,15 +45,11 @@ def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
     FileError
         If the disk, the folder or the permissions do not allow it; the older file is as it was.
     """
-    target = Path(os.path.realpath(path))
-    if target.is_dir():
+    if os.path.isdir(path):
         raise FileError(f"{path} is a folder; give the name of a file in it")
     try:
-        with replacing(target) as temporary:
+        with replacing(path) as temporary:
             yield temporary
-            # The new content is on the disk before the old name points to it.
-            with open(temporary, "r+b") as file:
-                os.fsync(file.fileno())
     except OSError as error:
         reason = error.strerror or str(error)
         raise FileError(f"{path} cannot be written ({reason}); close it elsewhere, or choose another name or folder") from None

@@ -40,6 +40,8 @@ from .table import Table
 from .table import write_parquet
 from .variants import Measured
 from .variants import Plan
+from .writer import one_writer
+from .writer import set_aside
 
 __all__ = ["Progress", "run_study"]
 
@@ -78,7 +80,8 @@ def run_study(
     study
         What is varied and measured.
     folder
-        Where table and surfaces go; what is there of the same study is gone on from.
+        Where table and surfaces go; what is there of the same study is gone on from. While another process writes to it, this one
+        waits; what is damaged in it is computed again.
     workers
         Number of processes that are started for it, 0 to solve in this one. A script that starts some needs
         ``if __name__ == "__main__":`` around what it does.
@@ -108,21 +111,29 @@ def run_study(
         raise CGCError(f"a study says what is varied: Study.from_dict({{...}}), or read_study('study.toml'), not {study!r:.60}")
     plan = Plan(study, problem)
     home = Path(folder)
-    digest = _claimed(home, study, problem)
-    table = Table(home / TABLE, home / SURFACES, plan.columns, len(study.variants), len(problem.vertices))
-    own = WorkerPool(workers, warm_up) if executor is None and workers else None
+    count = len(study.variants)
     try:
-        run = _Run(plan, digest, pickle.dumps((study, problem)), table, on_progress)
-        chosen = executor or own
-        finished = run.by(chosen) if chosen is not None else run.here()
-    finally:
-        if own is not None:
-            own.shutdown(cancel_futures=True)
-        table.close()
-    results = Results(home)
-    if finished:
-        write_parquet(home / PARQUET, results.columns, results.rows)
-    return results
+        home.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CGCError(f"{home} cannot be used for a study ({error}); give another folder") from None
+    with one_writer(home, lambda: bool(on_progress and on_progress(Progress(0, count, 0)))) as held:
+        if not held:
+            return Results(home)
+        digest = _claimed(home, study, problem)
+        table = Table(home / TABLE, home / SURFACES, plan.columns, count, len(problem.vertices))
+        own = WorkerPool(workers, warm_up) if executor is None and workers and table.rows < count else None
+        try:
+            run = _Run(plan, digest, pickle.dumps((study, problem)), table, on_progress)
+            chosen = executor or own
+            finished = run.by(chosen) if chosen is not None else run.here()
+        finally:
+            if own is not None:
+                own.shutdown(cancel_futures=True)
+            table.close()
+        results = Results(home)
+        if finished:
+            write_parquet(home / PARQUET, results.columns, results.rows)
+        return results
 
 
 class _Run:
@@ -211,14 +222,20 @@ def _claimed(home: Path, study: Study, problem: CGCProblem) -> str:
     """Make a folder that of a study, or find that it is; return the name of the study."""
     digest = study.digest(problem)
     try:
-        home.mkdir(parents=True, exist_ok=True)
         known = json.loads((home / STUDY).read_text(encoding="utf-8")) if (home / STUDY).exists() else None
-    except (OSError, ValueError) as error:
+        if known is not None and not isinstance(known, dict):
+            raise ValueError("it holds no object")
+    except OSError as error:
         raise CGCError(f"{home} cannot be used for a study ({error}); give another folder") from None
+    except (ValueError, RecursionError):
+        # Without it nobody knows of which study the rows are.
+        for name in (STUDY, TABLE, SURFACES):
+            set_aside(home / name)
+        known = None
     if known is not None and (known.get("digest"), known.get("version")) != (digest, __version__):
         raise CGCError(f"{home} holds another study, or one of another version of compas_cgc; give another folder, or remove this one")
     about = {"version": __version__, "digest": digest, "study": dict(study.data)}
     write_text(home / STUDY, json.dumps(about, indent=1, ensure_ascii=False) + "\n")
-    if known is None:
+    if known is None or not (home / DRAWING).exists():
         io.write(home / DRAWING, problem)
     return digest

@@ -18,6 +18,7 @@ from ..errors import FileError
 from ..fabrication.tables import escaped
 from ..fabrication.tables import unescaped
 from .variants import Measured
+from .writer import set_aside
 
 __all__ = ["Table", "parsed", "read_rows", "write_parquet"]
 
@@ -44,15 +45,19 @@ class Table:
         self.rows = _whole_rows(path, columns)
         shape = (variants, vertices, 3)
         try:
-            known = surfaces.exists() and self.rows > 0
-            self._surfaces = np.lib.format.open_memmap(surfaces, "r+") if known else np.lib.format.open_memmap(surfaces, "w+", float, shape)
-            if self._surfaces.shape != shape:
-                raise FileError(f"{surfaces} holds the surfaces of something else; give another folder")
+            known = self.rows > 0 and _is_array(surfaces, shape)
+            if self.rows and not known:
+                set_aside(surfaces)
+                set_aside(path)
+                self.rows = 0
+            if not known:
+                _reserve(surfaces, shape)
+            self._surfaces = np.lib.format.open_memmap(surfaces, "r+")
             self._file = open(path, "a", encoding="utf-8", newline="")
+            if not self.rows and not self._file.tell():
+                self._write([tuple(columns)])
         except (OSError, ValueError) as error:
             raise FileError(f"{path.parent} cannot be written to ({error}); make room there or give another folder") from None
-        if not self.rows and not self._file.tell():
-            self._write([tuple(columns)])
 
     def add(self, block: Sequence[Measured]) -> None:
         """Write the next variants; the surfaces first, as a row says that its surface is there.
@@ -89,19 +94,50 @@ def _text(value: Any) -> Any:
     return " ".join(map(str, value)) if isinstance(value, (list, tuple)) else value
 
 
+def _is_array(path: Path, shape: tuple[int, int, int]) -> bool:
+    """Check whether a file is an array of a shape, with all of its numbers."""
+    try:
+        return np.load(path, mmap_mode="r", allow_pickle=False).shape == shape
+    except (OSError, ValueError, EOFError):
+        return False
+
+
+def _reserve(path: Path, shape: tuple[int, int, int]) -> None:
+    """Make an array on the disk, with the room for all of its numbers: a full disk would end the process that writes them."""
+    np.lib.format.open_memmap(path, "w+", float, shape)
+    if hasattr(os, "posix_fallocate"):
+        with open(path, "r+b") as file:
+            os.posix_fallocate(file.fileno(), 0, os.fstat(file.fileno()).st_size)
+
+
 def _whole_rows(path: Path, columns: Sequence[str]) -> int:
-    """Return how many rows of a table are whole, and cut what is left of one that is not."""
+    """Return how many rows at the beginning of a table are whole and in order, and cut off what follows them."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
         return 0
-    whole = content[: content.rfind(b"\n") + 1]
-    rows = list(csv.reader(io.StringIO(whole.decode("utf-8"), newline="")))
-    if rows and [unescaped(name) for name in rows[0]] != list(columns):
-        raise CGCError(f"{path} is the table of something else; give another folder")
-    if len(whole) < len(content):
+    try:
+        rows = list(csv.reader(io.StringIO(content[: content.rfind(b"\n") + 1].decode("utf-8", "replace"), newline="")))
+    except csv.Error:
+        rows = []
+    if not rows or [unescaped(name) for name in rows[0]] != list(columns):
+        # The folder is that of the study: the head is damaged.
+        set_aside(path)
+        return 0
+    good = rows[:1]
+    for k, row in enumerate(rows[1:]):
+        if len(row) != len(columns) or row[0] != str(k):
+            break
+        good.append(row)
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(good)
+    whole = text.getvalue().encode("utf-8")
+    if content != whole:
+        if not content.startswith(whole):
+            set_aside(path)
+            return 0
         os.truncate(path, len(whole))
-    return max(0, len(rows) - 1)
+    return max(0, len(good) - 1)
 
 
 def read_rows(path: Path) -> tuple[list[str], list[list[Any]]]:
