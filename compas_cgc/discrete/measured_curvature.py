@@ -18,12 +18,13 @@ from .mid_edge import MidEdgeMesh
 from .mid_edge import ShapeOperators
 from .topology import edge_faces
 
-__all__ = ["MeasuredCurvature", "measured_curvature"]
+__all__ = ["MeasuredCurvature", "even_angles", "measured_curvature"]
 
 LEAST_FACES = 4  # of a patch: a linear function passes through three
 JUMPS = 1e-2  # weight of jumps across edges, which decide where no patch does, as at a corner with a single triangle
 BENDING = 1e-9  # weight of bending, which decides for a triangle without neighbours alone
 PRECISION, MAX_ROUNDS = 1e-12, 500  # of conjugate gradients: residual against the right side, in the scaled norm
+TINY = float(np.finfo(float).tiny)
 DEGENERATE = 1e-9  # area of a triangle, against the mean, below which it has no normal and is left out
 
 
@@ -73,20 +74,30 @@ def measured_curvature(vertices: Vertices, faces: Faces, creases: IntArray, regi
     ----------
     Grinspun, Gingold, Reisman, Zorin, doi:10.1111/j.1467-8659.2006.00974.x. Morley, doi:10.1017/S0001925900004546.
     """
-    crosses = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
-    double = np.linalg.norm(crosses, axis=1)
+    normals, double = _normals(vertices, faces)
     sound = double > DEGENERATE * double.mean()
     if not sound.any():
         none = np.zeros(0)
         return MeasuredCurvature(np.zeros((0, 2), np.int64), none, none, none, np.zeros(len(faces)), none)
-    F, normals = faces[sound], crosses[sound] / double[sound, None]
-    mesh = _mesh(F, creases, regions[sound], len(vertices), normals)
-    flat = mesh.at(vertices, np.zeros(len(mesh.angles.ends)))
-    angles = _most_even_angles(mesh, flat, vertices, normals)
+    mesh = _mesh(faces[sound], creases, regions[sound], len(vertices), normals[sound])
+    angles = even_angles(mesh, vertices)
     operators = mesh.at(vertices, angles)
     averages, bending = mesh.averages(operators), np.zeros(len(faces))
     bending[sound] = operators.bending
     return MeasuredCurvature(mesh.pairs, averages.gaussian, averages.mean, averages.areas, bending, angles)
+
+
+def even_angles(mesh: MidEdgeMesh, vertices: Vertices) -> FloatArray:
+    """Return the angles (a,) for which the shape operators of vertices (n, 3) vary most evenly within every region."""
+    flat = mesh.at(vertices, np.zeros(len(mesh.angles.ends)))
+    return _most_even_angles(mesh, flat, vertices, _normals(vertices, mesh.faces)[0])
+
+
+def _normals(vertices: Vertices, faces: Faces) -> tuple[Vectors, FloatArray]:
+    """Return the unit normals of the faces (m, 3), zero where they have no area, and twice their areas (m,)."""
+    crosses = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    double = np.sqrt(np.einsum("mx,mx->m", crosses, crosses))
+    return crosses / np.maximum(double, TINY)[:, None], double
 
 
 def _mesh(faces: Faces, creases: IntArray, regions: IntArray, n: int, normals: Vectors) -> MidEdgeMesh:

@@ -8,6 +8,7 @@ from ..discrete import gaussian_curvature
 from ..discrete import vertex_areas
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import PerVertex
+from ..discrete.measured_curvature import measured_curvature as mid_edge_curvature
 from ..discrete.smooth_measure import is_regular
 from ..discrete.smooth_measure import layout_errors
 from ..discrete.space_form import EXACT
@@ -17,8 +18,9 @@ from ..meshing.flat_corners import turned_corners
 from .problem import CGCProblem
 from .roles import FIXED
 
-__all__ = ["is_smooth_alone", "measured_curvature", "read_across"]
+__all__ = ["MID_EDGE", "is_smooth_alone", "measured_curvature", "read_across"]
 
+MID_EDGE = "mid-edge"
 CORNER_RANGE = 1500, 4000  # number of vertices of regular meshes with this correction: smaller ones stay fast, larger ones hardly change
 
 
@@ -32,9 +34,13 @@ def measured_curvature(problem: CGCProblem, measure: str = "defect") -> PerVerte
     measure
         ``defect``: angle defect over area (Eq. 10). ``smooth``: the same on the triangles of :func:`read_across`, less the
         error due to the layout of the mesh. ``exact``, ``exact-arc``: the target, plus the angle defect of triangles in the
-        space form of the target over the area.
+        space form of the target over the area. ``mid-edge``: shape operators by mid-edge normals, of second order on any triangles.
     """
     asked = problem.asked
+    if measure == MID_EDGE:
+        V, real = problem.vertices, problem.real_faces
+        found = mid_edge_curvature(V, problem.faces[real], problem.creases, problem.regions()[real])
+        return np.where(asked, found.at_vertices(found.gaussian, len(V)), np.nan)
     if measure in EXACT:
         targets = np.where(asked, problem.targets, 0.0)
         left = 2.0 * np.pi - space_form_angle_sums(problem.vertices, problem.faces, targets, measure == "exact-arc")

@@ -11,6 +11,7 @@ from ..errors import names_what_was_meant
 from .flow.method import METHOD as FLOW
 from .method import Method
 from .newton.method import METHOD as NEWTON
+from .polish.method import METHOD as BENDING
 from .projection.method import METHOD as PROJECTION
 from .settings import AutoSettings
 from .settings import Option
@@ -18,7 +19,7 @@ from .settings import Settings
 
 __all__ = ["METHODS", "Method", "method_names", "method_of", "options", "owners", "register", "settings_for", "settings_of"]
 
-METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, PROJECTION)}
+METHODS: dict[str, Method] = {method.name: method for method in (FLOW, NEWTON, PROJECTION, BENDING)}
 
 
 @names_what_was_meant()
@@ -61,7 +62,7 @@ def method_names() -> tuple[str, ...]:
     Examples
     --------
     >>> method_names()
-    ('auto', 'flow', 'newton', 'projection')
+    ('auto', 'flow', 'newton', 'projection', 'bending')
     """
     return ("auto", *METHODS)
 

@@ -71,7 +71,7 @@ def solved(client, **more):
 
 def test_a_method_registered_later_is_found_in_every_description(client, toy):
     schema = request_schema(client)
-    assert schema["method"]["enum"] == ["auto", "flow", "newton", "projection", "toy"]
+    assert schema["method"]["enum"] == ["auto", "flow", "newton", "projection", "bending", "toy"]
     lift = schema["settings"]["properties"]["lift"]
     assert (lift["exclusiveMinimum"], lift["maximum"], lift["default"], lift["type"]) == (0, 10, 2.0, ["number", "null"])
     listed = client.get("/api/v1/methods").json["methods"][-1]
@@ -82,7 +82,7 @@ def test_a_method_registered_later_is_found_in_every_description(client, toy):
     )
     for uri in ("/cgc/solve", "/cgc/goals", "/cgc/submit"):
         method = next(own for own in client.get(uri).json["Inputs"] if own["Name"] == "Method")
-        assert "projection or toy" in method["Description"]
+        assert "bending or toy" in method["Description"]
 
 
 def test_a_method_registered_later_solves(client, toy):

@@ -54,9 +54,9 @@ def test_numbers_of_numpy_are_numbers():
 
 
 REFUSED = [
-    (("best", {}), "method must be one of auto, flow, newton, projection, not 'best'"),
+    (("best", {}), "method must be one of auto, flow, newton, projection, bending, not 'best'"),
     (("auto", {"speed": 3}), "there is no setting 'speed'; there are steps, tolerance"),
-    (("auto", {"s": 0.5, "smoothness": 0.1}), "do not belong to one method; name it, flow, newton, projection"),
+    (("auto", {"s": 0.5, "smoothness": 0.1}), "do not belong to one method; name it, flow, newton, projection, bending"),
     (("newton", {"s": 0.5}), "s is a setting of flow, not of newton; leave it out, or use the method flow"),
     (("flow", {"steps": 0}), "steps must be a whole number from 1 up, not 0"),
     (("flow", {"steps": 2.5}), "steps must be a whole number from 1 up, not 2.5"),
@@ -130,5 +130,5 @@ def test_a_fourth_method_is_one_value(toy):
     assert (result.method, result.ending, result.iterations) == ("still", "nothing was done", 1)
     with pytest.raises(ValueError, match="there is a method 'still' already"):
         register(toy._replace(text="Another."))
-    with pytest.raises(ValueError, match="method must be one of auto, flow, newton, projection, still, not 'best'"):
+    with pytest.raises(ValueError, match="method must be one of auto, flow, newton, projection, bending, still, not 'best'"):
         solve(dome(), method="best")

@@ -334,7 +334,7 @@ def test_settings_and_constraints_of_another_method_are_refused_in_words():
         solve(dome(), method="newton", settings=FlowSettings())
     with pytest.raises(ValueError, match="only the method 'projection' holds constraints"):
         solve(dome(), method="flow", goals=[Height([0], 1.0)])
-    with pytest.raises(ValueError, match="auto, flow, newton, projection"):
+    with pytest.raises(ValueError, match="auto, flow, newton, projection, bending"):
         solve(dome(), method="best")
 
 

@@ -32,7 +32,7 @@ INSIDE = {
     "solvers": [
         {"settings"},
         {"allowance", "method", "carried", "coarse", "half_sphere"},
-        {"newton", "projection"},
+        {"newton", "projection", "polish"},
         {"rising", "one_sided", "drawn_side"},
         {"anew", "domed", "smoothed", "supported", "turned_edges", "columns", "flow", "limits"},
         {"reasons", "registry"},

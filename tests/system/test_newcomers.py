@@ -164,7 +164,7 @@ MISTAKES = {
     "a file": (lambda: solve("roof.3dm"), r"read the file first: compas_cgc.read\('roof.3dm'\)"),
     "vertices and faces": (lambda: solve(arrays()), r"CGCProblem\(vertices, faces\)"),
     "nothing": (lambda: solve(None), "a CGCMesh or a CGCProblem is solved, not None"),
-    "a method misspelt": (lambda: solve(posed(), method="newtn"), "must be one of auto, flow, newton, projection, not 'newtn'"),
+    "a method misspelt": (lambda: solve(posed(), method="newtn"), "must be one of auto, flow, newton, projection, bending, not 'newtn'"),
     "a setting misspelt": (lambda: solve(posed(), settings={"tolerence": 1e-3}), "'tolerence'; did you mean 'tolerance'?"),
     "a word for steps": (lambda: solve(posed(), settings={"steps": "many"}), "steps must be a whole number"),
     "settings of another method": (

@@ -173,7 +173,8 @@ def toy():
 def test_a_method_that_is_registered_is_in_the_built_component(toy):
     built = inner_archive(from_bytes(user_object_files()["CGC_Settings.ghuser"]))
     part = built.child("ParameterData").child("InputParam", 0)
-    assert part.get("Name") == "method" and part.get("Description").startswith("'auto', 'flow', 'newton', 'projection' or 'toy'.")
+    assert part.get("Name") == "method"
+    assert part.get("Description").startswith("'auto', 'flow', 'newton', 'projection', 'bending' or 'toy'.")
     assert placeholders()["options.sparkle"] == "How much it sparkles. For the method toy. Defaults to 1."
     assert settings_for("toy", steps=9) == ToySettings(steps=9)
 

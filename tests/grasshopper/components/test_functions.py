@@ -83,11 +83,11 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Settings", {"s": 2.0}, "s must be between 0 and 1"),
         ("Settings", {"steps": 0}, "steps must be a whole number from 1 up"),
         ("Settings", {"method": "newton", "delay": 5}, "delay is a setting of flow, not of newton"),
-        ("Settings", {"method": "magic"}, "method must be one of auto, flow, newton, projection, not 'magic'"),
+        ("Settings", {"method": "magic"}, "method must be one of auto, flow, newton, projection, bending, not 'magic'"),
         (
             "Settings",
             {"delay": 5, "smoothness": 1.0},
-            "the settings delay, smoothness do not belong to one method; name it, flow, newton, projection",
+            "the settings delay, smoothness do not belong to one method; name it, flow, newton, projection, bending",
         ),
         ("Constraints", {"cgc_mesh": "NINE", "height": 1.0}, "a height needs the points"),
         ("Goals", {"rise": 0.0}, "rise must be a number other than 0"),

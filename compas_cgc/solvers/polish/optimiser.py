@@ -1,0 +1,144 @@
+"""Sequential quadratic programming with exact second derivatives, convexified as far as the inertia of the saddle matrix calls for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...linalg import SingularMatrixError
+from .lagrangian import Lagrangian
+from .lagrangian import Model
+from .lagrangian import State
+from .saddle import Saddle
+
+__all__ = ["Step", "steps"]
+
+LONGEST = 0.25  # move of a vertex in a step, against the size of the mesh
+REGULARISATION = 1e-7  # of multipliers that equations hardly determine, against the area of their cells times the curvature
+ABOVE, FORGET = 1.5, 0.7  # weight of the residuals in the merit, against the largest multiplier; what remains of an earlier one
+DECREASE = 1e-2  # part of the predicted decrease of the merit that a step must bring
+SHORTEST = 1e-3  # part of a step below which it is given up
+ROUNDING = 1e-12  # change of the merit, against the energy, that is rounding
+EXACT, HALVINGS = 1.0, 4  # share of the second derivatives that are not convex, and how often it is halved before they are left out
+SHIFT, GROW, MOST = 1e-4, 10.0, 1e4  # first shift of the second derivatives, its factor, and its limit
+SETTLED = 1e-8  # move of a vertex, against the size of the mesh, that is none
+
+
+class Step(NamedTuple):
+    """One step of the search."""
+
+    state: State
+    multipliers: FloatArray  # (r,)
+    length: float  # part of the full step
+    trials: int  # states that were evaluated
+    settled: bool  # whether the full step moved nothing any more
+
+
+def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float, curvature: float) -> Iterator[Step]:
+    """Take steps to the least energy that meets the equations, until none leads any further.
+
+    Every step solves
+
+    .. math:: \\begin{pmatrix} W & J^T \\\\ J & -D \\end{pmatrix} \\begin{pmatrix} dx \\\\ \\lambda \\end{pmatrix}
+              = \\begin{pmatrix} -\\nabla E \\\\ -r - D \\lambda_0 \\end{pmatrix}
+
+    with the second derivatives W of the Lagrangian, of which the part that is not convex is scaled down until the matrix has as
+    many negative eigenvalues as equations: then dx is a minimum. D is small and keeps multipliers that equations do not determine where
+    they are. The merit ``E + σ |r|₁`` decreases in every step, if need be after a correction of second order.
+
+    Parameters
+    ----------
+    lagrangian
+        The problem.
+    start
+        Where to begin.
+    points
+        ``(q + r, d)`` places of unknowns and equations, for the order of elimination.
+    size
+        Size of the mesh [L].
+    curvature
+        Scale of the curvature [1/L^2].
+
+    References
+    ----------
+    Nocedal and Wright, *Numerical Optimization*, chapter 18, doi:10.1007/978-0-387-40065-5. Waechter and Biegler,
+    doi:10.1007/s10107-004-0559-y.
+    """
+    saddle, here = Saddle(points), start
+    multipliers, weight, share, shift = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0
+    regularisation = REGULARISATION * curvature * lagrangian.cells
+    while True:
+        model = lagrangian.model(here, multipliers)
+        found = _factors(lagrangian, model, saddle, regularisation, share, shift)
+        if found is None:
+            return
+        share, shift = found
+        right = np.concatenate([-model.gradient, -here.residuals - regularisation * multipliers])
+        solution = saddle.solve(right)
+        step, after = solution[: lagrangian.size], solution[lagrangian.size :]
+        if not np.isfinite(solution).all():
+            return
+        weight = max(FORGET * weight, ABOVE * float(np.abs(after).max(initial=0.0)))
+        slope = float(np.einsum("i,i", model.gradient, step)) - weight * float(np.abs(here.residuals).sum())
+        searched = _search(lagrangian, saddle, here, step, slope, weight, size)
+        farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
+        if searched is None:
+            if share > 0.0:
+                share = 0.0 if share <= EXACT / 2**HALVINGS else share / 2
+            else:
+                shift = max(SHIFT, GROW * shift)
+                if shift > MOST:
+                    return
+            continue
+        here, length, trials = searched
+        multipliers = after
+        yield Step(here, multipliers, length, trials, length == 1.0 and farthest < SETTLED * size)
+        if length == 1.0:
+            share, shift = min(EXACT, 4.0 * share) if share > 0.0 else EXACT, 0.0 if shift <= SHIFT else shift / GROW
+
+
+def _factors(
+    lagrangian: Lagrangian, model: Model, saddle: Saddle, regularisation: FloatArray, share: float, shift: float
+) -> Optional[tuple[float, float]]:
+    """Factorise the saddle matrix, and return the share of the exact second derivatives and the shift that give a minimum."""
+    wanted, pattern = len(lagrangian.rows), lagrangian.pattern
+    scale = float(np.median(model.convex[pattern.diagonal[: lagrangian.size]]))
+    while shift <= MOST:
+        hessian = model.convex + share * (model.hessian - model.convex)
+        try:
+            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, regularisation)) == wanted:
+                return share, shift
+        except SingularMatrixError:
+            pass
+        if share > 0.0:
+            share = 0.0 if share <= EXACT / 2**HALVINGS else share / 2
+        else:
+            shift = max(SHIFT, GROW * shift)
+    return None
+
+
+def _search(
+    lagrangian: Lagrangian, saddle: Saddle, here: State, step: FloatArray, slope: float, weight: float, size: float
+) -> Optional[tuple[State, float, int]]:
+    """Return the state after the first of ever shorter steps that decreases the merit, the part of the step, and the trials."""
+    farthest = float(np.abs(step[: lagrangian.moves]).max(initial=0.0))
+    length = min(1.0, LONGEST * size / farthest) if farthest > 0.0 else 1.0
+    before, trials = here.merit(weight), 0
+    allowed = ROUNDING * abs(here.energy)
+    while length >= SHORTEST:
+        trials += 1
+        there = lagrangian.moved(here, length * step)
+        if there.merit(weight) <= before + DECREASE * length * slope + allowed:
+            return there, length, trials
+        if trials == 1:
+            right = np.concatenate([np.zeros(lagrangian.size), (1.0 - length) * here.residuals - there.residuals])
+            corrected = lagrangian.moved(here, length * step + saddle.solve(right)[: lagrangian.size])
+            trials += 1
+            if corrected.merit(weight) <= before + DECREASE * length * slope + allowed:
+                return corrected, length, trials
+        length /= 2
+    return None

@@ -1,0 +1,79 @@
+"""A problem posed by mid-edge normals: directions of the moves, targets of the equations, and what is kept of the drawing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...discrete import edge_faces
+from ...discrete import face_areas
+from ...discrete import vertex_normals
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...discrete.arrays import Mask
+from ...discrete.mid_edge import MidEdgeMesh
+from ...discrete.smoothed_normals import smooth_normals
+from ...model.problem import CGCProblem
+from ...model.roles import FIXED
+from .lagrangian import Lagrangian
+
+__all__ = ["held_edges", "move_directions", "pair_targets", "posed"]
+
+FACING = 0.3  # component of every vertex normal along the mean normal, from which a drawing has a plan
+SMOOTHINGS = 10  # of the normals of a drawing that has none
+
+
+def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
+    """Return energy and equations of a problem without dummies in its local frame.
+
+    Parameters
+    ----------
+    problem
+        Vertices, faces, roles, creases and targets.
+    fold_length
+        Width of a strip that bends as easily as a crease folds, relative to the square root of the area.
+    """
+    V, F, regions = problem.vertices, problem.faces, problem.regions()
+    mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(V, F))
+    size = math.sqrt(float(face_areas(V, F).sum()))
+    return Lagrangian(mesh, V, problem.movable, pair_targets(problem, mesh), np.ones(len(F)), fold_length * size)
+
+
+def move_directions(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the unit vectors (n, 3) along which vertices move: the mean normal over a plan, else smoothed normals."""
+    crosses = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    mean = crosses.sum(axis=0)
+    length = float(np.linalg.norm(mean))
+    normals = vertex_normals(vertices, faces)
+    used = np.unique(faces)
+    if length > 0.0 and float((normals[used] @ mean).min()) > FACING * length:
+        return np.tile(mean / length, (len(vertices), 1))
+    return smooth_normals(vertices, faces, SMOOTHINGS)
+
+
+def pair_targets(problem: CGCProblem, mesh: MidEdgeMesh) -> FloatArray:
+    """Return K̄ of every pair of vertex and region (p,) [1/L^2], NaN where no equation holds.
+
+    Vertices where K is prescribed have their own target, others the mean of those of the region around them. Along held edges no
+    equation holds: a straight one has no curvature of its own, so that K > 0 is not bounded there.
+    """
+    vertex, region = mesh.pairs.T
+    known = problem.asked & np.isfinite(problem.targets)
+    own = np.where(known, problem.targets, 0.0)[problem.faces].sum(axis=1)
+    count = known[problem.faces].sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        around = (mesh.incidence @ own) / (mesh.incidence @ count)
+        of_regions = np.bincount(problem.regions(), own) / np.bincount(problem.regions(), count)
+    targets = np.where(known[vertex], problem.targets[vertex], np.where(np.isfinite(around), around, of_regions[region]))
+    held = np.zeros(len(problem.vertices), bool)
+    held[held_edges(problem)] = True
+    return np.where(held[vertex], np.nan, targets)
+
+
+def held_edges(problem: CGCProblem) -> IntArray:
+    """Return the edges (h, 2) of the boundary and of creases whose ends are both fixed."""
+    edges = edge_faces(problem.faces)
+    open_: Mask = edges[:, 3] < 0
+    candidates = np.vstack([edges[open_, :2], problem.creases])
+    return candidates[(problem.roles == FIXED)[candidates].all(axis=1)]

@@ -1,0 +1,35 @@
+"""Settings of the method by mid-edge normals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..settings import TOLERANCE_TEXT
+from ..settings import Settings
+from ..settings import documented
+from ..settings import option
+
+__all__ = ["PolishSettings"]
+
+
+@documented
+@dataclass(frozen=True)
+class PolishSettings(Settings):
+    """Parameters of the method by mid-edge normals; none has a unit.
+
+    Examples
+    --------
+    >>> from compas_cgc.solvers.polish.settings import PolishSettings
+    >>> PolishSettings(fold_length=0.5).fold_length
+    0.5
+    """
+
+    steps: int = option(100, "Maximum number of steps.", int, low=1)
+    tolerance: float = option(1e-9, TOLERANCE_TEXT, float, above=0)
+    fold_length: float = option(
+        0.1,
+        "How freely creases fold. Folding a crease takes as much energy as bending a strip of this width beside it, relative to the "
+        "square root of the area. Small: the roof is as smooth as without creases. Large: each region forms its own cushion.",
+        float,
+        above=0,
+    )

@@ -1,0 +1,132 @@
+"""Initial surfaces: plates that would bend by themselves to the curvature prescribed, over the supports of the drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy import sparse
+
+from ...discrete.arrays import FloatArray
+from ...discrete.measured_curvature import even_angles
+from ...discrete.mid_edge import OCCURRENCES
+from ...linalg import factorise
+from .lagrangian import Lagrangian
+from .lagrangian import State
+
+__all__ = ["starts"]
+
+RELAXATIONS = 2  # linear solves towards the plate without curvature of its own, which pull drawn heights down to it
+DIRECTIONS = 64  # of saddles that are compared
+ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
+FLAT = 1e-9  # K̄, against the largest, that is none
+
+
+class _Plate:
+    """The linear response of the drawing, bent to its supports, to curvature of its own."""
+
+    def __init__(self, lagrangian: Lagrangian):
+        self.lagrangian, self.here = lagrangian, _relaxed(lagrangian)
+        model = lagrangian.model(self.here, np.zeros(len(lagrangian.rows)))
+        q = lagrangian.size
+        pattern = lagrangian.pattern
+        size = pattern.size
+        matrix = sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(size, size))[:q, :q]
+        self._solver = factorise(matrix.tocsr(), symmetric=True)
+
+    def response(self, own: FloatArray) -> FloatArray:
+        """Return the step (q,) that curvature of its own (m, 6) [1/L] causes."""
+        mesh, operators, w = self.lagrangian.mesh, self.here.operators, self.lagrangian.weights
+        pull = np.einsum("me,mek->mk", (2.0 * w)[:, None] * OCCURRENCES * own, operators.tensor_slopes)
+        whole = np.asarray(np.bincount(mesh.columns.ravel(), pull.ravel(), mesh.unknowns), dtype=np.float64)
+        return self._solver.solve(whole[self.lagrangian.free])
+
+    def mismatch(self, step: FloatArray, own: FloatArray) -> FloatArray:
+        """Return what the change of the shape operators (m, 6) by a step lacks of a curvature, weighted for the energy."""
+        mesh, operators = self.lagrangian.mesh, self.here.operators
+        whole = np.zeros(mesh.unknowns)
+        whole[self.lagrangian.free] = step
+        change = np.einsum("mek,mk->me", operators.tensor_slopes, whole[mesh.columns]) / operators.areas[:, None]
+        return np.sqrt((self.lagrangian.weights * operators.areas)[:, None] * OCCURRENCES) * (change - own)
+
+
+def starts(lagrangian: Lagrangian) -> Iterator[State]:
+    """Return initial surfaces that do not depend on the triangles, the likeliest first.
+
+    Where K̄ > 0 the plate wants to bend alike in all directions, to the side of the normals; where K̄ < 0 as a saddle, turned to
+    where bending energy is least, up and down; where K̄ = 0 it bends over its supports.
+    """
+    plate = _Plate(lagrangian)
+    targets = _face_targets(lagrangian)
+    round_, along, across = _tensors(lagrangian)
+    scale = FLAT * float(np.abs(targets).max(initial=0.0))
+    dome = round_ * np.sqrt(np.maximum(targets, 0.0))[:, None]
+    bent = np.sqrt(np.maximum(-targets, 0.0))[:, None]
+    first = plate.response(dome) if (targets > scale).any() else np.zeros(lagrangian.size)
+    if not (targets < -scale).any():
+        yield _with_even_angles(lagrangian, plate.here, first)
+        return
+    steps = [plate.response(bent * along), plate.response(bent * across)]
+    base = plate.mismatch(first, dome) + plate.mismatch(np.zeros(lagrangian.size), -_present(plate.here))
+    parts = [plate.mismatch(step, bent * own) for step, own in zip(steps, (along, across))]
+    turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    energies = np.array([float(((base + np.cos(t) * parts[0] + np.sin(t) * parts[1]) ** 2).sum()) for t in turns])
+    if np.ptp(energies) <= ROUND * energies.mean():
+        chosen = [0.0, 0.5 * np.pi]
+    else:
+        lowest = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
+        chosen = turns[lowest][np.argsort(energies[lowest], kind="stable")].tolist()
+    for t in chosen:
+        yield _with_even_angles(lagrangian, plate.here, first + np.cos(t) * steps[0] + np.sin(t) * steps[1])
+
+
+def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> State:
+    """Return the state with the moves of a step (q,), and the angles for which its shape operators vary most evenly."""
+    unknowns = here.unknowns.copy()
+    unknowns[lagrangian.free[: lagrangian.moves]] += step[: lagrangian.moves]
+    unknowns[len(lagrangian.drawing) :] = even_angles(lagrangian.mesh, lagrangian.vertices(unknowns))
+    return lagrangian.at(unknowns)
+
+
+def _relaxed(lagrangian: Lagrangian) -> State:
+    """Return the plate over the supports that has no curvature of its own."""
+    here = lagrangian.at(np.zeros(lagrangian.mesh.unknowns))
+    pattern, q = lagrangian.pattern, lagrangian.size
+    for _ in range(RELAXATIONS):
+        model = lagrangian.model(here, np.zeros(len(lagrangian.rows)))
+        if not np.abs(model.gradient).max(initial=0.0) > 0.0:
+            break
+        matrix = sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))[:q, :q]
+        here = lagrangian.moved(here, factorise(matrix.tocsr(), symmetric=True).solve(-model.gradient))
+    return here
+
+
+def _present(state: State) -> FloatArray:
+    return np.asarray(state.operators.tensors / state.operators.areas[:, None])
+
+
+def _face_targets(lagrangian: Lagrangian) -> FloatArray:
+    """Return K̄ of the faces (m,), the mean over their equations, zero without any."""
+    onto = lagrangian.mesh.incidence[lagrangian.rows].T
+    return np.asarray((onto @ lagrangian.targets) / np.maximum(onto @ np.ones(len(lagrangian.rows)), 1.0))
+
+
+def _tensors(lagrangian: Lagrangian) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return, packed, the identity of the tangent plane of each face and the two unit saddles in it, in one frame for all (m, 6)."""
+    mesh = lagrangian.mesh
+    normals = mesh.directions[mesh.faces].sum(axis=1)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    first = _main_direction(lagrangian)
+    t = first - (normals @ first)[:, None] * normals
+    t /= np.maximum(np.linalg.norm(t, axis=1), np.finfo(float).tiny)[:, None]
+    b = np.cross(normals, t)
+    pack = [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]
+    tt, bb, tb = (np.einsum("mx,my->mxy", p, q)[:, pack[0], pack[1]] for p, q in ((t, t), (b, b), (t, b)))
+    bt = np.einsum("mx,my->mxy", b, t)[:, pack[0], pack[1]]
+    return tt + bb, tt - bb, tb + bt
+
+
+def _main_direction(lagrangian: Lagrangian) -> FloatArray:
+    """Return the direction (3,) in which the drawing extends farthest."""
+    V = lagrangian.drawing[np.unique(lagrangian.mesh.faces)]
+    return np.asarray(np.linalg.svd(V - V.mean(axis=0), full_matrices=False)[2][0])

@@ -1,0 +1,152 @@
+"""Least bending and folding by mid-edge normals: exact derivatives, order of convergence, invariance, every door's method."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+from compas_cgc import CGCMesh
+from compas_cgc import solve
+from compas_cgc.model.problem import CGCProblem
+from compas_cgc.solvers.polish.polisher import polish
+from compas_cgc.solvers.polish.posed import posed
+from compas_cgc.solvers.polish.settings import PolishSettings
+from compas_cgc.solvers.polish.starts import starts
+
+
+def _square(n: int, jitter: float = 0.0, lines=(), along=(0, 1)):
+    """Return a unit square with creases along lines of constant x (0) and y (1)."""
+    i, j = np.divmod(np.arange((n + 1) ** 2), n + 1)
+    xy = np.column_stack([i, j]) / n
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    F = np.vstack([np.column_stack([a, a + n + 1, a + n + 2]), np.column_stack([a, a + n + 2, a + 1])])
+    if jitter:
+        inside = (np.abs(xy - 0.5).max(axis=1) < 0.5) & ~np.isclose(xy[:, :, None], np.asarray(lines)).any(axis=(1, 2))
+        xy[inside] += jitter / n * np.random.default_rng(n).uniform(-1, 1, (inside.sum(), 2))
+        F = Delaunay(xy).simplices.astype(np.int64)
+        d, e = xy[F[:, 1]] - xy[F[:, 0]], xy[F[:, 2]] - xy[F[:, 0]]
+        area = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+        F[area < 0] = F[area < 0][:, ::-1]
+        F = F[np.abs(area) > 1e-9 / n**2]
+    V = np.column_stack([xy, 0 * xy[:, 0]])
+    edges = np.unique(np.sort(np.vstack([F[:, [0, 1]], F[:, [1, 2]], F[:, [2, 0]]]), axis=1), axis=0)
+    creased = np.zeros(len(edges), bool)
+    for line in lines:
+        creased |= np.isclose(xy[edges][:, :, list(along)], line).all(axis=1).any(axis=1)
+    return V, F, edges[creased]
+
+
+def _on_corners(n: int, K: float, lift: float = 0.0, **how) -> CGCProblem:
+    V, F, creases = _square(n, **how)
+    x, y = V[:, 0], V[:, 1]
+    V[:, 2] = lift * (x + y - 2 * x * y)
+    return CGCProblem(V, F, creases=creases).with_supports("corners").with_targets(K)
+
+
+def _middle(vertices) -> float:
+    return float(vertices[np.argmin(np.hypot(*(vertices[:, :2] - 0.5).T)), 2])
+
+
+def _order(problems, **settings):
+    heights = []
+    for problem in problems:
+        solution = polish(problem, settings=PolishSettings(**settings))
+        assert solution.status == "converged"
+        heights.append(_middle(solution.vertices))
+    return np.log2((heights[1] - heights[0]) / (heights[2] - heights[1])), heights
+
+
+def test_derivatives_are_exact():
+    local = _on_corners(6, 1.0, lines=(1 / 3, 2 / 3), jitter=0.3).local()[0]
+    lagrangian = posed(local, 0.1)
+    state, rng = next(starts(lagrangian)), np.random.default_rng(0)
+    multipliers, step = rng.standard_normal(len(lagrangian.rows)), rng.standard_normal(lagrangian.size)
+    h = 1e-6
+    there, back = lagrangian.moved(state, h * step), lagrangian.moved(state, -h * step)
+    model = lagrangian.model(state, multipliers)
+    assert (there.energy - back.energy) / (2 * h) == pytest.approx(float(model.gradient @ step), rel=1e-6)
+    change = (there.residuals - back.residuals) / (2 * h)
+    assert np.abs(change - model.jacobian @ step).max() < 1e-6 * np.abs(change).max()
+
+    def force(at):
+        own = lagrangian.model(at, multipliers)
+        return own.gradient + own.jacobian.T @ multipliers
+
+    matrix = lagrangian.pattern.matrix(model, model.hessian, 0.0, np.zeros(len(multipliers)))
+    change = (force(there) - force(back)) / (2 * h)
+    product = (matrix @ np.concatenate([step, 0 * multipliers]))[: lagrangian.size]
+    assert np.abs(change - product).max() < 1e-6 * np.abs(change).max()
+
+
+def test_the_crown_on_corners_is_of_second_order():
+    order, heights = _order([_on_corners(n, 1.0) for n in (8, 16, 32)])
+    assert order > 1.8
+    assert heights[2] + (heights[2] - heights[1]) / 3 == pytest.approx(0.2909, abs=2e-4)
+
+
+def test_irregular_meshes_give_the_same_surface():
+    plain, irregular = (_middle(polish(_on_corners(16, 1.0, jitter=jitter)).vertices) for jitter in (0.0, 0.3))
+    assert irregular == pytest.approx(plain, abs=2e-4)
+
+
+def test_a_crease_is_of_second_order():
+    order, _ = _order([_on_corners(n, 1.0, lines=(0.5,), along=(0,)) for n in (8, 16, 32)])
+    assert order > 1.8
+
+
+def test_nine_regions_are_of_second_order():
+    order, heights = _order([_on_corners(n, 1.0, lines=(1 / 3, 2 / 3)) for n in (6, 12, 24)])
+    assert order > 1.8
+    assert heights[1] == pytest.approx(heights[2], rel=5e-3)
+
+
+def test_saddles_over_lifted_corners_do_not_depend_on_the_triangles():
+    solutions = [polish(_on_corners(16, -1.2, lift=0.6, jitter=jitter)) for jitter in (0.0, 0.3)]
+    assert {own.status for own in solutions} == {"converged"}
+    # One of two mirror twins: the middle of the free edges is above or below the straight line between supports by .08.
+    for own in solutions:
+        V = own.vertices
+        middle = V[np.argmin(np.hypot(V[:, 0] - 0.5, V[:, 1])), 2] - 0.3
+        assert abs(middle) == pytest.approx(0.086, abs=5e-3)
+
+
+@pytest.mark.parametrize("K", [1.0, -1.0])
+def test_place_size_and_numbering_do_not_matter(K):
+    problem = _on_corners(8, K, jitter=0.3)
+    plain = polish(problem)
+    rng = np.random.default_rng(4)
+    turn, order = np.linalg.qr(rng.standard_normal((3, 3)))[0], rng.permutation(len(problem.vertices))
+    turn *= np.sign(np.linalg.det(turn))
+    V = np.empty_like(problem.vertices)
+    V[order] = 1000 * problem.vertices @ turn + [1, 1, 1]
+    faces = order[problem.faces][rng.permutation(len(problem.faces))]
+    found = polish(CGCProblem(V, faces).with_supports(order[problem.supports].tolist()).with_targets(1e-6 * K))
+    assert found.status == plain.status == "converged"
+    back = (found.vertices[order] - [1, 1, 1]) @ turn.T / 1000
+    twin = np.abs(back * [1, 1, -1] - plain.vertices).max() if K < 0 else np.inf
+    assert min(np.abs(back - plain.vertices).max(), twin) < 1e-6
+
+
+def test_a_longer_fold_length_folds_the_creases_more():
+    problem = _on_corners(12, 1.0, lines=(1 / 3, 2 / 3))
+    crowns = [_middle(polish(problem, settings=PolishSettings(fold_length=length)).vertices) for length in (0.01, 0.1, 0.3)]
+    assert crowns[0] > crowns[1] > crowns[2]
+
+
+def test_it_is_a_method_of_every_door():
+    mesh = CGCMesh.from_meshgrid(dx=15, nx=15)
+    mesh.set_supports("corners")
+    mesh.set_creases([[16 * i + k for i in range(16)] for k in (5, 10)])
+    mesh.set_target(0.005)
+    result = solve(mesh, method="bending")
+    assert (result.status, result.method, result.measure) == ("converged", "bending", "mid-edge")
+    assert result.verdict.fair
+    # The measure of the mesh alone agrees with that of the solve.
+    asked = result.problem.asked
+    assert np.abs(result.curvature[asked] / 0.005 - 1.0).max() < 0.1
+
+
+def test_cancelling_returns_the_surface_so_far():
+    solution = polish(_on_corners(8, 1.0), callback=lambda state: state.step == 2)
+    assert (solution.status, solution.iterations) == ("cancelled", 2)
