@@ -1,4 +1,4 @@
-"""Files in and out: a problem of any format, and what was made of it."""
+"""Reading and writing of problems, results and builds in all file formats."""
 
 from __future__ import annotations
 

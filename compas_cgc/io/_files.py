@@ -1,4 +1,4 @@
-"""Files on the disk: whole or not there, with errors in words."""
+"""Atomic reading and writing of files, with readable errors."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
     Raises
     ------
     FileError
-        If there is no such file or it cannot be read.
+        If the file does not exist or cannot be read.
     """
     if path.is_dir():
-        raise FileError(f"{path} is a folder; give a file in it")
+        raise FileError(f"{path} is a folder; give the path of a file in it")
     recover(path.parent)
     try:
         with open(path, "rb") as file:
@@ -38,30 +38,30 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
 
 @contextmanager
 def written(path: Union[str, os.PathLike]) -> Iterator[Path]:
-    """Give the name of a temporary file beside `path`, and put it in its place when the block ends well.
+    """Yield a temporary path beside `path`, and rename that file to `path` when the block ends without error.
 
     Raises
     ------
     FileError
-        If the disk, the folder or the permissions do not allow it; the older file is as it was.
+        If the file cannot be written; an existing file remains unchanged.
     """
     if os.path.isdir(path):
-        raise FileError(f"{path} is a folder; give the name of a file in it")
+        raise FileError(f"{path} is a folder; give the path of a file in it")
     try:
         with replacing(path) as temporary:
             yield temporary
     except OSError as error:
         reason = error.strerror or str(error)
-        raise FileError(f"{path} cannot be written ({reason}); close it elsewhere, or choose another name or folder") from None
+        raise FileError(f"{path} cannot be written ({reason}); close it in other programs, or choose another name or folder") from None
 
 
 def suffix_among(path: Union[str, os.PathLike], suffixes: tuple[str, ...], what: str) -> str:
-    """Return the suffix of a file in small letters if it is among others, the longest of these, such as ``.plan.svg``.
+    """Return the longest matching suffix of a file, in lower case, such as ``.plan.svg``.
 
     Raises
     ------
     FileError
-        If it is not.
+        If the suffix is not supported.
     """
     name = Path(path).name.lower()
     found = [suffix for suffix in suffixes if name.endswith(suffix) and name != suffix]

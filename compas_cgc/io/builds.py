@@ -1,4 +1,4 @@
-"""What was built as files: which formats each task has, and one function that writes them all."""
+"""Builds as files: the formats of each task, and one function that writes all of them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .patterns import write_patterns
 
 __all__ = ["BUILD_SUFFIXES", "build_suffix", "write_build"]
 
-# By task, the first for Rhino.
+# Suffixes by task; the first is for Rhino.
 BUILD_SUFFIXES: dict[str, tuple[str, ...]] = {
     "mould": (".3dm", ".csv"),
     "unroll": PATTERN_SUFFIXES,
@@ -34,43 +34,43 @@ _WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "
 
 
 def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file that a task can be written to, in small letters.
+    """Return the suffix of an output file of a task, in lower case.
 
     Raises
     ------
     FileError
-        If what it makes is not written to files of that kind.
+        If the task has no output in this format.
     """
     return suffix_among(path, BUILD_SUFFIXES[task], _WHAT[task])
 
 
 def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, report: Any, settings: Mapping[str, Any]) -> list[Path]:
-    """Write what a task has made in the format of the suffix, whole or not at all.
+    """Write the output of a task in the format of the suffix, atomically.
 
     Parameters
     ----------
     path
-        Of a suffix in :data:`BUILD_SUFFIXES`.
+        Output file, with a suffix in :data:`BUILD_SUFFIXES`.
     task
-        Which it is.
+        Name of the task.
     problem
-        The surface that it was made of.
+        The solved surface.
     report
-        What was made.
+        Result of the task.
     settings
-        Options of the task, of which those that change files are taken.
+        Options of the task; only those that affect files are used.
 
     Returns
     -------
     list of Path
-        The files that were written.
+        The written files.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If a file cannot be written.
     CGCError
-        If a package is missing that the format needs.
+        If a package that the format requires is missing.
     """
     suffix = build_suffix(task, path)
     if task == "unroll":
@@ -90,6 +90,6 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
 
 
 def _panel_table(report: MouldReport) -> str:
-    """Return a row for every panel with its figures, as CSV."""
+    """Return a CSV table with one row per panel."""
     rows = [own.to_dict() for own in report.panels]
     return csv_text(list(rows[0]), [list(row.values()) for row in rows])

@@ -1,4 +1,4 @@
-"""Mesh cleanup: the polygons of a file to a problem on clean triangles."""
+"""Mesh cleanup: conversion of the polygons in a file to a problem with a clean triangle mesh."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from .reading import ReadProblem
 
 __all__ = ["check_mesh", "clean_problem"]
 
-MAX_COORDINATE = 1e12  # [L]; the cube of larger ones comes near to overflow
-MAX_CORNERS = 1000  # of a face; cutting ears takes time with the square of it
+MAX_COORDINATE = 1e12  # [L]; its cube does not overflow
+MAX_CORNERS = 1000  # corners of a face; the time of ear clipping grows with their square
 
 
 def clean_problem(
@@ -33,7 +33,7 @@ def clean_problem(
     targets: Optional[FloatArray] = None,
     notes: Sequence[str] = (),
 ) -> ReadProblem:
-    """Return the problem of the polygons in a file, welded, triangulated and oriented where they need it.
+    """Return the problem with the polygons of a file, welded, triangulated and oriented if necessary.
 
     Parameters
     ----------
@@ -46,11 +46,11 @@ def clean_problem(
     supports
         Fixed vertices.
     creases
-        Vertex paths; those that do not follow edges are left out.
+        Vertex paths; paths that do not follow edges are omitted.
     targets
-        ``(n,)`` target Gaussian curvature [1/L^2], NaN where there is none.
+        ``(n,)`` target Gaussian curvature [1/L^2], NaN where K is not prescribed.
     notes
-        What has been said already.
+        Notes so far.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def clean_problem(
         If vertices and faces do not form a mesh.
     """
     if creases and not len(faces):
-        raise FileError(f"{source} holds lines and no faces; mesh its outline (CGCMesh.from_outline(points, edge_length))")
+        raise FileError(f"{source} holds lines but no faces; mesh its outline with CGCMesh.from_outline(points, edge_length)")
     check_mesh(source, vertices, faces)
     try:
         clean = tidy(vertices, faces, 0.0)
@@ -73,7 +73,7 @@ def clean_problem(
     on = _follow(paths, clean.faces)
     said = [*notes, *clean.notes]
     if not all(on):
-        said.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were left out")
+        said.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were ignored")
     problem = CGCProblem(
         clean.vertices,
         clean.faces,
@@ -91,22 +91,22 @@ def check_mesh(source: Path, vertices: FloatArray, faces: Sequence[Sequence[int]
     Raises
     ------
     FileError
-        If there are none, a face names a vertex that does not exist or has too many corners, or a coordinate is not usable.
+        If there are none, a face refers to a vertex that does not exist or has too many corners, or a coordinate is not finite.
     """
     n = len(vertices)
     if not n or not len(faces):
         raise FileError(f"{source} holds no mesh; give one with vertices and faces")
     wrong = next((i for i, face in enumerate(faces) if any(not 0 <= v < n for v in face)), None)
     if wrong is not None:
-        raise FileError(f"{source}: face {wrong} names a vertex that does not exist; export it again")
+        raise FileError(f"{source}: face {wrong} refers to a vertex that does not exist; export the file again")
     large = next((i for i, face in enumerate(faces) if len(face) > MAX_CORNERS), None)
     if large is not None:
         raise FileError(
-            f"{source}: face {large} has {len(faces[large])} corners, at most {MAX_CORNERS} are read; divide it and export again"
+            f"{source}: face {large} has {len(faces[large])} corners, but at most {MAX_CORNERS} are supported; divide it and export again"
         )
     bad = ~(np.abs(vertices) <= MAX_COORDINATE).all(axis=1)
     if bad.any():
-        what = f"has a coordinate that is no finite number or larger than {MAX_COORDINATE:g}"
+        what = f"has a coordinate that is not finite or exceeds {MAX_COORDINATE:g}"
         raise FileError(f"{source}: vertex {int(np.argmax(bad))} {what}; correct it")
 
 
@@ -122,7 +122,7 @@ def _follow(paths: list[list[int]], faces: IntArray) -> list[bool]:
 
 
 def _places(old: FloatArray, new: FloatArray, index: IntArray) -> IntArray:
-    """Return the new index of every old vertex; one of no face, as points and lines of other programs have, goes by its place."""
+    """Return the new index of every old vertex. Vertices without faces, as used for points and lines, are matched by position."""
     lost = np.flatnonzero(index < 0)
     if not len(lost):
         return index

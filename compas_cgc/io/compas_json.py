@@ -1,4 +1,4 @@
-"""COMPAS .json: everything."""
+"""COMPAS .json files, which hold all data of a problem."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def read_json(path: Path) -> CGCMesh:
     Raises
     ------
     FileError
-        If it holds no mesh, an invalid constraint, or a type that is not read.
+        If the file holds no mesh, an invalid constraint or an unsupported type.
     """
     from compas.datastructures import Mesh
 
@@ -39,16 +39,16 @@ def read_json(path: Path) -> CGCMesh:
         cursor.check_nesting(value)
         thing = objects_of(value)
         if not isinstance(thing, Mesh):
-            raise FileError(f"it holds a {type(thing).__name__}, no mesh")
+            raise FileError(f"it holds a {type(thing).__name__} instead of a mesh")
         mesh = thing if isinstance(thing, CGCMesh) else CGCMesh.from_mesh(thing)
         place = {key: i for i, key in enumerate(mesh.vertex)}
         points = [[own[axis] for axis in "xyz"] for own in mesh.vertex.values()]
         vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
         faces = [[place[v] for v in face] for face in mesh.face.values()]
     except json.JSONDecodeError as error:
-        raise FileError(f"{path} is no JSON (line {error.lineno}: {error.msg}); export it again") from None
+        raise FileError(f"{path} is not valid JSON (line {error.lineno}: {error.msg}); export it again") from None
     except Exception as error:
-        # The classes of COMPAS check nothing: any error may come of wrong data.
+        # The classes of COMPAS do not check their data, so wrong data can raise any error.
         raise FileError(f"{path} cannot be read as COMPAS data ({reason_of(error)}); write it with mesh.to_json()") from error
     check_mesh(path, vertices, faces)
     try:
@@ -59,7 +59,7 @@ def read_json(path: Path) -> CGCMesh:
 
 
 def json_text(surface: PosesProblem) -> str:
-    """Return a mesh, the mesh of a result or that of a problem as the text of a COMPAS .json file."""
+    """Return a mesh, or the mesh of a result or problem, as the text of a COMPAS .json file."""
     from ..datastructures import CGCMesh
 
     mesh = surface if isinstance(surface, CGCMesh) else getattr(surface, "mesh", None) or CGCMesh.from_problem(surface.to_problem())

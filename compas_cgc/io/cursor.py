@@ -1,4 +1,4 @@
-"""Cursor: a guarded position in the bytes of a file that is not trusted."""
+"""Cursor: checked reading of untrusted files."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from ._files import read_bytes
 
 __all__ = ["READ_LIMITS", "Cursor", "ReadLimits", "guarded", "reason_of"]
 
-_STRIDE = 1024  # items between two checks of the time
+_STRIDE = 1024  # number of items between two checks of the time
 Item = TypeVar("Item")
 
 
 class ReadLimits(NamedTuple):
     """Limits of reading one file."""
 
-    bytes: int = 2**30  # of the file
-    elements: int = 50_000_000  # values, all elements of the file together
+    bytes: int = 2**30  # size of the file
+    elements: int = 50_000_000  # number of values in the whole file
     nesting: int = 64  # levels of lists and objects
     seconds: float = 300.0
 
@@ -38,19 +38,19 @@ READ_LIMITS = ReadLimits()
 class Cursor:
     """Read position in the bytes of a file, which moves forward only.
 
-    A count that a file announces is checked against the bytes that follow before anything is allocated or repeated for it.
+    A count declared in the file is checked against the number of remaining bytes before memory is allocated.
 
     Parameters
     ----------
     data
         Content of the file.
     limits
-        Bytes, elements, nesting and seconds that are accepted.
+        Limits on bytes, elements, nesting and time.
 
     Raises
     ------
     ValueError
-        Everywhere, with the reason, where the content exceeds a limit or ends too early.
+        By all methods, if the content exceeds a limit or ends too early.
     """
 
     def __init__(self, data: bytes, limits: ReadLimits = READ_LIMITS):
@@ -69,28 +69,28 @@ class Cursor:
         Raises
         ------
         FileError
-            If it cannot be read.
+            If the file cannot be read.
         """
         return cls(read_bytes(path, limits.bytes + 1), limits)
 
     @property
     def left(self) -> int:
-        """Number of bytes that follow."""
+        """Number of remaining bytes."""
         return len(self.data) - self.position
 
     def count(self, announced: int, size: int = 1, what: str = "elements") -> int:
-        """Return an announced number of elements of at least `size` bytes each, if that many can follow."""
+        """Return a declared number of elements of at least `size` bytes each, after checking that the file can hold them."""
         if announced < 0:
-            raise ValueError(f"it announces {announced} {what}")
+            raise ValueError(f"it declares {announced} {what}")
         if announced * max(1, size) > self.left:
-            raise ValueError(f"it announces {announced} {what}, and {self.left} bytes follow")
+            raise ValueError(f"it declares {announced} {what}, but only {self.left} bytes follow")
         self._elements += announced
         if self._elements > self.limits.elements:
             raise ValueError(f"it holds more than {self.limits.elements} elements")
         return announced
 
     def skip(self, size: int) -> None:
-        """Move on by some bytes."""
+        """Advance by a number of bytes."""
         self.position += self.count(size, 1, "bytes")
 
     def array(self, kind: Any, count: int) -> np.ndarray:
@@ -101,14 +101,14 @@ class Cursor:
         return values
 
     def words(self) -> Iterator[bytes]:
-        """Yield the words of a text that follow."""
+        """Yield the remaining words of a text."""
         return self.timed(self.data[self.position :].split())
 
     def lines(self, comment: str = "#") -> Iterator[tuple[int, str]]:
-        """Yield number and text of every line that is neither empty nor a comment; a backslash at the end joins lines."""
+        """Yield number and text of every line that is neither empty nor a comment; a backslash at the end continues a line."""
         text = self.text()
         if "\0" in text:
-            raise ValueError("it is no text, whatever its name says")
+            raise ValueError("it is not a text file, despite its suffix")
         joined: list[str] = []
         for number, line in enumerate(self.timed(text.splitlines()), 1):
             line = line.split(comment, 1)[0].strip()
@@ -121,7 +121,7 @@ class Cursor:
                 yield number, line
 
     def text(self) -> str:
-        """Return the text that follows: UTF-8, or Latin-1 where it is not."""
+        """Return the remaining text, decoded as UTF-8 or else as Latin-1."""
         rest = self.data[self.position :]
         try:
             return rest.decode("utf-8-sig")
@@ -129,7 +129,7 @@ class Cursor:
             return rest.decode("latin-1")
 
     def timed(self, items: Iterable[Item]) -> Iterator[Item]:
-        """Yield items as long as there is time."""
+        """Yield items until the time limit is exceeded."""
         for number, item in enumerate(items):
             if number % _STRIDE == 0 and time.monotonic() > self._end:
                 raise ValueError(f"reading it takes more than {self.limits.seconds:g} s")
@@ -142,14 +142,14 @@ class Cursor:
             level = [item for node in level for item in _inner(node)]
             if not level:
                 return
-        raise ValueError(f"it is nested more than {self.limits.nesting} deep")
+        raise ValueError(f"it is nested more than {self.limits.nesting} levels deep")
 
 
 @contextmanager
 def guarded(path: Path) -> Iterator[None]:
-    """Raise a :class:`FileError` for every fault of a file that a reader meets.
+    """Convert every error of a reader to a :class:`FileError`.
 
-    A reader of damaged content may fail anywhere; what it was that failed is the cause of the error.
+    Damaged content can make a reader fail anywhere; the original error is kept as the cause.
     """
     try:
         yield
@@ -160,7 +160,7 @@ def guarded(path: Path) -> Iterator[None]:
 
 
 def reason_of(error: Exception) -> str:
-    """Return what an error in a reader says of the content."""
+    """Return the reason for an error in a reader, as a clause about the content."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply"
     if isinstance(error, KeyError):

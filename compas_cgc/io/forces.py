@@ -1,4 +1,4 @@
-"""Membrane forces as files: for Rhino, for finite elements, for COMPAS."""
+"""Membrane forces as files for Rhino, finite element programs and COMPAS."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ FORCE_SUFFIXES = (".3dm", ".inp", ".json")
 
 
 def force_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file that forces can be written to, in small letters.
+    """Return the suffix of a file of forces, in lower case.
 
     Raises
     ------
     FileError
-        If forces are not written to files of that kind.
+        If forces cannot be written in this format.
     """
     return suffix_among(path, FORCE_SUFFIXES, "forces")
 
 
 def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
-    """Write forces in the format of the suffix, whole or not at all.
+    """Write forces in the format of the suffix, atomically.
 
     Parameters
     ----------
@@ -37,12 +37,12 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
         A .3dm with maps, crosses, reactions and line loads; an .inp for CalculiX and Abaqus; or a COMPAS .json, whose
         mesh has the forces as attributes.
     state
-        What :func:`compas_cgc.fabrication.membrane` gave.
+        Forces from :func:`compas_cgc.fabrication.membrane`.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     """
     suffix = force_suffix(path)
     if suffix == ".3dm":
@@ -56,7 +56,7 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
 
 
 def forces_json(state: MembraneState) -> str:
-    """Return the mesh as COMPAS data: ``N1``, ``N2``, ``direction`` of faces, ``load``, ``reaction`` of vertices, ``force`` of edges."""
+    """Return the mesh as COMPAS JSON: ``N1``, ``N2``, ``direction`` of faces, ``load``, ``reaction`` of vertices, ``force`` of edges."""
     from ..datastructures import CGCMesh
 
     mesh = CGCMesh.from_problem(state.problem)

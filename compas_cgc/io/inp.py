@@ -20,17 +20,17 @@ def inp_text(state: MembraneState, thickness: float = 0.01, modulus: float = 1e9
     Parameters
     ----------
     state
-        What :func:`compas_cgc.fabrication.membrane` gave; its forces stand in comments beside every element.
+        Forces from :func:`compas_cgc.fabrication.membrane`; they are written as comments for every element.
     thickness
-        Of the membrane [L].
+        Thickness of the membrane [L].
     modulus, poisson
-        Of its material [F/L^2], and Poisson's ratio. All three are placeholders for an engineer's.
+        Young's modulus [F/L^2] and Poisson's ratio. All three defaults are placeholders.
     """
     problem = state.problem
     lines = [
         "*HEADING",
-        f"compas_cgc: {problem.drawing.name}, units {problem.drawing.units or 'Meters'}; numbers are those of the mesh plus one",
-        f"** pressure {state.pressure!r} along the normals, weight {state.weight!r} downwards for each area",
+        f"compas_cgc: {problem.drawing.name}, units {problem.drawing.units or 'Meters'}; numbers are mesh numbers plus one",
+        f"** pressure {state.pressure!r} along the normals, weight {state.weight!r} downwards per unit area",
         "** membrane forces by compas_cgc: N1 and N2 of every element at the end of this file",
         "*NODE",
     ]
@@ -52,7 +52,7 @@ def inp_text(state: MembraneState, thickness: float = 0.01, modulus: float = 1e9
     if (problem.roles == FIXED).any():
         lines += ["*BOUNDARY", "SUPPORTS, 1, 3"]
     if state.pressure:
-        # A positive P1 of Abaqus pushes along the normal of a membrane.
+        # In Abaqus, a positive P acts along the normal of a membrane.
         lines += ["*DLOAD", f"ALL, P, {state.pressure!r}"]
     if state.weight:
         lines += ["*DLOAD", f"ALL, GRAV, {state.weight / thickness!r}, 0.0, 0.0, -1.0"]

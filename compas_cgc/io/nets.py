@@ -1,4 +1,4 @@
-"""Curves to build along as files."""
+"""Construction curves as files."""
 
 from __future__ import annotations
 
@@ -22,32 +22,32 @@ NET_SUFFIXES = (".3dm", ".dxf", ".json")
 
 
 def net_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file that curves can be written to, in small letters.
+    """Return the suffix of a file of curves, in lower case.
 
     Raises
     ------
     FileError
-        If curves are not written to files of that kind.
+        If curves cannot be written in this format.
     """
     return suffix_among(path, NET_SUFFIXES, "curves")
 
 
 def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
-    """Write curves as polylines in the format of the suffix, whole or not at all.
+    """Write curves as polylines in the format of the suffix, atomically.
 
     Parameters
     ----------
     path
-        A .3dm or .dxf with a layer for each kind and family, or a .json with points, lengths and nodes.
+        A .3dm or .dxf with one layer per kind and family, or a .json with points, lengths and nodes.
     net
-        What :func:`compas_cgc.fabrication.curve_net` gave.
+        Curves from :func:`compas_cgc.fabrication.curve_net`.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     CGCError
-        If a package is missing that the format needs.
+        If a package that the format requires is missing.
     """
     suffix = net_suffix(path)
     if suffix == ".3dm":

@@ -1,4 +1,4 @@
-"""Wavefront .obj: faces in groups by region, creases as lines, supports as points, every digit kept."""
+"""Wavefront .obj files: faces in groups by region, creases as lines, supports as points, in full precision."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _TARGET = re.compile(r"^K=(\S+)$")
 def read_obj(path: Path) -> ReadProblem:
     """Read a .obj file.
 
-    Faces of any number of corners; ``l`` elements are creases, ``p`` elements supports,
-    and a group name ``K=0.03`` is the target of its faces.
+    Faces can have any number of corners. ``l`` elements are creases, ``p`` elements are supports,
+    and a group name such as ``K=0.03`` sets the target of its faces.
     """
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
@@ -36,13 +36,13 @@ def read_obj(path: Path) -> ReadProblem:
             if word == "v":
                 vertices.append([float(x) for x in rest[:3]])
                 if len(rest) < 3:
-                    raise ValueError("three coordinates are needed")
+                    raise ValueError("three coordinates are required")
             elif word in ("f", "l", "p"):
-                # Indices count from 1, or back from the last vertex; v/vt/vn names textures and normals too.
+                # Indices count from 1, or backwards from the last vertex if negative; v/vt/vn also refers to textures and normals.
                 index = [int(part.split("/")[0]) for part in rest]
                 index = [i - 1 if i > 0 else len(vertices) + i for i in index]
                 if any(not 0 <= i < len(vertices) for i in index):
-                    raise ValueError("there is no such vertex")
+                    raise ValueError("the vertex does not exist")
                 if word == "f":
                     faces.append(index)
                     if K is not None:

@@ -1,4 +1,4 @@
-"""Patterns as files: sheets to cut from, tables, the plan, and the pieces in place."""
+"""Patterns as files: cutting sheets, tables, plan, and pieces in their final position."""
 
 from __future__ import annotations
 
@@ -23,46 +23,46 @@ __all__ = ["PATTERN_SUFFIXES", "pattern_suffix", "write_patterns"]
 
 PATTERN_SUFFIXES = (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip")
 _TEXT = {".dxf": dxf_text, ".svg": svg_text}
-_MADE = (1980, 1, 1, 0, 0, 0)  # the date of files in an archive, so that the same patterns give the same archive
+_ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same patterns give the same archive
 
 
 def pattern_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file that patterns can be written to, in small letters.
+    """Return the suffix of a file of patterns, in lower case.
 
     Raises
     ------
     FileError
-        If patterns are not written to files of that kind.
+        If patterns cannot be written in this format.
     """
     return suffix_among(path, PATTERN_SUFFIXES, "patterns")
 
 
 def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: bool = True, per_sheet: bool = False) -> list[Path]:
-    """Write patterns in the format of the suffix, whole or not at all.
+    """Write patterns in the format of the suffix, atomically.
 
     Parameters
     ----------
     path
-        A .dxf or .svg with all sheets, a .csv with all edges, a .list.csv with a row for every piece, a .plan.dxf or .plan.svg with
-        the surface in plan, a .3dm with the sheets and the pieces in place, or a .zip with a .dxf for each sheet, list and plan.
+        A .dxf or .svg with all sheets, a .csv with all edges, a .list.csv with one row per piece, a .plan.dxf or .plan.svg with
+        the surface in plan, a .3dm with sheets and positioned pieces, or a .zip with a .dxf per sheet, the list and the plan.
     patterns
-        What :func:`compas_cgc.fabrication.unroll` gave.
+        Patterns from :func:`compas_cgc.fabrication.unroll`.
     nodes
-        Whether the nodes along outlines are numbered.
+        Whether to number the nodes along outlines.
     per_sheet
-        Write a .dxf or .svg for each sheet, numbered before the suffix from 1.
+        Whether to write one .dxf or .svg per sheet, numbered from 1 before the suffix.
 
     Returns
     -------
     list of Path
-        The files that were written.
+        The written files.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If a file cannot be written.
     CGCError
-        If a package is missing that the format needs.
+        If a package that the format requires is missing.
     """
     suffix, path = pattern_suffix(path), Path(path)
     if suffix == ".3dm":
@@ -70,7 +70,7 @@ def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: 
 
         write_pattern_layers(path, patterns, nodes)
         return [path]
-    # All is drawn before a folder or a file comes about.
+    # Draw everything before creating folders or files.
     if per_sheet and suffix in _TEXT:
         contents = {path.with_name(name): text for name, text in _by_sheet(path.stem, suffix, patterns, nodes).items()}
     else:
@@ -105,5 +105,5 @@ def _archive(files: dict[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
-            archive.writestr(zipfile.ZipInfo(name, _MADE), content, zipfile.ZIP_DEFLATED)
+            archive.writestr(zipfile.ZipInfo(name, _ARCHIVE_DATE), content, zipfile.ZIP_DEFLATED)
     return packed.getvalue()

@@ -1,4 +1,4 @@
-"""Plugins: Rhino files and Breps for the methods ``from_3dm``, ``to_3dm`` and ``from_surface`` of a CGCMesh; COMPAS finds them."""
+"""COMPAS plugins for the methods ``from_3dm``, ``to_3dm`` and ``from_surface`` of CGCMesh."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .registry import write
 
 __all__ = ["mesh_from_3dm", "mesh_from_brep", "mesh_to_3dm"]
 
-TOLERANCE = 1e-3  # of the edge length, within which corners of faces are one
+TOLERANCE = 1e-3  # distance below which corners of faces coincide, relative to the edge length
 
 
 @plugin(category="cgc_files")
@@ -31,7 +31,7 @@ def mesh_from_brep(geometry: Any, edge_length: float) -> CGCMesh:
 
     if not hasattr(geometry, "GetBoundingBox"):
         kinds = "a surface of COMPAS, rhino3dm or Rhino, or a Brep, an extrusion or a SubD"
-        raise MeshError(f"a {type(geometry).__name__} is no surface; give {kinds}")
+        raise MeshError(f"a {type(geometry).__name__} is not a surface; give {kinds}")
     found = problem_from_surfaces([geometry], edge_length, tolerance=TOLERANCE * edge_length, units="None")
     return CGCMesh.from_problem(found.checked())
 

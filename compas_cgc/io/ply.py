@@ -1,4 +1,4 @@
-"""Polygon file format .ply: doubles, with role and target of every vertex and the creases as edges."""
+"""Polygon file format .ply in double precision, with role and target of every vertex and creases as edges."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ class _Element(NamedTuple):
 def read_ply(path: Path) -> ReadProblem:
     """Read a .ply file, text or binary of either byte order.
 
-    The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as
-    :func:`ply_text` writes them, are read where they are there.
+    The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as written by
+    :func:`ply_text`, are optional.
     """
     cursor = Cursor.of_file(path)
     try:
@@ -74,7 +74,7 @@ def read_ply(path: Path) -> ReadProblem:
     except (KeyError, IndexError, ValueError, StopIteration, OverflowError) as error:
         raise FileError(f"{path} cannot be read as .ply ({error or 'it ends too early'}); export it again") from None
     single = any(p.kind == "f4" and p.name == "x" for element in elements for p in element.properties) and kind != "ascii"
-    notes = ("this .ply carries seven digits only; a .3dm or .obj keeps them all",) if single else ()
+    notes = ("this .ply file stores only seven digits; .3dm and .obj files keep full precision",) if single else ()
     supports = np.flatnonzero(roles == FIXED).tolist()
     return clean_problem(path, vertices, faces, supports=supports, creases=creases, targets=targets, notes=notes)
 

@@ -1,4 +1,4 @@
-"""Problem as read from a file or a document: with what was done to it, and what of it could not be used."""
+"""Problem read from a file or document, with notes and errors."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ __all__ = ["ReadProblem"]
 
 
 class ReadProblem(NamedTuple):
-    """What reading gives.
+    """Result of reading a problem.
 
     Parameters
     ----------
     problem
-        What is asked of which mesh.
+        Mesh, supports, creases, targets and goals.
     notes
-        Sentences on what was found and done.
+        Notes on the contents and on changes made to them.
     diagnostics
-        Sentences on what could not be used, each with object and mend.
+        Errors in the contents, each with the object and the remedy.
 
     Examples
     --------
@@ -36,16 +36,16 @@ class ReadProblem(NamedTuple):
     """
 
     problem: CGCProblem
-    notes: tuple[str, ...] = ()  # sentences on what was found and done
-    diagnostics: tuple[Diagnostic, ...] = ()  # sentences on what could not be used, each with object and mend
+    notes: tuple[str, ...] = ()  # contents, and changes made to them
+    diagnostics: tuple[Diagnostic, ...] = ()  # errors in the contents, each with object and remedy
 
     def checked(self) -> CGCProblem:
-        """Return the problem if all of it could be used.
+        """Return the problem if there are no fatal diagnostics.
 
         Raises
         ------
         ProblemError
-            With the diagnostics that are fatal, if there are any.
+            With the fatal diagnostics, if there are any.
         """
         refuse(list(self.diagnostics))
         return self.problem

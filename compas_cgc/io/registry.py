@@ -1,4 +1,4 @@
-"""Formats by suffix: one way in and one way out for meshes of all of them."""
+"""Formats by suffix: one reader and one writer for meshes in all formats."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def read_problem(
     edge_length: Optional[float] = None,
     result: bool = False,
 ) -> ReadProblem:
-    """Read a mesh with all that the file asks of it.
+    """Read a mesh with its supports, creases, targets and goals.
 
     :data:`compas_cgc.io.FORMATS` lists what each format holds. Meshes are welded, triangulated and oriented if necessary.
 
@@ -58,7 +58,7 @@ def read_problem(
     Returns
     -------
     ReadProblem
-        The problem, notes on what was found and done, and what of the file could not be used.
+        The problem, notes on the contents, and errors in them.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def read_mesh(
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
 ) -> tuple[CGCMesh, list[str]]:
-    """Read a mesh, and notes on what was found and done, see :func:`read_problem`.
+    """Read a mesh and notes on its contents, see :func:`read_problem`.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def read_mesh(
     Returns
     -------
     mesh, notes
-        The mesh, and in sentences what was found and done.
+        The mesh, and notes on the contents and on changes made to them.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def read(
     Returns
     -------
     CGCMesh
-        With supports, creases, targets and goals, as far as the format holds them.
+        The mesh with the supports, creases, targets and goals that the format holds.
 
     Examples
     --------
@@ -172,35 +172,35 @@ def write(
     analysis: Optional[SurfaceReport] = None,
     nurbs: bool = False,
 ) -> list[str]:
-    """Write a surface in the format of the suffix, whole or not at all; every digit is kept.
+    """Write a surface in the format of the suffix, atomically and in full precision.
 
     Parameters
     ----------
     path
-        A file in one of the formats of :data:`compas_cgc.io.FORMATS`; an older one is replaced when the new
-        one is complete.
+        A file in one of the formats of :data:`compas_cgc.io.FORMATS`; an existing file is
+        replaced when the new one is complete.
     surface
-        A result, mesh or problem. A dummy mesh is left out of all formats but .json; a .3dm
-        shows all of a result.
+        A result, mesh or problem. Dummy vertices are written to .json only. A .3dm file also
+        shows curvature, errors and regions of a result.
     source
-        The file that the problem of a result was read from; if both are .3dm, all that was
-        in it is kept.
+        File from which the problem of a result was read. If both are .3dm files, its contents
+        are kept.
     version
-        Of a .3dm: 7 or 8.
+        Version of a .3dm file: 7 or 8.
     analysis
-        The report on a result, shown in a .3dm. Default: made here.
+        Report on a result, shown in a .3dm file. Default: computed here.
     nurbs
-        Fit a NURBS surface to each region of a result, on the layer ``CGC::NURBS`` of a .3dm.
+        Whether to fit a NURBS surface to each region of a result, on the layer ``CGC::NURBS`` of a .3dm file.
 
     Returns
     -------
     list of str
-        What is to be said of the NURBS surfaces.
+        Notes on the NURBS surfaces.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
 
     Examples
     --------
@@ -242,7 +242,7 @@ def _write_3dm(
     from .rhino.write import write_problem
 
     kept = source if source is not None and Path(source).suffix.lower() == ".3dm" else None
-    # A result says how it ended.
+    # A result also holds its status and message.
     if hasattr(surface, "status"):
         return write_result(target, cast("SolveResult", surface), source=kept, version=version, analysis=analysis, nurbs=nurbs)
     write_problem(target, surface, version or 7)
@@ -251,22 +251,22 @@ def _write_3dm(
 
 @names_what_was_meant()
 def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
-    """Return the suffix of a file that can be read and written, in small letters.
+    """Return the suffix of a file that can be read and written, in lower case.
 
     Parameters
     ----------
     path
-        Of a file, which need not exist.
+        Path of a file, which need not exist.
 
     Returns
     -------
     str
-        Such as ``".3dm"``.
+        The suffix, such as ``".3dm"``.
 
     Raises
     ------
     FileError
-        If files of that kind are not known.
+        If the format is not supported.
 
     Examples
     --------
@@ -274,10 +274,10 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     '.3dm'
     """
     if not isinstance(path, (str, os.PathLike)):
-        raise FileError(f"a file is named first, then what goes into it, as write('roof.3dm', mesh); {type(path).__name__} is no name")
+        raise FileError(f"the first argument must be a path, as in write('roof.3dm', mesh), not a {type(path).__name__}")
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES and Path(path).is_dir():
-        raise FileError(f"{path} is a folder; name a file in it")
+        raise FileError(f"{path} is a folder; give the path of a file in it")
     if suffix not in SUFFIXES:
         raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {listed()}")
     return suffix

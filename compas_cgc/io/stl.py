@@ -1,4 +1,4 @@
-"""Stereolithography .stl: triangles without shared vertices; as text every digit is kept."""
+"""Stereolithography .stl: triangles without shared vertices; text files have full precision."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def read_stl(path: Path) -> ReadProblem:
-    """Read a .stl file, binary or text; corners at the same place become one vertex."""
+    """Read a .stl file, binary or text; coincident corners become one vertex."""
     data = Cursor.of_file(path).data
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
     notes: tuple[str, ...] = ()
     if len(data) == 84 + 50 * count:
         with np.errstate(invalid="ignore"):  # signalling NaN
             corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
-        notes = ("a binary .stl carries seven digits only; a .3dm, .obj or .ply keeps them all",)
+        notes = ("a binary .stl file stores only seven digits; .3dm, .obj and .ply files keep full precision",)
     elif data[:80].lstrip().lower().startswith(b"solid"):
         try:
             corners = np.array([[float(x) for x in found] for found in _VERTEX.findall(data)]).reshape(-1, 3)
         except ValueError as error:
             raise FileError(f"{path} cannot be read ({error}); export it again") from None
         if len(corners) != 3 * len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE)):
-            raise FileError(f"{path} is not complete, a triangle has not three corners; export it again")
+            raise FileError(f"{path} is incomplete: a triangle does not have three corners; export it again")
     else:
-        raise FileError(f"{path} is no whole .stl file; export it again")
+        raise FileError(f"{path} is not a complete .stl file; export it again")
     return clean_problem(path, corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
 
 
 def stl_text(problem: CGCProblem) -> str:
-    """Return a mesh as the text of a .stl file, which has no place for roles."""
+    """Return a mesh as the text of a .stl file, which does not hold roles."""
     name = "_".join(problem.drawing.name.split())
     points = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in zip(*problem.vertices.T.tolist())]
     normals = face_normals(problem.vertices, problem.faces)

@@ -1,4 +1,4 @@
-"""What ``compas-cgc check`` says about a file."""
+"""Summary of a file, as printed by ``compas-cgc check``."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ __all__ = ["describe"]
 
 @names_what_was_meant()
 def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
-    """Return what was found in a file and what would be done, and what keeps it from being solved.
+    """Return a summary of a file, and the problems that affect a solve.
 
     Parameters
     ----------
     read
-        What :func:`compas_cgc.io.read_problem` gave.
+        Problem from :func:`compas_cgc.io.read_problem`.
 
     Returns
     -------
     text, diagnostics
-        Those of the file, then those of :func:`compas_cgc.check`, of which some do not keep
-        it from being solved.
+        Diagnostics of the file, then those of :func:`compas_cgc.check`; some of them are only
+        warnings.
 
     Examples
     --------
@@ -50,11 +50,11 @@ def describe(read: ReadProblem) -> tuple[str, list[Diagnostic]]:
 
 
 def _panels(K: float) -> str:
-    """Return what a curvature means for flat sheets."""
+    """Return the largest flat sheets that a curvature allows."""
     if not K:
         return "; unrolls into flat sheets without strain"
     square, strip = widest_panel(K, STRAIN), widest_panel(K, STRAIN, LONG_ASPECT)
-    return f"; square flat sheets up to {square:.2g} wide are strained by {100 * STRAIN:g} % at most, long ones up to {strip:.2g}"
+    return f"; the strain of flat sheets is at most {100 * STRAIN:g} % up to a width of {square:.2g} (square) or {strip:.2g} (long)"
 
 
 def _head(problem: CGCProblem) -> str:

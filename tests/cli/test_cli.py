@@ -406,7 +406,7 @@ def test_what_does_not_refuse_a_solve_is_said(tmp_path, capsys):
 def test_an_output_that_cannot_be_written_is_refused_before_the_solve(tmp_path, capsys):
     assert main(["solve", str(tmp_path / "nothing.obj"), "-o", str(tmp_path / "a.xyz"), "--target", "1"]) == 2
     said = capsys.readouterr()
-    assert "files of the kind '.xyz' are not known; use .3dm" in said.err and not said.out
+    assert "the format '.xyz' is not supported; use .3dm" in said.err and not said.out
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ HOSTILE = {
     "continued.obj": ("v 0 0 0 \\\n" * 100_000, "holds no mesh"),
     "corners.obj": (TRIANGLE + "f " + "1 2 3 " * 5000, "15000 corners"),
     "large.obj": (TRIANGLE.replace("1", "1e308") + "f 1 2 3\n", "larger than 1e[+]12"),
-    "index.obj": (TRIANGLE + f"f 1 2 {10**30}\n", "no such vertex"),
+    "index.obj": (TRIANGLE + f"f 1 2 {10**30}\n", "the vertex does not exist"),
     "lists.json": ("[" * 100_000, "nested too deeply"),
     "objects.json": ('{"a":' * 300 + "1" + "}" * 300, "nested more than 64 deep"),
     "type.json": (json.dumps({"dtype": f"{FOREIGN}/X", "data": {}}), "names the type"),

@@ -214,7 +214,7 @@ MISTAKES = {
         lambda: read("vault.3dm"),
         r"the drawing vault.3dm of the manual is .*vault.3dm, copy it",
     ),
-    "a folder": (lambda: read("."), "is a folder; name a file in it"),
+    "a folder": (lambda: read("."), "is a folder; give the path of a file in it"),
     "a kind of file that is not known": (lambda: write("roof.dwg", posed()), r"use .3dm, .json"),
     "write the wrong way round": (lambda: write(posed(), "roof.3dm"), r"write\('roof.3dm', mesh\)"),
     "a strategy without creases": (lambda: posed().set_strategy(s=0.5), "no crease to set a strategy for; set creases first"),

@@ -1,7 +1,7 @@
-"""Rhino files: `.3dm` in and out in double precision, without Rhino.
+"""Reading and writing of `.3dm` files in double precision, without Rhino.
 
-Everything here works with rhino3dm alone; :mod:`compas_cgc.io.rhino.rhinocommon` is for code
-that runs inside Rhino.
+This package requires only rhino3dm; :mod:`compas_cgc.io.rhino.rhinocommon` is for code that
+runs inside Rhino.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Classes of rhino3dm by name, for annotations: its own descriptions call read-only what can be set, and lists no iterables."""
+"""Type aliases for classes of rhino3dm, whose own stubs wrongly mark attributes as read-only and lists as not iterable."""
 
 from __future__ import annotations
 

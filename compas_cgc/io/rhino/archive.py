@@ -1,4 +1,4 @@
-"""Archives: .3dm files opened, listed and saved, and damaged ones survived."""
+"""Archives: opening, listing and saving of .3dm files, including damaged ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["Item", "list_items", "read_archive", "rhino3dm_module", "write_archi
 
 _MAGIC = b"3D Geometry File Format "
 
-# What a child process tries: damage in a length can make the reader ask for all the memory there is, or end the process.
+# Trial in a child process: a damaged length can exhaust the memory or crash the process.
 _TRIAL = """
 import sys
 sys.path = [entry for entry in sys.path if entry]
@@ -35,7 +35,7 @@ sys.exit(0 if rhino3dm.File3dm.Read(sys.argv[1]) is not None else 3)
 """
 
 
-MOST_NESTED = 20  # blocks in blocks
+MAX_NESTING = 20  # levels of nested blocks
 
 
 class Item(NamedTuple):
@@ -46,37 +46,37 @@ class Item(NamedTuple):
     id: str
     layer: str  # full path, such as CGC::Mesh
     name: str
-    text: dict[str, str]  # user text of the object and its geometry, keys in small letters
-    layer_text: dict[str, str]  # user text of its layer, keys in small letters
-    hidden: bool  # the object or its layer is hidden
+    text: dict[str, str]  # user text of the object and its geometry, keys in lower case
+    layer_text: dict[str, str]  # user text of its layer, keys in lower case
+    hidden: bool  # whether the object or its layer is hidden
 
     @property
     def label(self) -> str:
-        """How errors and notes name it."""
+        """Name of the object in errors and notes."""
         return f"{self.kind} {self.id} on layer {self.layer!r}"
 
 
 def rhino3dm_module() -> Any:
-    """Return the rhino3dm module, or say that it is too old for double precision."""
+    """Return the rhino3dm module; raise an error if it is missing or too old for double precision."""
     try:
         import rhino3dm
     except ImportError:
-        raise FileError("a .3dm file needs rhino3dm; install it: pip install 'compas_cgc[rhino]'") from None
+        raise FileError("reading and writing .3dm files requires rhino3dm; install it: pip install 'compas_cgc[rhino]'") from None
     if not hasattr(rhino3dm.MeshVertexList, "AddPoint3d"):
-        raise FileError("this rhino3dm keeps seven digits only; install a newer one: pip install 'rhino3dm>=8.32.1'")
+        raise FileError("this version of rhino3dm keeps only seven digits; install a newer one: pip install 'rhino3dm>=8.32.1'")
     return rhino3dm
 
 
 def read_archive(path: Union[str, os.PathLike]) -> Archive:
     """Return the archive in a .3dm file.
 
-    The file is read by a child process first where there is a Python to run one: what
-    kills or stops the child is reported, not suffered.
+    If a Python executable is available, a child process reads the file first, so that a
+    damaged file cannot crash this process.
 
     Raises
     ------
     FileError
-        If there is no such file, or it is not a whole .3dm file.
+        If the file does not exist or is not a complete .3dm file.
     """
     name = Path(path)
     _check_frame(name)
@@ -88,33 +88,33 @@ def read_archive(path: Union[str, os.PathLike]) -> Archive:
 
 
 def write_archive(archive: Archive, path: Union[str, os.PathLike], version: int = 7) -> None:
-    """Save an archive as a .3dm file, whole or not at all.
+    """Save an archive as a .3dm file, atomically.
 
     Parameters
     ----------
     archive
-        What to write.
+        The archive.
     path
-        Where to; an older file there is replaced when the new one is complete.
+        Output file; an existing file is replaced when the new one is complete.
     version
         7 (opens in Rhino 7 and later) or 8.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     ValueError
-        If the version is another.
+        If the version is neither 7 nor 8.
     """
     if version not in (7, 8):
         raise ValueError(f"version must be 7 or 8, not {version!r}")
     with written(path) as temporary:
         if not archive.Write(str(temporary), version):
-            raise FileError(f"{path} cannot be written: rhino3dm gave up; is the disk full?")
+            raise FileError(f"{path} cannot be written: rhino3dm failed; check that the disk is not full")
 
 
 def list_items(archive: Archive) -> list[Item]:
-    """Return the objects of an archive in their order; those of blocks where their instances put them."""
+    """Return the objects of an archive in their order; objects of blocks are placed by their instances."""
     layers = {}
     for layer in archive.Layers:
         layers[layer.Index] = (layer.FullPath or layer.Name, _texts(layer), bool(layer.Visible))
@@ -139,19 +139,19 @@ def list_items(archive: Archive) -> list[Item]:
     for entry in archive.Objects:
         if entry.Geometry is not None and not entry.Attributes.IsInstanceDefinitionObject:
             placed = _placed(entry, objects, blocks)
-            # What a block holds has the id of its instance, counted, as it may be there several times.
+            # Objects in a block get the id of the instance and a counter, as a block can have several instances.
             names = [str(entry.Attributes.Id)] + [f"{entry.Attributes.Id} ({k})" for k in range(2, len(placed) + 1)]
             items += [to_item(own, geometry, id) for (own, geometry), id in zip(placed, names)]
     return items
 
 
 def _placed(entry: Any, objects: dict[str, Any], blocks: dict[str, list[str]], depth: int = 0) -> list[tuple[Any, Geometry]]:
-    """Return an object, or what a block instance shows: objects with their geometry where it is."""
+    """Return an object, or the objects of a block instance with transformed geometry."""
     geometry = entry.Geometry
     if type(geometry).__name__ != "InstanceReference":
         return [(entry, geometry)]
     inside = [objects[id] for id in blocks.get(str(geometry.ParentIdefId), []) if id in objects]
-    if not inside or depth >= MOST_NESTED:
+    if not inside or depth >= MAX_NESTING:
         return [(entry, geometry)]
     found = []
     for own, shape in (pair for part in inside if part.Geometry is not None for pair in _placed(part, objects, blocks, depth + 1)):
@@ -183,9 +183,9 @@ def _damaged(path: Path) -> FileError:
 
 
 def _check_frame(path: Path) -> None:
-    """Check the first and last bytes: the magic word, and the end mark with the length of the file."""
+    """Check the magic word at the beginning of a file, and the end mark with its length."""
     if path.is_dir():
-        raise FileError(f"{path} is a folder; give a .3dm file in it")
+        raise FileError(f"{path} is a folder; give the path of a .3dm file in it")
     try:
         with open(path, "rb") as file:
             head = file.read(32)
@@ -197,22 +197,22 @@ def _check_frame(path: Path) -> None:
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror})") from None
     if not head.startswith(_MAGIC):
-        what = "is empty" if size == 0 else "is not a Rhino file, whatever its name says"
+        what = "is empty" if size == 0 else "is not a Rhino file, despite its suffix"
         raise FileError(f"{path} {what}; give a .3dm file saved by Rhino or compas_cgc")
     version = head[24:32].strip()
     if version == b"1":
-        # Archives of Rhino 1 carry no end mark to tell a whole file by.
+        # Archives of Rhino 1 have no end mark, so completeness cannot be checked.
         raise FileError(f"{path} was saved by Rhino 1; open it in a newer Rhino and save it again")
     if version.isdigit() and int(version) >= 50:
         code, _, length = struct.unpack("<IQQ", tail) if len(tail) == 20 else (0, 0, 0)
     else:
         code, _, length = struct.unpack("<III", tail[-12:]) if len(tail) >= 12 else (0, 0, 0)
     if code != 0x7FFF or length != size:
-        raise FileError(f"{path} is not complete, its end is missing or wrong; copy it again or save it again from Rhino")
+        raise FileError(f"{path} is incomplete: its end is missing or wrong; copy it again or save it again from Rhino")
 
 
 def _check_in_child(path: Path) -> None:
-    """Let a child process with limited memory and time read the file first."""
+    """Read the file in a child process with limited memory and time."""
     if not os.path.basename(sys.executable or "").lower().startswith(("python", "pypy")):
         return  # Inside Rhino the executable is Rhino.
     size = path.stat().st_size

@@ -1,4 +1,4 @@
-"""What is drawn to a problem: mesh, supports, creases, targets and constraints that fit together."""
+"""Assembly of drawn objects to a problem: mesh, supports, creases, targets and constraints."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .user_text import vertex_values
 
 __all__ = ["assemble"]
 
-# Lists of what is drawn depend on how closely curves have to be sampled.
+# Functions from the sampling tolerance of curves to drawn objects.
 AtTolerance = Callable[[float], list[Drawn]]
 
 
@@ -51,33 +51,33 @@ def assemble(
     notes: Sequence[str] = (),
     goals: Optional[AtTolerance] = None,
 ) -> ReadProblem:
-    """Fit what is drawn to the vertices and edges of the mesh.
+    """Snap drawn objects to the vertices and edges of the mesh.
 
     Parameters
     ----------
     name
         Name of the drawing.
     parts
-        Meshes, to be joined.
+        Meshes, which are joined.
     supports, creases, targets, constraints
-        Functions that return what is drawn, with curves within the tolerance given to them [L].
+        Functions that return drawn objects, with curves sampled to a given tolerance [L].
     units
         Name of the unit system.
     tolerance
-        Distance within which points are one [L].
+        Distance below which points coincide [L].
     solved
         Target of every region of an earlier result.
     crease
         ``"trace"`` or ``"split"``.
     notes
-        What has been said already.
+        Notes so far.
     goals
-        As the others, what is asked of the whole surface and of parts of the plan.
+        Function that returns drawn goals, like `constraints`.
 
     Raises
     ------
     FileError
-        If no usable mesh comes of the parts.
+        If the parts do not form a usable mesh.
     """
     unit = unit_suffix(units)
     reach = tolerance if np.isfinite(tolerance) and tolerance > 0 else 0.0
@@ -112,7 +112,7 @@ def assemble(
 
 
 def _values_in_texts(parts: Sequence[Part], mesh: JoinedMesh, name: str, drawn: FloatArray) -> FloatArray:
-    """Return values of vertices (n,): those in the user text of the meshes, or else those drawn."""
+    """Return values of vertices (n,) from the user text of the meshes, or else the drawn values."""
     values = drawn.copy()
     for part, index in zip(parts, mesh.indices):
         own = vertex_values(part.text, len(index)).get(name)

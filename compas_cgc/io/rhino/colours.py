@@ -1,4 +1,4 @@
-"""Values to colours."""
+"""Colours of values."""
 
 from __future__ import annotations
 
@@ -23,6 +23,6 @@ def signed_colours(values: FloatArray, limit: float) -> IntArray:
 
 
 def largest(values: FloatArray) -> float:
-    """Return the largest finite ``|value|``, 1 where there is none but zero."""
+    """Return the largest finite ``|value|``, or 1 if all are zero."""
     size = np.abs(values[np.isfinite(values)])
     return float(size.max(initial=0.0)) or 1.0

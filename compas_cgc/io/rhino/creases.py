@@ -1,4 +1,4 @@
-"""Curves to creases along the edges of a mesh."""
+"""Conversion of curves to creases along the edges of a mesh."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ CREASE_MODES = ("trace", "split")
 
 
 class Creases(NamedTuple):
-    """Creases on a mesh, which has been split along them if that was asked for."""
+    """Creases on a mesh, which is split along them on request."""
 
     mesh: JoinedMesh
     paths: list[list[int]]  # vertex paths along edges
-    s: FloatArray  # (n,) factor of S1, NaN where none
-    e: FloatArray  # (n,) delay of S2, NaN where none
+    s: FloatArray  # (n,) factor of S1, NaN if not set
+    e: FloatArray  # (n,) delay of S2, NaN if not set
     notes: list[str]
     diagnostics: list[Diagnostic]
 
 
 class _Ground(NamedTuple):
-    """The mesh with what has been laid on it so far."""
+    """Mesh with the creases laid so far."""
 
     mesh: JoinedMesh
     net: EdgeNet
@@ -47,15 +47,15 @@ class _Ground(NamedTuple):
 
 
 class _NotLaid(Exception):
-    """A curve cannot become a crease; the text says why."""
+    """A curve cannot become a crease; the message states the reason."""
 
 
 def lay_creases(drawn: list[Drawn], mesh: JoinedMesh, supports: IntArray, tolerance: float, mode: str, unit: str) -> Creases:
     """Lay curves along the edges of a mesh.
 
-    Curves along edges are taken as they are. For the others ``"trace"`` takes the best
-    path of edges, ``"split"`` cuts the mesh along the curve. User text ``s`` and ``e`` of
-    a curve sets the strategies S1 and S2 on its crease.
+    Curves along edges are used directly. For other curves, ``"trace"`` selects the best
+    path of edges and ``"split"`` cuts the mesh along the curve. User text ``s`` and ``e``
+    of a curve sets the strategies S1 and S2 on its crease.
 
     Parameters
     ----------
@@ -64,13 +64,13 @@ def lay_creases(drawn: list[Drawn], mesh: JoinedMesh, supports: IntArray, tolera
     mesh
         The mesh.
     supports
-        ``(k,)`` vertices that may not move.
+        ``(k,)`` fixed vertices.
     tolerance
         Largest distance of the vertices that lie on a curve [L].
     mode
         ``"trace"`` or ``"split"``.
     unit
-        What lengths are followed by in sentences.
+        Unit appended to lengths in messages.
     """
     if mode not in CREASE_MODES:
         raise ValueError(f"crease must be one of {', '.join(CREASE_MODES)}, not {mode!r}")
@@ -106,25 +106,25 @@ def lay_creases(drawn: list[Drawn], mesh: JoinedMesh, supports: IntArray, tolera
 
 
 def _anchors(ground: _Ground) -> np.ndarray:
-    """Mark the vertices where a crease may end: on the boundary and on other creases (n,)."""
+    """Return a mask (n,) of the vertices where a crease may end: on the boundary and on other creases."""
     marked = boundary_vertices(ground.mesh.vertices, ground.mesh.faces)
     marked[[v for paths in ground.laid for path in paths for v in path]] = True
     return marked
 
 
 def _trace(ground: _Ground, item: Drawn, trace: Trace, tolerance: float, unit: str) -> tuple[_Ground, str]:
-    """Lay a curve along edges, and say how far from it they are."""
+    """Lay a curve along edges, and return a note on their distance from the curve."""
     if not trace.paths:
-        raise _NotLaid(f"crease {item.label} runs nowhere along the mesh; move it onto the mesh, or hide it")
+        raise _NotLaid(f"crease {item.label} does not lie on the mesh; move it onto the mesh, or hide it")
     parts = []
     if not trace.exact:
         share = trace.deviation / float(ground.net.lengths.data.mean())
         parts.append(
-            "does not follow mesh edges; the best path of edges was taken, "
+            "does not follow mesh edges; the nearest path of edges was used, "
             f"up to {trace.deviation:.3g}{unit} away ({share:.2g} of a mean edge)"
         )
     if trace.outside > tolerance:
-        parts.append(f"lies off the mesh for {trace.outside:.3g}{unit}, which was left out")
+        parts.append(f"lies off the mesh for {trace.outside:.3g}{unit}, which was ignored")
     note = f"crease {item.label} {', and '.join(parts)}" if parts else ""
     return ground._replace(laid=[*ground.laid, trace.paths]), note
 
@@ -139,7 +139,7 @@ def _split(ground: _Ground, item: Drawn, curve: FloatArray, supports: IntArray, 
     except MeshError:
         split = None
     if split is None:
-        raise _NotLaid(f"the mesh cannot be split along crease {item.label}; draw it on the mesh without loops, or let it be traced")
+        raise _NotLaid(f"the mesh cannot be split along crease {item.label}; draw it on the mesh without loops, or use the mode 'trace'")
     new = mesh._replace(vertices=split.vertices, faces=split.faces, owner=mesh.owner[split.parent])
     laid = [[split_path(path, split.inserted) for path in paths] for paths in ground.laid]
     deviation = max(path_deviation(split.vertices, path, curve, both=False) for path in split.paths)

@@ -1,4 +1,4 @@
-"""Curves of any kind, points and dots to places in space."""
+"""Conversion of curves, points and text dots to coordinates."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MAX_POINTS = 20_000
 
 
 def to_drawn(item: Item, tolerance: float) -> Drawn:
-    """Return the points of a point, point cloud, curve or text dot; a curve is kept to within the tolerance [L]."""
+    """Return the points of a point, point cloud, curve or text dot; curves are sampled to the tolerance [L]."""
     target = user_target(item.text)
     if item.kind == "curve":
         points = curve_points(item.geometry, tolerance)
@@ -34,22 +34,22 @@ def to_drawn(item: Item, tolerance: float) -> Drawn:
 
 
 def curve_points(curve: Curve, tolerance: float) -> FloatArray:
-    """Return points along a curve whose polyline keeps within a tolerance of it.
+    """Return points along a curve whose polyline is within a tolerance of the curve.
 
-    The corners of polylines come back exactly; the parts of a polycurve are taken one by
-    one, so that its kinks are met.
+    Corners of polylines are exact. The parts of a polycurve are sampled separately, so that
+    its kinks are preserved.
 
     Parameters
     ----------
     curve
         Curve of any kind.
     tolerance
-        Largest distance between the curve and the polyline [L].
+        Largest distance between curve and polyline [L].
 
     Returns
     -------
     (k, 3) float64
-        First and last equal if the curve is closed. Empty if the curve has no finite points.
+        The points. First and last are equal if the curve is closed; empty if the curve has no finite points.
     """
     rhino3dm = rhino3dm_module()
 
@@ -71,7 +71,7 @@ def curve_points(curve: Curve, tolerance: float) -> FloatArray:
 
 
 def _sample(curve: Curve, tolerance: float) -> FloatArray:
-    """Halve the parameter intervals until their middles are within the tolerance of the chords."""
+    """Bisect the parameter intervals until their midpoints are within the tolerance of the chords."""
     low, high = curve.Domain.T0, curve.Domain.T1
 
     def at(parameters: FloatArray) -> FloatArray:
@@ -84,7 +84,7 @@ def _sample(curve: Curve, tolerance: float) -> FloatArray:
         where = np.flatnonzero(coarse)
         middle = 0.5 * (t[where] + t[where + 1])
         inside = at(middle)
-        # A third of the tolerance: the farthest place is not exactly in the middle.
+        # A third of the tolerance, as the largest distance is not exactly at the midpoint.
         bad = np.linalg.norm(inside - 0.5 * (points[where] + points[where + 1]), axis=1) > tolerance / 3
         bad &= (middle > t[where]) & (middle < t[where + 1])
         t = np.insert(t, where + 1, middle)

@@ -1,4 +1,4 @@
-"""Membrane forces in a .3dm: maps of N1 and N2, crosses, reactions and line loads."""
+"""Membrane forces in a .3dm file: maps of N1 and N2, crosses, reactions and line loads."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write_force_layers(path: Union[str, os.PathLike], state: MembraneState) -> N
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     """
     problem = state.problem
     writer = LayerWriter(new_archive(problem))
@@ -38,7 +38,7 @@ def write_force_layers(path: Union[str, os.PathLike], state: MembraneState) -> N
     loads = {"pressure": repr(state.pressure), "weight": repr(state.weight)}
     at_vertices = forces_at_vertices(state)
     for k, name in enumerate(("N1", "N2")):
-        # The few largest, at corners, would leave the rest white.
+        # Clip the few largest values at corners, which would leave the rest white.
         limit = float(np.percentile(np.abs(at_vertices), 98)) or largest(at_vertices)
         on = writer.layer(f"{FORCES}::{name}", (90, 90, 90), visible=k == 0)
         text = {**loads, "from": repr(-limit), "to": repr(limit)}

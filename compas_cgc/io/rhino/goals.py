@@ -1,4 +1,4 @@
-"""Goals in a drawing: points and curves with user text on the layer of goals, and named places."""
+"""Goals in a drawing: points and curves with user text on the goals layer, and named places."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .user_text import user_number
 
 __all__ = ["CURVED", "KEYS", "DrawnGoals", "drawn_goal", "find_goals"]
 
-# User text of points, with the field that its number is; and of curves, closed ones first.
+# Keys of user text: of points, with the field that their number sets, and of closed and other curves.
 _AT_POINTS: Mapping[str, dict[str, Any]] = {
     "rise": {"kind": "rise"},
     "height": {"kind": "height", "vertices": "crown"},
@@ -47,11 +47,11 @@ _FIELDS = {"above": "height", "below": "height"}
 _CLOSED = ("clearance", "within")
 _ALONG = ("plan", "level", "length")
 KEYS = (*_AT_POINTS, "unknown", *_CLOSED, *_ALONG)
-CURVED = (*_CLOSED, *_ALONG)  # those that are about a curve
+CURVED = (*_CLOSED, *_ALONG)  # goals that require a curve
 
 
 class DrawnGoals(NamedTuple):
-    """What the layer of goals says."""
+    """Contents of the goals layer."""
 
     goals: list[Constraint]
     places: tuple[tuple[str, tuple[tuple[float, ...], ...]], ...]  # closed curves by name [L]
@@ -59,16 +59,17 @@ class DrawnGoals(NamedTuple):
 
 
 def find_goals(drawn: list[Drawn], vertices: FloatArray, tolerance: float) -> DrawnGoals:
-    """Find the goals in points and curves with user text.
+    """Return the goals in points and curves with user text.
 
-    Points anywhere say ``rise``, ``height`` (of the crown), ``volume``, ``area``, ``above``, ``below`` with a number, and
-    ``unknown`` with regions or ``all``. Closed curves say ``clearance`` with a height, or ``within``; curves along vertices
-    ``plan`` (they stay over it), ``level`` or ``length`` with a number. A closed curve with a name is a place of that name.
+    User text of points anywhere: ``rise``, ``height`` (of the crown), ``volume``, ``area``, ``above`` or ``below`` with a number,
+    and ``unknown`` with region numbers or ``all``. User text of closed curves: ``clearance`` with a height, or ``within``. User
+    text of curves along vertices: ``plan`` (the edge is fixed in plan), ``level`` or ``length`` with a number. A closed curve
+    with a name defines a place of that name.
 
     Parameters
     ----------
     drawn
-        Points, text dots and curves; their names are under ``name`` in their text.
+        Points, text dots and curves; the user text ``name`` holds the name.
     vertices
         ``(n, 3)`` coordinates [L].
     tolerance
@@ -84,7 +85,7 @@ def find_goals(drawn: list[Drawn], vertices: FloatArray, tolerance: float) -> Dr
             if closed and item.text.get("name"):
                 places.append((item.text["name"], tuple(tuple(point) for point in item.points[:-1, :2].tolist())))
             elif not said:
-                raise ValueError(f"says no goal; give it user text such as rise = 4, of {', '.join(KEYS)}")
+                raise ValueError(f"does not state a goal; give it user text such as rise = 4, with one of {', '.join(KEYS)}")
             goals += [constraint_of(data) for key in said for data in [_data(item, key, closed, vertices, tolerance)]]
         except ValueError as error:
             diagnostics.append(Diagnostic(f"goal {item.label} {error}"))
@@ -92,7 +93,7 @@ def find_goals(drawn: list[Drawn], vertices: FloatArray, tolerance: float) -> Dr
 
 
 def drawn_goal(goal: Constraint, vertices: FloatArray) -> Optional[Drawn]:
-    """Return what is to be drawn so that a goal is found again, None for those that are not drawn."""
+    """Return the drawn object from which a goal can be read back, None for goals that are not drawn."""
     data = constraint_data(goal)
     top = vertices[np.argmax(vertices[:, 2])][None]
     if isinstance(goal, (Rise, Area)) or (isinstance(goal, Volume) and goal.level is None):
@@ -116,7 +117,7 @@ def drawn_goal(goal: Constraint, vertices: FloatArray) -> Optional[Drawn]:
 
 
 def _data(item: Drawn, key: str, closed: bool, vertices: FloatArray, tolerance: float) -> dict[str, Any]:
-    """Return one goal of an object as plain data."""
+    """Return one goal of an object as JSON data."""
     if key == "unknown":
         text = item.text[key].strip()
         return {"kind": "unknown", "regions": ALL if text.casefold() == ALL else _regions(text)}
@@ -125,15 +126,15 @@ def _data(item: Drawn, key: str, closed: bool, vertices: FloatArray, tolerance: 
     if key in _AT_POINTS:
         return {**_AT_POINTS[key], _FIELDS.get(key, key): _number(item, key)}
     if item.kind != "curve":
-        raise ValueError(f"is a {item.kind}; {key} is for curves")
+        raise ValueError(f"is a {item.kind}, but {key} requires a curve")
     if key in _CLOSED:
         if not closed:
-            raise ValueError(f"is an open curve; {key} is for closed ones")
+            raise ValueError(f"is an open curve, but {key} requires a closed curve")
         points = item.points[:-1, :2].tolist()
         return {"kind": "within", "points": points} if key == "within" else {"kind": key, "where": points, "height": _number(item, key)}
     along = list(dict.fromkeys(points_along(vertices, item.points, tolerance).tolist()))
     if len(along) < 2:
-        raise ValueError("runs through no vertices of the mesh; draw it along vertices")
+        raise ValueError("does not pass through vertices of the mesh; draw it along vertices")
     if key == "length":
         return {"kind": "length", "vertices": along, "length": _number(item, key)}
     if key == "level":

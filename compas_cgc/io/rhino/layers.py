@@ -1,4 +1,4 @@
-"""Layers: which one means what, under a designer's own names too, and which objects are read as what."""
+"""Layers: their roles, custom layer names, and the selection of objects by layer or type."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ _POINTS = ("point", "point cloud")
 @names_what_was_meant()
 @dataclass(frozen=True)
 class LayerNames:
-    """The layers that are read, each with its sublayers; capitals do not matter.
+    """Names of the layers to read, including their sublayers; case is ignored.
 
     Parameters
     ----------
     mesh
-        Meshes, joined to one.
+        Meshes, which are joined to one.
     supports
-        Points and point clouds at vertices that stay; curves along vertices that stay.
+        Points and point clouds at fixed vertices; curves along fixed vertices.
     creases
-        Curves that the surface may fold along.
+        Curves along which the surface may fold.
     targets
         Text dots, or points with user text, such as ``K=0.03`` in a region.
     constraints
-        Curves that vertices shall stay on, or with user text ``keep`` stay at; points at the
-        height that the vertex under or over them shall come to.
+        Curves on which the vertices along them must stay, or remain fixed with user text ``keep``;
+        points that set the height of the vertex below or above them.
     goals
-        Points and curves with user text such as ``rise`` or ``clearance``; closed curves with a name are places.
+        Points and curves with user text such as ``rise`` or ``clearance``; closed curves with a name define places.
 
     Examples
     --------
@@ -62,7 +62,7 @@ class LayerNames:
     goals: tuple[str, ...] = ("CGC::Goals",)
 
     def role(self, layer: str) -> Optional[str]:
-        """Return what a layer (its full path) means: a field of this class, ``"result"`` or None."""
+        """Return the role of a layer (full path): a field of this class, ``"result"`` or None."""
         if _within(layer, RESULT):
             return "result"
         for field in fields(self):
@@ -73,7 +73,7 @@ class LayerNames:
 
 @names_what_was_meant()
 def layer_names(path: Union[str, os.PathLike, None] = None, given: Optional[Mapping[str, object]] = None) -> LayerNames:
-    """Return the layer names for a file: the convention, changed by a TOML file beside it and by what is given.
+    """Return the layer names for a file: the defaults, updated by a TOML file beside it and by `given`.
 
     The TOML file has the name of the .3dm with the suffix ``.toml`` and a table such as::
 
@@ -86,17 +86,17 @@ def layer_names(path: Union[str, os.PathLike, None] = None, given: Optional[Mapp
     path
         The .3dm file.
     given
-        Names by role, as in the TOML table; they come before those of the TOML file.
+        Names by role, as in the TOML table; they override the TOML file.
 
     Returns
     -------
     LayerNames
-        Names of layers by what lies on them.
+        Names of layers by role.
 
     Raises
     ------
     FileError
-        If the TOML file cannot be read, or names something else than roles and layers.
+        If the TOML file cannot be read, or has unknown roles or invalid layer names.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def _tuples(names: object, source: str) -> dict[str, tuple[str, ...]]:
     result = {}
     for role, value in names.items():
         if role not in roles:
-            raise FileError(f"{source}: there is no role {role!r} for a layer; use {', '.join(roles)}")
+            raise FileError(f"{source}: unknown role {role!r} of a layer; use {', '.join(roles)}")
         values = [value] if isinstance(value, str) else value
         if not isinstance(values, (list, tuple)) or not all(isinstance(name, str) and name for name in values):
             raise FileError(f"{source}: {role} must be the name of a layer or a list of names, not {value!r}")
@@ -143,7 +143,7 @@ def _tuples(names: object, source: str) -> dict[str, tuple[str, ...]]:
 
 
 class Selection(NamedTuple):
-    """The objects of a file by what they are read as."""
+    """Objects of a file by role."""
 
     mesh: list[Item]
     supports: list[Item]
@@ -151,15 +151,15 @@ class Selection(NamedTuple):
     targets: list[Item]
     constraints: list[Item]
     goals: list[Item]
-    outlines: list[Item]  # curves around a mesh yet to be made, the boundary and holes
-    regions: list[Item]  # regions of an earlier result, with the targets it was solved for
+    outlines: list[Item]  # boundary and holes of a mesh to be generated
+    regions: list[Item]  # regions of an earlier result, with its targets
     notes: list[str]
 
 
 def select(items: list[Item], names: LayerNames, result: bool = False) -> Selection:
-    """Sort objects by their layers, or by their kinds where no layer of the convention is used.
+    """Select objects by their layers, or by type if no layer with a role is used.
 
-    Objects of an earlier result are read only when there is no mesh besides, or the result is wanted.
+    Objects of an earlier result are used only if there is no other mesh, or if `result` is true.
     """
     role = {item.id: names.role(item.layer) for item in items}
     given = [item for item in items if role[item.id] != "result"]
@@ -168,9 +168,9 @@ def select(items: list[Item], names: LayerNames, result: bool = False) -> Select
     if result or not drawn:
         found = _of_result(items)
         if found:
-            note = "the result in the file is taken, not its drawing"
+            note = "the result in the file is used instead of its drawing"
             if not drawn:
-                note = "the file holds nothing but an earlier result, which is taken as the input"
+                note = "the file holds only an earlier result, which is used as the input"
             mesh, supports, creases, constraints, goals = found.values()
             return Selection(mesh, supports, creases, [], constraints, goals, [], regions, [note])
     if any(role[item.id] for item in given):
@@ -196,7 +196,7 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
     outlines = [item for item in given if role[item.id] == "mesh" and item.kind == "curve"]
     chosen = {part: [item for item in given if role[item.id] == part and item.kind in kinds] for part, kinds in wanted.items()}
     notes = [
-        f"{item.label} was left out: the layer is for {', '.join(wanted[role[item.id]])}"
+        f"{item.label} was ignored: its layer is for {', '.join(wanted[role[item.id]])}"
         for item in given
         if role[item.id] and item.kind not in wanted[role[item.id]]
     ]
@@ -211,13 +211,13 @@ def _by_layer(given: list[Item], role: dict, regions: list[Item], names: LayerNa
     kinds = Counter(item.kind for item in others if item.id not in taken and item.kind in ("mesh", "curve", *_POINTS))
     if kinds:
         listed = ", ".join(f"{count} {kind}{'s' if count > 1 else ''}" for kind, count in sorted(kinds.items()))
-        notes.append(f"on layers of no meaning here: {listed}; not read")
+        notes.append(f"objects on layers without a role were ignored: {listed}")
     return Selection(**chosen, outlines=outlines, regions=regions, notes=notes)
 
 
 def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
     shown = [item for item in given if not item.hidden]
-    notes = [f"{len(given) - len(shown)} hidden objects were left out"] if len(shown) < len(given) else []
+    notes = [f"{len(given) - len(shown)} hidden objects were ignored"] if len(shown) < len(given) else []
     mesh, more = _first_mesh(shown, "CGC::Mesh")
     targets = [item for item in shown if _is_target(item)]
     named = {item.id for item in targets}
@@ -225,16 +225,14 @@ def _by_kind(given: list[Item], regions: list[Item]) -> Selection:
     creases = [item for item in shown if item.kind == "curve"]
     outlines = []
     if not mesh:
-        # Of the curves alone the closed one that reaches farthest is the boundary.
+        # Without a mesh, the largest closed curve is the boundary.
         closed = sorted((item for item in creases if item.geometry.IsClosed), key=_reach)
         outlines = closed[-1:]
         creases = [item for item in creases if item not in outlines]
         within = [item for item in closed[:-1] if _overlap(item, closed[-1])]
         if within:
-            taken = "1 closed curve within it as a crease" if len(within) == 1 else f"{len(within)} closed curves within it as creases"
-            more.append(
-                f"{closed[-1].label} is taken as the outline and {taken}; for holes draw them and the outline on the layer CGC::Mesh"
-            )
+            taken = "1 closed curve inside it as a crease" if len(within) == 1 else f"{len(within)} closed curves inside it as creases"
+            more.append(f"{closed[-1].label} was used as the outline and {taken}; draw holes and outline on the layer CGC::Mesh")
     return Selection(mesh, supports, creases, targets, [], [], outlines, regions, notes + more)
 
 
@@ -253,7 +251,9 @@ def _first_mesh(items: list[Item], layer: str) -> tuple[list[Item], list[str]]:
     for kinds in (("mesh",), _SURFACES):
         found = [item for item in items if item.kind in kinds]
         if len(found) > 1:
-            return found[:1], [f"{found[0].label} was taken, {len(found) - 1} more not; move what belongs to the surface to layer {layer}"]
+            return found[:1], [
+                f"{found[0].label} was used, and {len(found) - 1} more ignored; move the meshes of the surface to layer {layer}"
+            ]
         if found:
             return found, []
     return [], []

@@ -1,4 +1,4 @@
-"""Rhino meshes: to arrays and back in double precision, and those of a file joined to one clean triangle mesh."""
+"""Rhino meshes: conversion to and from arrays in double precision, and joining to one clean triangle mesh."""
 
 from __future__ import annotations
 
@@ -29,43 +29,43 @@ __all__ = ["JoinedMesh", "coloured", "has_mesh", "join_meshes", "mesh_from_array
 
 
 class JoinedMesh(NamedTuple):
-    """One triangle mesh of the meshes of a file."""
+    """Triangle mesh joined from the meshes of a file."""
 
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3)
-    owner: IntArray  # (m,) number of the object that each face came from
-    rounding: float  # error that single precision has left in the coordinates [L], 0 in double precision
-    indices: list[IntArray]  # vertex of the joined mesh for every vertex of each object, -1 where it is gone
+    owner: IntArray  # (m,) index of the object of each face
+    rounding: float  # rounding error of single-precision coordinates [L], 0 in double precision
+    indices: list[IntArray]  # vertex of the joined mesh for every vertex of each object, -1 if removed
     notes: list[str]
 
 
 def has_mesh(item: Item) -> bool:
-    """Check whether an object is a mesh, or holds the one that Rhino draws it by."""
+    """Check whether an object is a mesh or holds a render mesh."""
     return item.kind == "mesh" or _render_arrays(item.geometry) is not None
 
 
 def to_part(item: Item) -> tuple[Part, list[str]]:
-    """Return the mesh of an object with notes: its own, or the one that Rhino draws a Brep or an extrusion by.
+    """Return the mesh of an object, or the render mesh of a Brep or an extrusion, with notes.
 
     Raises
     ------
     FileError
-        If it has none; the sentence says how to make one.
+        If the object has no mesh; the message names the Rhino command that creates one.
     """
     arrays = mesh_to_arrays(item.geometry) if item.kind == "mesh" else _render_arrays(item.geometry)
     if arrays is None:
-        raise FileError(f"{item.label} is no mesh; run Rhino's command Mesh on it, and put the mesh on the layer instead")
+        raise FileError(f"{item.label} is not a mesh; run Rhino's command Mesh on it, and put the mesh on the layer instead")
     V, F = arrays
     notes = []
     if item.kind != "mesh":
-        notes.append(f"{item.label} is no mesh; the one that Rhino draws it by was taken; an edge length (--edge-length) makes an even one")
+        notes.append(f"{item.label} is not a mesh; its render mesh was used; give an edge length (--edge-length) for an even mesh")
     if not len(F):
         raise FileError(f"{item.label} has no faces; delete it or mesh it again")
     if not np.isfinite(V).all():
         bad = int(np.flatnonzero(~np.isfinite(V).all(axis=1))[0])
-        raise FileError(f"{item.label}: vertex {bad} has a coordinate that is no finite number; mesh it again (Rhino: Check, MeshRepair)")
+        raise FileError(f"{item.label}: vertex {bad} has a coordinate that is not finite; repair it (Rhino: Check, MeshRepair)")
     if F.min() < 0 or F.max() >= len(V):
-        raise FileError(f"{item.label} has faces with vertices that do not exist; mesh it again (Rhino: Check, MeshRepair)")
+        raise FileError(f"{item.label} has faces with vertices that do not exist; repair it (Rhino: Check, MeshRepair)")
     rounding = rounding_of(V, item.kind == "mesh" and item.geometry.Vertices.UseDoublePrecisionVertices)
     return Part(item.label, V, F, rounding, user_target({**item.layer_text, **item.text}), item.text), notes
 
@@ -79,7 +79,7 @@ def mesh_to_arrays(mesh: Mesh) -> tuple[FloatArray, IntArray]:
 
 
 def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> Mesh:
-    """Return a Rhino mesh with every bit of the coordinates.
+    """Return a Rhino mesh with the coordinates in double precision.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray) -> Mesh:
 
 
 def coloured(mesh: Mesh, colours: IntArray) -> Mesh:
-    """Return a copy of a Rhino mesh with colours of its vertices (n, 3), red, green and blue in 0..255."""
+    """Return a copy of a Rhino mesh with vertex colours (n, 3), RGB in 0..255."""
     copy = mesh.Duplicate()
     copy.VertexColors.Clear()
     _feed(copy.VertexColors.Add, np.asarray(colours, dtype=np.int64))
@@ -106,12 +106,12 @@ def coloured(mesh: Mesh, colours: IntArray) -> Mesh:
 
 
 def _feed(add: Callable[[float, float, float], object], rows: np.ndarray) -> None:
-    # By columns: a list for every row would keep the garbage collector busy.
+    # By columns, as one list per row would slow down the garbage collector.
     deque(map(add, *rows.T.tolist()), maxlen=0)
 
 
 def _render_arrays(geometry: Geometry) -> Optional[tuple[FloatArray, IntArray]]:
-    """Return the arrays of the mesh that Rhino saved with a Brep or an extrusion to draw it by, None if there is none."""
+    """Return the arrays of the render mesh of a Brep or an extrusion, None if there is none."""
     rhino3dm = rhino3dm_module()
 
     parts = []
@@ -125,7 +125,7 @@ def _render_arrays(geometry: Geometry) -> Optional[tuple[FloatArray, IntArray]]:
 
 
 def _joined_arrays(meshes: list[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
-    """Return one mesh of several, with the vertices (n, 3) and faces (m, c) of each in turn."""
+    """Return the concatenation of several meshes of vertices (n, 3) and faces (m, c)."""
     offsets = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])
     vertices = np.concatenate([vertices for vertices, _ in meshes])
     return vertices, np.concatenate([faces + offset for (_, faces), offset in zip(meshes, offsets)])
@@ -139,14 +139,14 @@ def join_meshes(parts: list[Part], tolerance: float, unit: str) -> JoinedMesh:
     parts
         The meshes.
     tolerance
-        Distance within which vertices are one [L], see :func:`compas_cgc.meshing.cleanup.tidy`.
+        Distance below which vertices coincide [L], see :func:`compas_cgc.meshing.cleanup.tidy`.
     unit
-        What lengths are followed by in the notes.
+        Unit appended to lengths in the notes.
 
     Raises
     ------
     FileError
-        If no usable mesh comes of them.
+        If they do not form a usable mesh.
     """
     V, F = _joined_arrays([(part.vertices, part.faces) for part in parts])
     rounding = max(part.rounding for part in parts)
@@ -164,16 +164,16 @@ def join_meshes(parts: list[Part], tolerance: float, unit: str) -> JoinedMesh:
 def _precision_note(parts: list[Part], V: FloatArray, rounding: float, unit: str) -> str:
     single = [part for part in parts if part.rounding]
     size, away = float(np.linalg.norm(np.ptp(V, axis=0))), float(np.abs(V).max())
-    text = f"{single[0].label} carries seven digits only (rounded by up to {rounding:.2g}{unit})"
+    text = f"{single[0].label} has only seven digits (rounding error up to {rounding:.2g}{unit})"
     if len(single) > 1:
-        text += f", so do {len(single) - 1} more"
+        text += f", as have {len(single) - 1} more"
     if away > 10.0 * size:
-        text += f"; that is coarse so far from the origin ({away:.3g}{unit} for a size of {size:.3g}): mesh it near the origin"
+        text += f"; this is coarse so far from the origin ({away:.3g}{unit} for a size of {size:.3g}{unit}): mesh it near the origin"
     return text
 
 
 def _shape_notes(V: FloatArray, F: IntArray, unit: str) -> list[str]:
-    """Return sentences on the size of a mesh and on where its normals point."""
+    """Return notes on the size of a mesh and the direction of its normals."""
     low, high = V.min(axis=0), V.max(axis=0)
     size = " x ".join(f"{x:.4g}" for x in high - low)
     pieces = int(face_regions(F, np.empty((0, 2), np.int64)).max()) + 1
@@ -181,6 +181,6 @@ def _shape_notes(V: FloatArray, F: IntArray, unit: str) -> list[str]:
     area = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     if area[:, 2].sum() < -0.1 * np.linalg.norm(area, axis=1).sum():
         notes.append(
-            "the normals point down, so a surface of positive K bulges down from a flat drawing; flip the mesh (Rhino: Flip) to let it rise"
+            "the normals point down, so a surface of positive K sags below a flat drawing; flip the mesh (Rhino: Flip) to make it rise"
         )
     return notes

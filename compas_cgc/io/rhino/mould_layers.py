@@ -1,4 +1,4 @@
-"""Write moulds and panels as a .3dm file: moulds, panels on them, panels in place, and labels, on layers of their own."""
+"""Writing of moulds, panels on moulds, panels in their final position, and labels on separate layers of a .3dm file."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ __all__ = ["MOULDS", "write_moulds"]
 
 MOULDS = "CGC Moulds"
 _COLOURS = ((232, 196, 143), (127, 166, 173), (207, 132, 101), (167, 181, 139), (141, 147, 181), (217, 165, 160))
-APART = 1.2  # distance of two panels on the sheet, against the width of the cap
-AWAY = 0.15  # of the moulds from the roof, against its size
+PANEL_SPACING = 1.2  # distance between panels, relative to the width of the cap
+MOULD_OFFSET = 0.15  # distance of the moulds from the roof, relative to its size
 
 
 @names_what_was_meant()
@@ -43,26 +43,26 @@ def write_moulds(
     source: Union[str, os.PathLike, None] = None,
     version: int = 7,
 ) -> None:
-    """Write moulds and panels on the sublayers of ``CGC Moulds``, beside what a file holds.
+    """Write moulds and panels on the sublayers of ``CGC Moulds``, in addition to the contents of a file.
 
     ==================  ====================================================================================
-    Moulds              a mesh of each mould, beside the roof, its pole up, with its figures as user text
-    Outlines            the edges of all its panels on it
-    Panels on moulds    every panel as it lies on its mould, one beside the other
-    Panels in place     every panel in the roof, with its figures as user text
-    Labels              the names of the panels, at both places, and of the moulds
+    Moulds              a mesh of each mould beside the roof, pole upwards, with its data as user text
+    Outlines            the outlines of all panels on their mould
+    Panels on moulds    every panel on its mould, side by side
+    Panels in place     every panel in the roof, with its data as user text
+    Labels              the names of the moulds, and of the panels in both positions
     ==================  ====================================================================================
 
     Parameters
     ----------
     path
-        The .3dm file; an older one is replaced when the new one is complete.
+        The .3dm file; an existing file is replaced when the new one is complete.
     mesh
-        The surface that the report is on.
+        The solved surface.
     report
-        Of :func:`compas_cgc.fabrication.moulds`.
+        Report from :func:`compas_cgc.fabrication.moulds`.
     source
-        A .3dm file whose content stays, but for moulds written earlier.
+        A .3dm file whose contents are kept, except for earlier moulds.
     version
         7 or 8.
 
@@ -85,7 +85,7 @@ def write_moulds(
     writer = LayerWriter(new_archive(problem) if source is None else read_archive(source))
     writer.clear(MOULDS)
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
-    corner = np.array([high[0] + AWAY * float(np.linalg.norm(high - low)), low[1], low[2]])
+    corner = np.array([high[0] + MOULD_OFFSET * float(np.linalg.norm(high - low)), low[1], low[2]])
     for mould in report.moulds:
         own = [fit for fit in report.panels if fit.mould == mould.number]
         colour = _COLOURS[(mould.number - 1) % len(_COLOURS)]
@@ -97,8 +97,8 @@ def write_moulds(
 
 
 def _draw_mould(writer: LayerWriter, mould: Mould, panels: list[PanelFit], corner: FloatArray, colour: tuple) -> float:
-    """Draw a mould and its panels in rows from a corner (3,) on, and return the width of all that along y [L]."""
-    pitch = APART * 2.0 * mould.radius
+    """Draw a mould and its panels in rows, starting at a corner (3,), and return their width along y [L]."""
+    pitch = PANEL_SPACING * 2.0 * mould.radius
     middle = corner + [0.5 * pitch, 0.5 * pitch, 0.0]
     vertices, faces = cap_mesh(mould.surface, mould.radius)
     radius = mould.radius_of_curvature
@@ -133,7 +133,7 @@ def _draw_in_place(writer: LayerWriter, panels: list[PanelFit], colour: tuple) -
 
 
 def _upright(fit: PanelFit) -> Faces:
-    """Return the faces of a panel (m, 3), seen from above in place: those of hollow panels were turned over for the mould."""
+    """Return the faces of a panel (m, 3) oriented as in the roof; those of concave panels are reversed on the mould."""
     faces = fit.faces
     corners = fit.vertices[faces]
     up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].sum()
@@ -145,7 +145,7 @@ def _middle(points: Vertices) -> FloatArray:
 
 
 def _figures(fit: PanelFit) -> dict[str, str]:
-    """Return the figures of a panel as user text."""
+    """Return the data of a panel as user text."""
     named: dict[str, Optional[float]] = {
         "cap radius": fit.radius,
         "gap mm": fit.gap,

@@ -1,4 +1,4 @@
-"""Curves to build along in a .3dm: polylines by kind and family."""
+"""Construction curves in a .3dm file: polylines by kind and family."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ COLOURS = ((180, 60, 40), (40, 90, 170))
 
 
 def write_net_layers(path: Union[str, os.PathLike], net: CurveNet) -> None:
-    """Write curves as a .3dm file, with their lengths as user text, the nodes as points and the surface on a hidden layer.
+    """Write curves as a .3dm file, with lengths as user text, nodes as points and the surface on a hidden layer.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     """
     writer = LayerWriter(new_archive(net.problem))
     for number, curve in enumerate(net.curves):

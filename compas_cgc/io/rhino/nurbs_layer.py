@@ -1,4 +1,4 @@
-"""Regions of a result as NURBS surfaces, each with its distance from the mesh and the K of the surface itself."""
+"""NURBS surfaces of the regions of a result, with their deviation from the mesh and their curvature."""
 
 from __future__ import annotations
 
@@ -19,53 +19,53 @@ from .write import LayerWriter
 __all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
 
 NURBS = "CGC::NURBS"
-ASTRAY = 0.01  # of K, from which on a surface is farther from it than it should be
-OFF = 4e-5  # of the size of the mesh: what a surface may be off its vertices for the sake of its K
+MAX_CURVATURE_ERROR = 0.01  # relative error of K above which a finer mesh is recommended
+FIT_TOLERANCE = 4e-5  # largest distance from the vertices that improves K, relative to the size of the mesh
 
 
 def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]:
-    """Draw an untrimmed NURBS surface for each region, side by side along the creases, and return a sentence on each."""
+    """Draw an untrimmed NURBS surface for each region and return a note on each."""
     layer = writer.layer(NURBS, (70, 100, 150))
     notes = []
     label = problem.regions()
-    within = OFF * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
+    within = FIT_TOLERANCE * float(np.linalg.norm(np.ptp(problem.vertices, axis=0)))
     for region in range(label.max(initial=-1) + 1):
         faces = problem.faces[label == region]
         try:
             target = _target(problem, faces)
             fit = fit_region(problem.vertices, faces, K=target, within=within)
         except MeshError as error:
-            notes.append(f"region {region} was not fitted: {error}")
+            notes.append(f"region {region} could not be fitted: {error}")
             continue
         K = float(np.median(fit.gaussian))
         text = {"region": str(region), "K": repr(K), "deviation": repr(fit.deviation)}
         writer.archive.Objects.AddSurface(nurbs_surface(fit), writer.attributes(layer, f"region {region}", text))
         for edge in fit.edges:
             writer.polyline(edge, writer.attributes(layer, f"edge of region {region}", {"region": str(region)}))
-        cut = "; it overhangs, cut it along the edge curves beside it (Rhino: Split)" if fit.edges else ""
+        cut = "; it extends beyond the region: cut it along the edge curves beside it (Rhino: Split)" if fit.edges else ""
         notes.append(f"region {region} as NURBS: K {K:.4g} (median){_off(fit, target)}, within {fit.deviation:.2g}{unit} of the mesh{cut}")
     return notes
 
 
 def _off(fit: FittedSurface, target: Optional[float]) -> str:
-    """Return how far the K of a surface is from that asked for, and what helps where that is more than it should be."""
+    """Return a clause on the error of K of a surface, with a remedy if the error is large."""
     if not target:
         return ""
     off = float(np.median(np.abs(fit.gaussian / target - 1.0)))
-    # Between its vertices a mesh has its K to the square of its edges only, saddles between domes to less.
-    return f", {100 * off:.2g} % off in the median" + ("; a finer mesh has it nearer" if off > ASTRAY else "")
+    # Between its vertices, the mesh has K to second order in the edge length only, and less on saddles between domes.
+    return f", median error {100 * off:.2g} %" + ("; a finer mesh reduces it" if off > MAX_CURVATURE_ERROR else "")
 
 
 def _target(problem: CGCProblem, faces: IntArray) -> Optional[float]:
-    """Return the K asked for in a region, or None where it is not one number."""
+    """Return the target of a region, None if it is not constant."""
     used = np.unique(faces)
-    # On a crease a vertex has the target of another region, or none.
+    # A vertex on a crease has the target of another region, or NaN.
     targets = np.unique(problem.targets[used[problem.asked[used]]])
     return float(targets[0]) if len(targets) == 1 and np.isfinite(targets[0]) else None
 
 
 def nurbs_surface(fit: FittedSurface) -> Geometry:
-    """Return a fitted surface as one of Rhino."""
+    """Return a fitted surface as a Rhino NURBS surface."""
     rhino3dm = rhino3dm_module()
 
     a, b, _ = fit.control.shape
@@ -74,7 +74,7 @@ def nurbs_surface(fit: FittedSurface) -> Geometry:
         for j in range(b):
             x, y, z = fit.control[i, j].tolist()
             surface.Points[i, j] = rhino3dm.Point4d(x, y, z, 1.0)
-    # Rhino leaves out the first and the last knot, which no point of the surface depends on.
+    # Rhino omits the first and the last knot, which do not affect the surface.
     for knots, values in ((surface.KnotsU, fit.knots_u[1:-1]), (surface.KnotsV, fit.knots_v[1:-1])):
         for k, value in enumerate(values.tolist()):
             knots[k] = value

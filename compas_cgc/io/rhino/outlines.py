@@ -1,4 +1,4 @@
-"""A mesh where the file has curves only."""
+"""Meshing of files that hold curves only."""
 
 from __future__ import annotations
 
@@ -23,35 +23,35 @@ from .user_text import user_target
 
 __all__ = ["outline_part", "outlined"]
 
-SAME = 0.01  # of the edge length at most, within which two outlines are one
+COINCIDENCE = 0.01  # distance below which outlines coincide, relative to the edge length
 
 
 def outline_part(found: Selection, edge_length: Optional[float], tolerance: float) -> MeshedSurface:
-    """Return a mesh between outlines and creases, with vertices at the supports and the creases as its edges follow them.
+    """Return a mesh bounded by outlines, with vertices at the supports and edges along the creases.
 
-    The outline that encloses most is the boundary, the others are holes.
+    The outline that encloses the largest area is the boundary; the others are holes.
 
     Parameters
     ----------
     found
-        What the file holds.
+        Objects of the file by role.
     edge_length
-        Length of edges aimed at [L], or None if no mesh was asked for.
+        Intended edge length [L], None if no mesh is requested.
     tolerance
         Absolute tolerance of the file [L].
 
     Raises
     ------
     FileError
-        If there is no outline, no edge length, or no mesher.
+        If the outline, the edge length or the mesher is missing.
     """
     if edge_length is None or not found.outlines:
-        mend = "make one with Rhino's command Mesh or QuadRemesh, and save the file again"
+        mend = "create one with Rhino's command Mesh or QuadRemesh, and save the file again"
         if found.outlines:
             mend += "; or give an edge length (--edge-length) to mesh the outline"
         elif found.creases:
             mend += "; or close an outline (Rhino: Join, CloseCrv) and give an edge length (--edge-length)"
-        raise FileError(f"there is no mesh in the file; {mend}")
+        raise FileError(f"the file has no mesh; {mend}")
     fine = 0.25 * tolerance if tolerance > 0 else 1e-4 * edge_length
     outlines = [(f"outline {item.label}", curve_points(item.geometry, fine)) for item in found.outlines]
     creases = [Drawn(item.label, "curve", curve_points(item.geometry, fine), user_target(item.text), item.text) for item in found.creases]
@@ -61,59 +61,59 @@ def outline_part(found: Selection, edge_length: Optional[float], tolerance: floa
     except MeshError as error:
         raise FileError(str(error)) from None
     label = f"the mesh in {found.outlines[0].label}"
-    return made._replace(part=made.part._replace(label=label), notes=[f"there is no mesh in the file; {made.notes[0]}", *made.notes[1:]])
+    return made._replace(part=made.part._replace(label=label), notes=[f"the file has no mesh; {made.notes[0]}", *made.notes[1:]])
 
 
 def outlined(
     outlines: Sequence[tuple[str, FloatArray]], creases: Sequence[Drawn], columns: FloatArray, edge_length: float, tolerance: float
 ) -> MeshedSurface:
-    """Return a mesh between outlines and creases.
+    """Return a mesh bounded by outlines, with edges along creases.
 
     Parameters
     ----------
     outlines
-        Names, and points (k, 3) around closed curves [L]; the one that encloses most is the boundary, the others are holes.
+        Names and points (k, 3) of closed curves [L]; the largest is the boundary, the others are holes.
     creases
         Curves that become edges.
     columns
         ``(k, 3)`` points that become vertices [L].
     edge_length
-        Length of edges aimed at [L].
+        Intended edge length [L].
     tolerance
-        Length below which two points are one [L].
+        Distance below which two points coincide [L].
 
     Raises
     ------
     MeshError
-        If an outline is open or no mesh comes of it.
+        If an outline is open or cannot be meshed.
     """
     for name, points in outlines:
         gap = float(np.linalg.norm(points[0] - points[-1])) if len(points) > 3 else np.inf
         if gap > tolerance:
-            missing = f", {gap:.3g} is missing" if np.isfinite(gap) else ""
-            raise MeshError(f"{name} is not closed; close it (Rhino: CloseCrv){missing}")
-    rings = _once(outlines, min(tolerance, SAME * edge_length))
+            missing = f" with a gap of {gap:.3g}" if np.isfinite(gap) else ""
+            raise MeshError(f"{name} is open{missing}; close it (Rhino: CloseCrv)")
+    rings = _once(outlines, min(tolerance, COINCIDENCE * edge_length))
     boundary, *holes = sorted(rings, key=lambda points: -_area(points))
     lines = [crease for crease in creases if len(crease.points) > 1]
     made = mesh_from_outline(boundary, holes, [crease.points for crease in lines], edge_length, tolerance, columns)
     faces = np.column_stack([made.faces, made.faces[:, 2]])
     within = f" and {len(holes)} hole{'s' if len(holes) > 1 else ''}" if holes else ""
-    note = f"one with edges of about {edge_length:g} was made in an outline{within}"
-    twice = ["outlines that are drawn twice were taken once"] if len(rings) < len(outlines) else []
-    beside = [f"{crease.label} lies outside of the outline and was left out" for crease in lines if _is_beside(boundary, crease.points)]
+    note = f"a mesh with edges of about {edge_length:g} was generated from an outline{within}"
+    twice = ["duplicate outlines were used once"] if len(rings) < len(outlines) else []
+    beside = [f"{crease.label} lies outside the outline and was ignored" for crease in lines if _is_beside(boundary, crease.points)]
     part = Part("the mesh in the outlines", made.vertices, faces, 0.0, None, {})
     return MeshedSurface(part, _pieces(made, lines), [note, *twice, *beside])
 
 
 def _is_beside(boundary: FloatArray, points: FloatArray) -> bool:
-    """Check whether nothing of a curve (k, 3) lies within a boundary (k, 3) in plan."""
+    """Check whether a curve (k, 3) lies entirely outside a boundary (k, 3) in plan."""
     import shapely
 
     return not shapely.Polygon(boundary[:, :2]).intersects(shapely.LineString(points[:, :2]))
 
 
 def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[FloatArray]:
-    """Return the curves (k, 3) without those that run all along one before."""
+    """Return the curves (k, 3) without duplicates."""
     kept: list[FloatArray] = []
     for _, points in outlines:
         if not any(
@@ -125,7 +125,7 @@ def _once(outlines: Sequence[tuple[str, FloatArray]], tolerance: float) -> list[
 
 
 def _pieces(made: Outlined, creases: Sequence[Drawn]) -> list[Drawn]:
-    """Return what lies of the creases within the outline, along edges."""
+    """Return the parts of the creases inside the outline, along edges."""
     flat = [crease.points * [1.0, 1.0, 0.0] for crease in creases]
     drawn = []
     for path in made.creases:

@@ -1,4 +1,4 @@
-"""Surfaces of rhino3dm by their parameters: places, normals, kinks, and the parameters of points on them."""
+"""Parametric surfaces of rhino3dm: points, normals, kinks, and the parameters of points."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from ...meshing.polyline import nearest_on_polyline
 
 __all__ = ["ParametricSurface"]
 
-SNAP = 1e-3  # of the range of a parameter, within which a vertex of an edge is put on a kink
-GRID = 16  # divisions of a surface in which the parameters of a point are looked for first
-STEPS = 30  # of Newton's method towards them
-SIDE = 512  # divisions of a side of a domain, for the parameters of the points along it
+SNAP = 1e-3  # distance within which vertices snap to a kink, relative to the parameter range
+GRID = 16  # divisions of a surface for the initial guess of the parameters of a point
+MAX_STEPS = 30  # of Newton's method for the parameters
+SIDE_DIVISIONS = 512  # of a side of a domain, for the parameters of points along it
 SOUTH, EAST, NORTH, WEST = range(4)
 
 
 class ParametricSurface:
-    """A parametric surface: places, normals and the parameters of places."""
+    """A parametric surface with points, normals and parameters of points."""
 
     def __init__(self, surface: Any):
         self._surface = surface
@@ -35,7 +35,7 @@ class ParametricSurface:
         self.kinks = sharp_parameters(self.at, self.domain, [surface.GetSpanVector(k) for k in range(2)])
 
     def snapped_to_kinks(self, loops: Sequence[FloatArray], points: Sequence[FloatArray]) -> tuple[list[FloatArray], Sequence[FloatArray]]:
-        """Return loops (k, 2) whose points that all but lie on a kink do."""
+        """Return loops (k, 2) with points close to a kink moved onto it."""
         snapped = [loop.copy() for loop in loops]
         for axis, value in self.kinks:
             for loop in snapped:
@@ -44,7 +44,7 @@ class ParametricSurface:
         return snapped, points
 
     def at(self, parameters: FloatArray) -> FloatArray:
-        """Return the places (k, 3) of parameters (k, 2), brought into the domain."""
+        """Return the points (k, 3) at parameters (k, 2), which are clipped to the domain."""
         inside = np.clip(parameters, self.domain[:, 0], self.domain[:, 1])
         return np.array([(p.X, p.Y, p.Z) for p in map(self._surface.PointAt, *inside.T.tolist())]).reshape(-1, 3)
 
@@ -64,7 +64,7 @@ class ParametricSurface:
     def _meets(self, line: FloatArray, length: FloatArray, uv: FloatArray, axis: int, value: float) -> Iterator[float]:
         off = uv[:, axis] - value
         crossed = (off[:-1] < 0) != (off[1:] < 0)
-        # An edge that runs along a kink is to neither side of it.
+        # An edge along a kink does not cross it.
         crossed &= np.maximum(np.abs(off[:-1]), np.abs(off[1:])) > SNAP * np.ptp(self.domain[axis])
         for i in np.flatnonzero(crossed).tolist():
 
@@ -81,20 +81,20 @@ class ParametricSurface:
                 yield low if abs(first) < abs(last) else high
 
     def pulled_back(self, line: FloatArray, reach: float) -> FloatArray:
-        """Return the parameters (k, 2) of points along an edge, on a side of the domain where it runs along one."""
+        """Return the parameters (k, 2) of points along an edge; edges along a side of the domain are mapped onto it."""
         for which, (values, points) in enumerate(self._sides):
             length = arc_lengths(points)
             if length[-1] <= reach:
                 continue
             gap, t = nearest_on_polyline(line, points)
-            # A side that winds a lot is not followed closely by its polyline.
+            # The polyline of a strongly curved side deviates from it.
             sagitta = 0.5 * np.linalg.norm(points[2:] + points[:-2] - 2 * points[1:-1], axis=1).max()
             if gap.max() > max(reach, sagitta):
                 continue
             if np.linalg.norm(points[0] - points[-1]) <= 1e-6 * length[-1]:
                 t = np.unwrap(t, period=length[-1])
             rising = t[len(t) // 2] > t[0] if len(t) > 2 else t[-1] > t[0]
-            # Loops run anticlockwise, so that the two sides of a seam are told by the way it is passed.
+            # Loops run anticlockwise, so the direction distinguishes the two sides of a seam.
             if rising != (which in (SOUTH, EAST)):
                 continue
             t = t - length[-1] * np.floor((0.5 * (t.min() + t.max())) / length[-1])
@@ -106,18 +106,18 @@ class ParametricSurface:
         return self._walked(line)
 
     def _natural_sides(self) -> list[tuple[FloatArray, FloatArray]]:
-        """Return the parameters (k,) and places (k, 3) along the sides of the domain: south, east, north, west."""
+        """Return the parameters (k,) and points (k, 3) along the sides of the domain: south, east, north, west."""
         sides = []
         for which in (SOUTH, EAST, NORTH, WEST):
             axis = 0 if which in (SOUTH, NORTH) else 1
-            values = np.linspace(self.domain[axis, 0], self.domain[axis, 1], SIDE + 1)
-            uv = np.empty((SIDE + 1, 2))
+            values = np.linspace(self.domain[axis, 0], self.domain[axis, 1], SIDE_DIVISIONS + 1)
+            uv = np.empty((SIDE_DIVISIONS + 1, 2))
             uv[:, axis], uv[:, 1 - axis] = values, self.domain[1 - axis, 0 if which in (SOUTH, WEST) else 1]
             sides.append((values, self.at(uv)))
         return sides
 
     def _walked(self, line: FloatArray) -> FloatArray:
-        """Return the parameters (k, 2) of points along a curve, from its middle to both ends, each from the one before."""
+        """Return the parameters (k, 2) of points along a curve; each starts from the previous one, from the middle to both ends."""
         uv = np.empty((len(line), 2))
         middle = len(line) // 2
         uv[middle] = self._nearest(line[middle])
@@ -141,11 +141,11 @@ class ParametricSurface:
         return found[int(np.argmin([np.linalg.norm(self.at(one[None])[0] - point) for one in found]))]
 
     def _newton(self, point: FloatArray, start: FloatArray) -> FloatArray:
-        """Return the parameters (2,) of the surface point nearest to a point, by Gauss and Newton with differences."""
+        """Return the parameters (2,) of the nearest surface point, by Gauss-Newton with finite differences."""
         low, high = self.domain.T
         h = 1e-6 * (high - low)
         here = np.clip(start, low, high)
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             around = np.clip(here + np.array([[0, 0], [h[0], 0], [-h[0], 0], [0, h[1]], [0, -h[1]]]), low, high)
             spots = self.at(around)
             off = point - spots[0]

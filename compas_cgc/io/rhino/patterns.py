@@ -1,4 +1,4 @@
-"""Patterns in a .3dm: the sheets beside the model, and the pieces in place."""
+"""Patterns in a .3dm file: sheets beside the model, and pieces in their final position."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ PATTERNS = "CGC Patterns"
 
 
 def write_pattern_layers(path: Union[str, os.PathLike], patterns: Patterns, nodes: bool = True) -> None:
-    """Write patterns as a .3dm file: a layer for each kind of line, and the pieces as meshes where they belong.
+    """Write patterns as a .3dm file: one layer per kind of line, and the pieces as meshes in their final position.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
     """
     problem = patterns.problem
     writer = LayerWriter(new_archive(problem))
     drawing = draw_sheets(patterns, nodes=nodes)
-    # Beside the model, so that neither hides the other.
+    # Offset the sheets from the model so that they do not overlap.
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
     beside = np.array([high[0] + 0.2 * float(np.linalg.norm(high - low)), low[1], low[2]])
     hidden = ("NODE", *drawing.hidden)

@@ -1,4 +1,4 @@
-"""Single precision: how far coordinates are off that have been rounded to seven digits."""
+"""Rounding error of coordinates stored in single precision."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ __all__ = ["rounding_of"]
 
 
 def rounding_of(vertices: FloatArray, double: bool) -> float:
-    """Return the error that single precision has left in coordinates (n, 3) [L], 0 where it has left none.
+    """Return the rounding error of coordinates (n, 3) from single precision [L], 0 in double precision.
 
-    Doubles too may have been singles before: when none has more digits, and some are no
-    short decimals by design.
+    Doubles also count as rounded if all of them are representable in single precision and some
+    are not short decimals.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` coordinates [L].
     double
-        Whether they come as doubles.
+        Whether the coordinates are stored as doubles.
     """
     if double and not _are_singles(vertices):
         return 0.0

@@ -1,4 +1,4 @@
-"""Read a .3dm file: what it holds, what that means, what was done to it."""
+"""Reading of problems from .3dm files."""
 
 from __future__ import annotations
 
@@ -48,31 +48,31 @@ def read_3dm(
 ) -> ReadProblem:
     """Read a surface problem from a .3dm file.
 
-    See ``docs/3dm.md`` for the layers. Without any of them the first mesh is read, points
-    as supports and curves as creases.
+    See ``docs/3dm.md`` for the layers. If the file has none of these layers, the first mesh is
+    read, with points as supports and curves as creases.
 
     Parameters
     ----------
     path
-        The .3dm file, of any Rhino from version 2 on.
+        The .3dm file, from Rhino 2 or later.
     layers
         Names of layers by role, see :func:`compas_cgc.io.rhino.layer_names`.
     crease
-        What to do with a crease that does not follow mesh edges: ``"trace"`` takes the
-        best path of edges, ``"split"`` cuts the mesh along it.
+        Treatment of creases that do not follow mesh edges: ``"trace"`` selects the best path
+        of edges, ``"split"`` cuts the mesh along the crease.
     tolerance
-        Distance within which points are one [L]. Default: the file's.
+        Distance below which points coincide [L]. Default: the tolerance of the file.
     edge_length
-        Length of the edges of a mesh that is made of surfaces, or where there are none between
-        the outline and the creases [L]; takes the extra ``mesher``. Default for surfaces: the mesh
-        that Rhino draws them by, or else a thirtieth of their size.
+        Edge length for meshing surfaces or, if there are none, the area inside the outlines [L];
+        requires the extra ``mesher``. Default for surfaces: use their render mesh, or else a
+        thirtieth of their size.
     result
-        Take the result of an earlier solve, where the file holds one, not the drawing.
+        Whether to read the result of an earlier solve, if the file holds one, instead of the drawing.
 
     Returns
     -------
     ReadProblem
-        What cannot be used is listed in its ``diagnostics``, and refused by ``checked()``.
+        The problem. Objects that cannot be used are listed in ``diagnostics``; ``checked()`` raises them as an error.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def read_3dm(
         converted = [_converted(item, found.mesh, edge_length, own, unit) for item in found.mesh]
         if not converted:
             converted = [outline_part(found, edge_length, own)]
-            # They are edges of the mesh now, cut at the outline.
+            # The creases are edges of the mesh now, cut at the outline.
             found = found._replace(creases=[])
         joints = [joint for made in converted for joint in made.creases]
         return assemble(
@@ -122,18 +122,18 @@ def read_curves(path: Union[str, os.PathLike], layer: str) -> list[FloatArray]:
     Raises
     ------
     FileError
-        If the file cannot be read or there are none.
+        If the file cannot be read or there are no curves.
     """
     archive = read_archive(path)
     names = LayerNames(mesh=(layer,))
     items = [item for item in list_items(archive) if item.kind == "curve" and names.role(item.layer) == "mesh"]
     if not items:
-        raise FileError(f"{path}: there are no curves on the layer {layer!r}")
+        raise FileError(f"{path}: the layer {layer!r} has no curves")
     return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
 
 
 def _converted(item: Item, items: list[Item], edge_length: Optional[float], tolerance: float, unit: str) -> MeshedSurface:
-    """Return the mesh of an object: its own, one made of its surface, or the one that Rhino draws it by."""
+    """Return the mesh of an object: its own, a mesh of its surface, or its render mesh."""
     if item.kind == "mesh" or (edge_length is None and has_mesh(item)):
         part, notes = to_part(item)
         return MeshedSurface(part, [], notes)

@@ -1,4 +1,4 @@
-"""Write a solved surface: the input file as it was, and the result on layers of its own."""
+"""Writing of a result to separate layers of the input file."""
 
 from __future__ import annotations
 
@@ -52,30 +52,30 @@ def write_result(
     analysis: Optional[SurfaceReport] = None,
     nurbs: bool = False,
 ) -> list[str]:
-    """Write a result as a .3dm file, beside what the input file holds.
+    """Write a result as a .3dm file, in addition to the contents of the input file.
 
     Parameters
     ----------
     path
-        The .3dm file, which may be `source` itself; an older one is replaced when the new
+        The .3dm file, which may be `source` itself; an existing file is replaced when the new
         one is complete.
     result
-        What a solve returned.
+        Result of a solve.
     source
-        The .3dm file that the problem was read from. All that is in it stays, but for an
-        earlier result. Without one the result is written alone.
+        The .3dm file from which the problem was read. Its contents are kept, except for an
+        earlier result. Default: write the result only.
     version
-        7 or 8. Default: 8 for a source of Rhino 8, else 7.
+        7 or 8. Default: 8 if the source is a Rhino 8 file, else 7.
     analysis
-        The report on the surface. Default: made here.
+        Report on the surface. Default: computed here.
 
     nurbs
-        Fit a NURBS surface to each region, on the layer ``CGC::NURBS``.
+        Whether to fit a NURBS surface to each region, on the layer ``CGC::NURBS``.
 
     Returns
     -------
     list of str
-        What is to be said of the NURBS surfaces.
+        Notes on the NURBS surfaces.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def write_result(
 
 
 def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
-    """Return user text of the mesh: how the solve went, and the target where there is but one."""
+    """Return user text of the mesh: outcome of the solve, and the target if it is constant."""
     targets = {region.target for region in report.regions if region.asked}
     one = {"target": repr(targets.pop())} if len(targets) == 1 and None not in targets else {}
     return {
@@ -139,7 +139,7 @@ def _outcome(result: SolveResult, report: SurfaceReport) -> dict[str, str]:
 
 
 def _draw_regions(writer: LayerWriter, problem: CGCProblem, whole: Mesh, report: SurfaceReport) -> None:
-    """Draw one mesh for each region, with its figures as user text."""
+    """Draw one mesh per region, with its data as user text."""
     on_regions = writer.layer(f"{RESULT}::Regions", (140, 110, 60), visible=False)
     label = problem.regions()
     for region in report.regions:
@@ -166,11 +166,11 @@ def _draw_maps(writer: LayerWriter, problem: CGCProblem, whole: Mesh) -> None:
             writer.dot(f"{what} = {value:.3g}", place, writer.attributes(on, "legend", colour=tuple(colour)))
         if not problem.asked.all():
             place = np.array([high[0] + 0.1 * size, high[1], low[2]])
-            writer.dot("not asked for", place, writer.attributes(on, "legend", colour=NO_VALUE))
+            writer.dot("not prescribed", place, writer.attributes(on, "legend", colour=NO_VALUE))
 
 
 def _draw_rough_places(writer: LayerWriter, problem: CGCProblem, report: SurfaceReport) -> None:
-    """Draw a point at every vertex where a rough surface is rough."""
+    """Draw a point at every vertex where the surface is rough."""
     if report.verdict.places:
         on = writer.layer(f"{RESULT}::Rough", AMBER)
         writer.cloud(problem.vertices[report.verdict.places], writer.attributes(on, "rough", {"verdict": str(report.verdict)}))
@@ -182,7 +182,7 @@ def _extent(vertices: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 
 def _summary(result: SolveResult, analysis: SurfaceReport, source: Optional[str], unit: str) -> str:
-    """Return the report that is put into the writer."""
+    """Return the text report on the result."""
     where = f" of {source}" if source else ""
     inverse = f" 1/{unit.strip()}²" if unit else ""
     head = f"compas_cgc {__version__}: result{where}\n{result.status}: {result.message}\nlargest error of K {result.max_error:.3g}{inverse}"

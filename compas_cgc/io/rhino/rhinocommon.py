@@ -1,8 +1,8 @@
 """Conversion inside Rhino and Grasshopper, in double precision.
 
-RhinoCommon keeps single-precision vertices beside the doubles, and ``mesh.Vertices[i]``
-gives the former: everything here goes through ``ToPoint3dArray``. ``Rhino`` is loaded
-when a function needs it, so the module can be imported and tested anywhere.
+RhinoCommon stores vertices in single and in double precision. ``mesh.Vertices[i]`` returns the
+former, so this module uses ``ToPoint3dArray``. ``Rhino`` is imported lazily, so that the module
+can be imported and tested outside Rhino.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def mesh_to_arrays(mesh: Rhino.Geometry.Mesh) -> tuple[FloatArray, IntArray]:
 
 
 def mesh_from_arrays(vertices: FloatArray, faces: IntArray, colours: Optional[IntArray] = None) -> Rhino.Geometry.Mesh:
-    """Return a Rhino mesh with every bit of the coordinates.
+    """Return a Rhino mesh with the coordinates in double precision.
 
     Parameters
     ----------
@@ -67,12 +67,12 @@ def mesh_from_arrays(vertices: FloatArray, faces: IntArray, colours: Optional[In
     faces
         ``(m, 3)`` vertex indices.
     colours
-        ``(n, 3)`` red, green and blue of the vertices, 0..255.
+        ``(n, 3)`` RGB colours of the vertices, 0..255.
     """
     import Rhino
 
     mesh = Rhino.Geometry.Mesh()
-    # Before the first vertex: the doubles of vertices added earlier would be lost.
+    # Set before the first vertex, as the doubles of earlier vertices would be lost.
     mesh.Vertices.UseDoublePrecisionVertices = True
     deque(map(mesh.Vertices.Add, *np.asarray(vertices, dtype=np.float64).T.tolist()), maxlen=0)
     deque(map(mesh.Faces.AddFace, *np.asarray(faces, dtype=np.int64).T.tolist()), maxlen=0)
@@ -102,9 +102,9 @@ def polyline_to_rhino(points: ArrayLike) -> Rhino.Geometry.PolylineCurve:
 
 
 def curve_to_points(curve: Rhino.Geometry.Curve, tolerance: float) -> FloatArray:
-    """Return points along a Rhino curve whose polyline keeps within a tolerance of it (k, 3) [L].
+    """Return points (k, 3) along a Rhino curve whose polyline is within a tolerance of the curve [L].
 
-    The corners of a polyline come back exactly.
+    Corners of polylines are exact.
     """
     found, polyline = curve.TryGetPolyline()
     if not found:
@@ -122,20 +122,20 @@ def problem_from_rhino(
     units: str = "Meters",
     crease: str = "trace",
 ) -> ReadProblem:
-    """Fit Rhino geometry together as :func:`compas_cgc.io.rhino.read_3dm` does with a file.
+    """Return the problem of Rhino geometry, as :func:`compas_cgc.io.rhino.read_3dm` does for a file.
 
     Parameters
     ----------
     mesh
-        Mesh as Rhino makes it: unwelded, quads, single or double precision.
+        Rhino mesh: triangles or quads, welded or unwelded, in single or double precision.
     supports
-        Points at vertices that stay.
+        Points at fixed vertices.
     creases
-        Curves that the surface may fold along.
+        Curves along which the surface may fold.
     targets
         Pairs of a point in a region and its Gaussian curvature [1/L^2].
     tolerance
-        Distance within which points are one [L]; Rhino's is ``ModelAbsoluteTolerance``.
+        Distance below which points coincide [L], usually ``ModelAbsoluteTolerance`` of the document.
     units
         Name of the unit system.
     crease
@@ -144,12 +144,12 @@ def problem_from_rhino(
     Returns
     -------
     ReadProblem
-        ``checked()`` gives the problem, ``notes`` and ``diagnostics`` what to tell the user.
+        ``checked()`` returns the problem; ``notes`` and ``diagnostics`` are messages for the user.
 
     Raises
     ------
     FileError
-        If no usable mesh comes of it.
+        If the geometry does not form a usable mesh.
     """
     vertices, faces = mesh_to_arrays(mesh)
     rounding = rounding_of(vertices, mesh.Vertices.UseDoublePrecisionVertices)
@@ -167,29 +167,29 @@ def problem_from_surfaces(
     units: str = "Meters",
     crease: str = "trace",
 ) -> ReadProblem:
-    """Mesh surfaces of Rhino, or what lies within closed curves, and fit supports and creases to it.
+    """Mesh Rhino surfaces, or the area inside closed curves, and return the problem with supports and creases.
 
-    Surfaces go over to rhino3dm by Rhino's own encoding of them, which loses nothing, and are meshed as those of a file are;
-    it takes the extras ``rhino`` and ``mesher``.
+    Surfaces are converted to rhino3dm without loss by Rhino's own encoding, and meshed like those of a file. Requires the extras
+    ``rhino`` and ``mesher``.
 
     Parameters
     ----------
     surfaces
-        Breps, surfaces, extrusions and SubDs; or closed curves, of which the widest is the outline and the others are holes.
+        Breps, surfaces, extrusions and SubDs; or closed curves, of which the largest is the outline and the others are holes.
     edge_length
-        Length of edges aimed at [L]. Default: a thirtieth of the surfaces' size.
+        Intended edge length [L]. Default: a thirtieth of the size of the surfaces.
     supports, creases, tolerance, units, crease
-        As for :func:`problem_from_rhino`. Between curves supports become vertices, and creases edges.
+        As for :func:`problem_from_rhino`. In the area inside curves, supports become vertices and creases become edges.
 
     Raises
     ------
     FileError
-        If they cannot be meshed; the sentence says what to do in Rhino.
+        If they cannot be meshed; the message states what to do in Rhino.
     """
     items = list(surfaces)
     outlines = [one for one in items if hasattr(one, "TryGetPolyline")]
     if outlines and len(outlines) < len(items):
-        raise FileError("there are curves among the surfaces; connect either surfaces, or closed curves")
+        raise FileError("the input has both curves and surfaces; connect either surfaces or closed curves")
     if not outlines:
         return _assembled(_meshed(items, edge_length, tolerance, units), supports, creases, tolerance, units, crease)
     fine = 0.25 * tolerance
@@ -206,7 +206,7 @@ def problem_from_surfaces(
 
 
 def _closed(points: FloatArray, tolerance: float) -> FloatArray:
-    """Return points (k, 3) whose last one is the first, where they all but meet."""
+    """Return points (k, 3), closed exactly if first and last coincide within the tolerance."""
     if len(points) > 3 and np.linalg.norm(points[0] - points[-1]) <= tolerance:
         return np.concatenate([points[:-1], points[:1]])
     return points
@@ -224,7 +224,7 @@ def _meshed(
 
 
 def _in_rhino3dm(geometry: Rhino.Geometry.GeometryBase) -> Any:
-    """Return an object of Rhino as one of rhino3dm."""
+    """Return a Rhino object as an object of rhino3dm."""
     rhino3dm = rhino3dm_module()
     if isinstance(geometry, rhino3dm.CommonObject):
         return geometry

@@ -1,4 +1,4 @@
-"""What is drawn in a model, as arrays: the same from a .3dm file and from inside Rhino."""
+"""Drawn objects as arrays, from a .3dm file or from inside Rhino."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ __all__ = ["Drawn", "Part"]
 class Part(NamedTuple):
     """A mesh of the model."""
 
-    label: str  # how sentences name it
+    label: str  # name in messages
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 4), a triangle repeats its last corner
-    rounding: float  # error that single precision has left in the coordinates [L], 0 in double precision
+    rounding: float  # rounding error of single-precision coordinates [L], 0 in double precision
     target: Optional[float]  # K in its user text or that of its layer [1/L^2]
-    text: Mapping[str, str]  # user text, keys in small letters
+    text: Mapping[str, str]  # user text, keys in lower case
 
 
 class Drawn(NamedTuple):
     """A point, point cloud, curve or text dot of the model."""
 
-    label: str  # how sentences name it
+    label: str  # name in messages
     kind: str  # point, point cloud, curve or text dot
-    points: FloatArray  # (k, 3) places, or points along the curve [L]
+    points: FloatArray  # (k, 3) coordinates, or points along the curve [L]
     target: Optional[float]  # K in its text or user text [1/L^2]
-    text: Mapping[str, str]  # user text, keys in small letters
+    text: Mapping[str, str]  # user text, keys in lower case

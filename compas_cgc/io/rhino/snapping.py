@@ -1,4 +1,4 @@
-"""Snapping: drawn points and curves to the vertices that stay, or that constraints are about."""
+"""Snapping of drawn points and curves to the vertices of supports and constraints."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ __all__ = ["as_drawn", "find_constraints", "find_supports", "snap_distance"]
 
 
 def snap_distance(vertices: FloatArray, faces: IntArray, tolerance: float, rounding: float = 0.0) -> float:
-    """Return the distance within which a drawn point is at a vertex [L].
+    """Return the distance within which a drawn point snaps to a vertex [L].
 
-    Points drawn by snapping are off by rounding: that of single precision, or of transforms.
+    It covers rounding by single precision and by transformations.
     """
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     return min(max(tolerance, 4.0 * rounding, 1e-9 * size), 0.1 * mean_edge(vertices, faces))
 
 
 def find_supports(drawn: list[Drawn], vertices: FloatArray, tolerance: float, unit: str) -> tuple[IntArray, list[str], list[Diagnostic]]:
-    """Find the vertices that points, point clouds and curves hold.
+    """Return the vertices supported by points, point clouds and curves.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def find_supports(drawn: list[Drawn], vertices: FloatArray, tolerance: float, un
     tolerance
         Largest distance from a vertex [L].
     unit
-        What lengths are followed by in sentences.
+        Unit appended to lengths in messages.
 
     Returns
     -------
@@ -56,12 +56,12 @@ def find_supports(drawn: list[Drawn], vertices: FloatArray, tolerance: float, un
             found = _along(item, vertices, tolerance)
             if not found:
                 diagnostics.append(
-                    f"support {item.label} runs through no vertex of the mesh; draw it along vertices, or put points on the vertices"
+                    f"support {item.label} does not pass through a vertex of the mesh; draw it along vertices, or put points on them"
                 )
             chosen += found
             continue
         if not _has_place(item):
-            diagnostics.append(f"support {item.label} has no finite place; delete it")
+            diagnostics.append(f"support {item.label} has no finite coordinates; delete it")
             continue
         distance, nearest = tree.query(item.points)
         far = np.flatnonzero(distance > tolerance)
@@ -76,16 +76,16 @@ def find_supports(drawn: list[Drawn], vertices: FloatArray, tolerance: float, un
     supports = np.unique(np.array(chosen, dtype=np.int64))
     notes = [f"{len(supports)} vertices are supports"] if len(supports) else []
     if not drawn:
-        notes.append("there is no support: put points at vertices on the layer CGC::Supports, or fix the whole boundary")
+        notes.append("there are no supports: put points at vertices on the layer CGC::Supports, or fix the whole boundary")
     return supports, notes, [Diagnostic(text) for text in diagnostics]
 
 
 def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float, unit: str) -> tuple[list[Constraint], list[Diagnostic]]:
-    """Find what is asked of vertices besides K.
+    """Return the constraints of vertices in drawn curves and points.
 
-    The vertices along a curve shall stay on it, and the vertex under or over a point (along
-    z) shall come to its height. With user text ``keep`` the vertices along the curve or
-    under the point shall stay where they are.
+    Vertices along a curve are constrained to it. The vertex below or above a point (along z) is
+    constrained to its height. With user text ``keep``, the vertices along the curve or below the
+    point remain fixed.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float,
     tolerance
         Largest distance of vertices from a curve, and in plan from a point [L].
     unit
-        What lengths are followed by in sentences.
+        Unit appended to lengths in messages.
     """
     found: list[Constraint] = []
     diagnostics = []
@@ -109,7 +109,7 @@ def find_constraints(drawn: list[Drawn], vertices: FloatArray, tolerance: float,
 
 
 def as_drawn(constraint: Constraint, vertices: FloatArray) -> Optional[Drawn]:
-    """Return what is to be drawn so that a constraint is found again, None for kinds that are not drawn."""
+    """Return the drawn object from which a constraint can be read back, None for kinds that are not drawn."""
     if isinstance(constraint, OnCurve):
         points = np.asarray(constraint.points, dtype=np.float64)
         return Drawn("", "curve", np.concatenate([points, points[:1]]) if constraint.closed else points, None, {})
@@ -124,7 +124,7 @@ def as_drawn(constraint: Constraint, vertices: FloatArray) -> Optional[Drawn]:
 def _on_curve(item: Drawn, vertices: FloatArray, tolerance: float) -> list[Constraint]:
     on = sorted(set(_along(item, vertices, tolerance)))
     if not on:
-        raise ValueError("runs through no vertex of the mesh; draw it along vertices")
+        raise ValueError("does not pass through a vertex of the mesh; draw it along vertices")
     if "keep" in item.text:
         return [Fixed(on)]
     closed = bool(np.array_equal(item.points[0], item.points[-1]))
@@ -133,12 +133,12 @@ def _on_curve(item: Drawn, vertices: FloatArray, tolerance: float) -> list[Const
 
 
 def _at_points(item: Drawn, vertices: FloatArray, tolerance: float, unit: str) -> list[Constraint]:
-    """Return one constraint for all points of an object that are at the same height."""
+    """Return one constraint per height of the points of an object."""
     if not _has_place(item):
-        raise ValueError("has no finite place; delete it")
+        raise ValueError("has no finite coordinates; delete it")
     distance, nearest = cKDTree(vertices[:, :2]).query(item.points[:, :2])
     if distance.max() > tolerance:
-        raise ValueError(f"is {distance.max():.4g}{unit} in plan from the nearest vertex; put it right over or under one")
+        raise ValueError(f"is {distance.max():.3g}{unit} in plan from the nearest vertex; put it exactly above or below a vertex")
     if "keep" in item.text:
         return [Fixed(sorted(set(nearest.tolist())))]
     heights = dict.fromkeys(item.points[:, 2].tolist())

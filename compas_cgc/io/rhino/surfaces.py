@@ -1,4 +1,4 @@
-"""Surfaces of Rhino without a mesh (NURBS, Breps, extrusions, SubD) to even meshes with creases at their joints."""
+"""Meshing of Rhino surfaces (NURBS, Breps, extrusions, SubD) to even meshes with creases at their joints."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from .user_text import user_target
 
 __all__ = ["MeshedSurface", "default_edge_length", "rounded_length", "surface_part"]
 
-EDGES = 30  # along the diagonal of a surface, where no edge length is asked for
-KINK = np.radians(20.0)  # turn of an edge from which it has a vertex there
-REACH = 0.05  # of the edge length, within which an edge runs along a side of its surface
-ONE = 1e-3  # of the edge length, within which two stops of an edge are one
-LEVELS = 5  # of subdivision at most
-ATTEMPTS = 3  # each with edges half as long
+EDGES = 30  # default number of edges along the diagonal of a surface
+KINK = np.radians(20.0)  # turning angle of an edge above which it gets a vertex
+SIDE_TOLERANCE = 0.05  # distance within which an edge follows a side of its surface, relative to the edge length
+COINCIDENCE = 1e-3  # distance within which two points on an edge coincide, relative to the edge length
+MAX_LEVELS = 5  # of subdivision
+MAX_ATTEMPTS = 3  # each halves the edge length
 
 
 # Vertices (n, 3), triangles (m, 3), lines along sharp joints, and the largest deviation [L].
@@ -44,15 +44,15 @@ Meshed = tuple[FloatArray, IntArray, list[FloatArray], float]
 
 
 class MeshedSurface(NamedTuple):
-    """A mesh made of a surface."""
+    """Mesh of a surface."""
 
     part: Part
-    creases: list[Drawn]  # joints of faces that meet at an angle
+    creases: list[Drawn]  # sharp joints of faces
     notes: list[str]
 
 
 def default_edge_length(items: Sequence[Item]) -> float:
-    """Return an edge length for surfaces of this size [L]."""
+    """Return the default edge length for surfaces [L]."""
     boxes = [item.geometry.GetBoundingBox() for item in items]
     low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
     high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
@@ -60,31 +60,31 @@ def default_edge_length(items: Sequence[Item]) -> float:
 
 
 def rounded_length(points: FloatArray) -> float:
-    """Return a round edge length for what is as large as points (k, 3) [L]."""
+    """Return a rounded edge length for the extent of points (k, 3) [L]."""
     return float(f"{np.linalg.norm(np.ptp(points, axis=0)) / EDGES:.1g}")
 
 
 def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "") -> MeshedSurface:
     """Mesh a surface evenly.
 
-    The edges of a Brep are divided first, so that faces meet in the same vertices. A SubD is subdivided and its vertices put
-    where its limit surface has them.
+    The edges of a Brep are divided first, so that adjacent faces share vertices. A SubD is subdivided and its vertices are moved
+    to the limit surface.
 
     Parameters
     ----------
     item
         A Brep, an extrusion or a SubD.
     edge_length
-        Length of edges aimed at [L].
+        Intended edge length [L].
     tolerance
         Absolute tolerance of the file [L].
     unit
-        What lengths are followed by in the notes.
+        Unit appended to lengths in the notes.
 
     Raises
     ------
     FileError
-        If it cannot be meshed; the sentence says what to do in Rhino.
+        If it cannot be meshed; the message states what to do in Rhino.
     """
     rhino3dm = rhino3dm_module()
 
@@ -96,18 +96,18 @@ def surface_part(item: Item, edge_length: float, tolerance: float, unit: str = "
     (vertices, faces, creases, deviation), length = _attempted(item, geometry, edge_length, tolerance)
     text = f"{item.label} was meshed with edges of about {length:g}{unit}, within {deviation:.2g}{unit} of the surface"
     if length < edge_length:
-        text += f"; with {edge_length:g}{unit} its edges would cross"
+        text += f"; edges of {edge_length:g}{unit} would intersect"
     if creases:
-        text += f"; {len(creases)} joints where it bends sharply became creases" if len(creases) > 1 else "; a sharp joint became a crease"
+        text += f"; {len(creases)} sharp joints became creases" if len(creases) > 1 else "; a sharp joint became a crease"
     drawn = [Drawn(f"a joint of {item.label}", "curve", line, None, {}) for line in creases]
     target = user_target({**item.layer_text, **item.text})
     return MeshedSurface(Part(item.label, vertices, np.column_stack([faces, faces[:, 2]]), 0.0, target, item.text), drawn, [text])
 
 
 def _attempted(item: Item, geometry: Geometry, edge_length: float, tolerance: float) -> tuple[Meshed, float]:
-    """Return the mesh of a surface, and the edge length: edges that touch when they are divided coarsely come apart when finely."""
+    """Return the mesh of a surface and the edge length, which is halved while coarsely divided edges intersect."""
     reason = ""
-    for attempt in range(ATTEMPTS):
+    for attempt in range(MAX_ATTEMPTS):
         length = edge_length * 0.5**attempt
         try:
             return _meshed(geometry, length, tolerance), length
@@ -161,13 +161,13 @@ def _crossings(
         loops = [face.Loops[k] for k in range(len(face.Loops))] if surface.kinks else []
         for trim in (trim for loop in loops for trim in _trims(loop)):
             line = resample_all(lines[trim.EdgeIndex], edge_length)
-            met = np.array(surface.crossings(line[:: -1 if trim.IsReversed else 1], REACH * edge_length))
+            met = np.array(surface.crossings(line[:: -1 if trim.IsReversed else 1], SIDE_TOLERANCE * edge_length))
             found.setdefault(trim.EdgeIndex, []).extend(arc_lengths(line)[-1] - met if trim.IsReversed else met)
     return found
 
 
 def _trims(loop: Any) -> list[Any]:
-    """Return the trims of a loop along edges, without the poles, where two corners of the parameters are one point."""
+    """Return the trims of a loop along edges, without singular trims at poles."""
     return [trim for trim in (loop.Trims[t] for t in range(loop.TrimCount)) if trim.EdgeIndex >= 0]
 
 
@@ -182,7 +182,7 @@ def _face(
         own, places = [], []
         for trim in _trims(face.Loops[k]):
             line = edges[trim.EdgeIndex][::-1] if trim.IsReversed else edges[trim.EdgeIndex]
-            uv = surface.pulled_back(line, REACH * edge_length)
+            uv = surface.pulled_back(line, SIDE_TOLERANCE * edge_length)
             own.append(uv)
             places.append(line)
             between = 0.5 * (uv[:-1] + uv[1:])
@@ -199,25 +199,25 @@ def _face(
 
 
 def _without_repeats(uv: FloatArray, places: FloatArray, domain: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a loop without parameters that follow themselves."""
+    """Return a loop without consecutive duplicates."""
     reach = 1e-6 * (domain[:, 1] - domain[:, 0])
     fresh = (np.abs(uv - np.roll(uv, 1, axis=0)) > reach).any(axis=1)
     return uv[fresh], places[fresh]
 
 
 def _divided(line: FloatArray, edge_length: float, meets: Sequence[float]) -> FloatArray:
-    """Return points spread evenly along a curve between its ends, its kinks and the lengths where it meets those of surfaces.
+    """Return points spaced evenly along a curve between its ends, its kinks and the kinks of its surfaces.
 
-    They are three pieces at least where it is closed.
+    A closed curve is divided into at least three pieces.
     """
     at = arc_lengths(line)
     closed = bool((line[0] == line[-1]).all()) or np.linalg.norm(line[0] - line[-1]) <= 1e-9 * at[-1]
     ahead = np.diff(line, axis=0)
     turn = np.arctan2(np.linalg.norm(np.cross(ahead[:-1], ahead[1:]), axis=1), np.einsum("ij,ij->i", ahead[:-1], ahead[1:]))
     corners = at[np.concatenate([[0], np.flatnonzero(turn > KINK) + 1, [len(line) - 1]])]
-    fresh = [t for t in sorted(meets) if np.abs(corners - t).min() > ONE * edge_length]
+    fresh = [t for t in sorted(meets) if np.abs(corners - t).min() > COINCIDENCE * edge_length]
     stops = np.sort(np.concatenate([corners, fresh]))
-    stops = stops[np.append(True, np.diff(stops) > ONE * edge_length)]
+    stops = stops[np.append(True, np.diff(stops) > COINCIDENCE * edge_length)]
     least = (6 if float(at[-1]) < 3 * edge_length else 3) if closed and len(stops) == 2 else 1
     t = [at[0]]
     for first, last in zip(stops[:-1], stops[1:]):
@@ -226,11 +226,11 @@ def _divided(line: FloatArray, edge_length: float, meets: Sequence[float]) -> Fl
 
 
 def _subdivided(subd: Geometry, edge_length: float) -> Meshed:
-    """Return the mesh of a SubD's limit points."""
+    """Return the mesh of the limit points of a SubD."""
     rhino3dm = rhino3dm_module()
 
     fine = subd.Duplicate()
-    for _ in range(LEVELS):
+    for _ in range(MAX_LEVELS):
         V, F = _control_net(rhino3dm, fine)
         longest = np.median(np.linalg.norm(V[F[:, 1]] - V[F[:, 0]], axis=1))
         if longest <= 1.5 * edge_length or not fine.Subdivide(1):
@@ -241,7 +241,7 @@ def _subdivided(subd: Geometry, edge_length: float) -> Meshed:
     net = np.array([(p.X, p.Y, p.Z) for p in (vertex.ControlNetPoint for vertex in fine.Vertices)]).reshape(-1, 3)
     if len(limit) == len(V) and np.array_equal(net, V) and np.isfinite(limit).all():
         V = limit
-    # Along edges of the mesh that is made, wherever its vertices have been put.
+    # Along edges of the new mesh, independent of the final positions of its vertices.
     ends = np.array([[_place(edge.Vertex(k).ControlNetPoint) for k in range(2)] for edge in sharp]).reshape(-1, 3)
     creases = list(V[cKDTree(net).query(ends)[1]].reshape(-1, 2, 3)) if len(net) == len(V) else []
     triangles = np.concatenate([F[:, :3], F[F[:, 2] != F[:, 3]][:, [0, 2, 3]]])

@@ -1,4 +1,4 @@
-"""Text dots and user text to a target for every vertex."""
+"""Conversion of text dots and user text to targets of vertices."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ __all__ = ["find_targets"]
 def find_targets(
     dots: list[Drawn], parts: list[Part], solved: Mapping[int, Optional[float]], mesh: JoinedMesh, creases: IntArray, unit: str
 ) -> tuple[FloatArray, list[str], list[Diagnostic]]:
-    """Give every vertex the target of its region.
+    """Return the target of every vertex from the targets of the regions.
 
-    In this order, later ones first: text dots and points inside of the region, the
-    regions of an earlier result, user text ``K`` on the mesh, user text ``K`` on its layer.
+    Sources in order of precedence: text dots and points inside the region, the regions of an
+    earlier result, user text ``K`` of the mesh, user text ``K`` of its layer.
 
     Parameters
     ----------
     dots
         Text dots such as ``K=0.03``, and points with user text ``K``.
     parts
-        The objects that the mesh was made of.
+        The objects from which the mesh was joined.
     solved
         Target of every region of an earlier result, empty if there is none.
     mesh
@@ -40,12 +40,12 @@ def find_targets(
     creases
         ``(c, 2)`` crease edges.
     unit
-        What lengths are followed by in sentences.
+        Unit appended to lengths in messages.
 
     Returns
     -------
     targets (n,), notes, diagnostics
-        NaN where there is none; on creases the target of the last region that has one.
+        NaN where K is not prescribed; vertices on creases have the target of the last region that has one.
     """
     region = face_regions(mesh.faces, creases)
     count = int(region.max()) + 1
@@ -54,18 +54,18 @@ def find_targets(
     for owner, part in reversed(list(enumerate(parts))):
         if part.target is not None:
             K[np.unique(region[mesh.owner == owner])] = part.target
-            notes.append(f"{part.label} asks for K = {part.target:g}")
+            notes.append(f"{part.label} prescribes K = {part.target:g}")
     if set(solved) == set(range(count)):
         known = [r for r, value in solved.items() if value is not None]
         K[known] = [solved[r] for r in known]
-        notes.append(f"the targets of an earlier result hold where nothing else is said: {count} region{'' if count == 1 else 's'}")
+        notes.append(f"targets of an earlier result were used for {count} region{'' if count == 1 else 's'} without other targets")
     elif solved:
-        notes.append("the regions of an earlier result are not those of this mesh; their targets were left out")
+        notes.append("the regions of an earlier result do not match this mesh; their targets were ignored")
     by_dot: dict[int, Drawn] = {}
     diagnostics: list[str] = []
     for item in dots:
         if item.target is None:
-            diagnostics.append(f"target {item.label} does not say a number; write K=0.03, with the number you want")
+            diagnostics.append(f"target {item.label} is not a number; write K=0.03, with the curvature you want")
             continue
         face, distance = face_at(item.points[0], mesh.vertices, mesh.faces)
         r = int(region[face])
@@ -75,7 +75,7 @@ def find_targets(
                 f"targets {item.label} (K={item.target:g}) and {other.label} (K={other.target:g}) lie in the same region; delete one"
             )
         if distance > 0.0:
-            notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was given to the nearest region, {r}")
+            notes.append(f"target {item.label} lies {distance:.3g}{unit} off the mesh; it was assigned to the nearest region, {r}")
         K[r] = item.target
     without = np.flatnonzero(np.isnan(K) & np.isfinite(K).any())
     notes += [f"region {r} (around face {int(np.argmax(region == r))}) has no target" for r in without]

@@ -1,4 +1,4 @@
-"""Unit systems by name."""
+"""Names of unit systems."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ def unit_name(system: UnitSystem) -> str:
 
 
 def unit_system(name: str) -> UnitSystem:
-    """Return the unit system of a name such as ``Millimeters``.
+    """Return the unit system with a name such as ``Millimeters``.
 
     Raises
     ------
     FileError
-        If there is none of that name.
+        If the name is unknown.
     """
     rhino3dm = rhino3dm_module()
 
     system = getattr(rhino3dm.UnitSystem, name, None)
     if not isinstance(system, rhino3dm.UnitSystem):
-        raise FileError(f"there is no unit {name!r} in Rhino; use one such as Millimeters, Meters or Feet")
+        raise FileError(f"unknown unit {name!r}; use a unit of Rhino such as Millimeters, Meters or Feet")
     return system
 
 
 def unit_suffix(name: str) -> str:
-    """Return what to write after a length, such as `` mm``; nothing for units without a short name."""
+    """Return the suffix of a length in messages, such as `` mm``; empty for units without an abbreviation."""
     return f" {_SHORT[name]}" if name in _SHORT else ""

@@ -1,4 +1,4 @@
-"""User text: numbers in dots and texts of objects, and what of a problem the layers cannot show."""
+"""User text: numbers in text dots and objects, and the data of a problem that layers cannot show."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ __all__ = [
     "vertex_values",
 ]
 
-# User text on a mesh: values of single vertices, where they are not the same all over a region,
-# and constraints that cannot be drawn.
+# Keys of user text on a mesh: values of single vertices, if not constant in a region, and
+# constraints that cannot be drawn.
 VERTEX_KEY = "cgc vertices"
 GOALS_KEY = "cgc goals"
 
@@ -41,7 +41,7 @@ _BARE = re.compile(rf"^\s*({_NUMBER})\s*$")
 
 
 def dot_target(text: str, named: bool = False) -> Optional[float]:
-    """Return the target in a dot such as ``K=0.03`` [1/L^2], or None; with `named`, a bare number is none."""
+    """Return the target in a text dot such as ``K=0.03`` [1/L^2], or None; with `named`, bare numbers are ignored."""
     found = _NAMED.search(text or "")
     if found:
         return _number(found.group(1))
@@ -49,7 +49,7 @@ def dot_target(text: str, named: bool = False) -> Optional[float]:
 
 
 def user_number(text: Mapping[str, str], *keys: str) -> Optional[float]:
-    """Return the number under the first of some keys that user text has, or None."""
+    """Return the number under the first key that the user text has, or None."""
     for key in keys:
         if key in text:
             return _number(text[key])
@@ -57,7 +57,7 @@ def user_number(text: Mapping[str, str], *keys: str) -> Optional[float]:
 
 
 def user_target(text: Mapping[str, str]) -> Optional[float]:
-    """Return the target in user text [1/L^2]: under ``K`` or ``target``, in capitals or not."""
+    """Return the target in user text [1/L^2] under the key ``K`` or ``target``; case is ignored."""
     return user_number(text, "k", "target")
 
 
@@ -71,7 +71,7 @@ def _number(text: str) -> Optional[float]:
 
 
 def vertex_text(problem: CGCProblem) -> dict[str, str]:
-    """Return user text with the values of single vertices, empty where the regions say it all."""
+    """Return user text with the values of single vertices, empty if all regions are constant."""
     values = {}
     if None in problem.region_targets() and np.isfinite(problem.targets[problem.asked]).any():
         values["target"] = problem.targets
@@ -88,8 +88,8 @@ def vertex_values(text: Mapping[str, str], n: int) -> dict[str, FloatArray]:
     Returns
     -------
     dict
-        ``target``, ``s``, ``e``, each (n,), NaN where none; empty where the text does not
-        belong to this mesh any more.
+        ``target``, ``s``, ``e``, each (n,), NaN if not set; empty if the text belongs to
+        another mesh.
     """
     try:
         found = json.loads(text.get(VERTEX_KEY, "{}"))
@@ -100,7 +100,7 @@ def vertex_values(text: Mapping[str, str], n: int) -> dict[str, FloatArray]:
 
 
 def constraint_text(constraints: Sequence[Constraint], n: int) -> dict[str, str]:
-    """Return user text with constraints on a mesh with n vertices, empty where there are none."""
+    """Return user text with constraints on a mesh with n vertices, empty if there are none."""
     data = {"vertices": n, "goals": [constraint_data(constraint) for constraint in constraints]}
     return {GOALS_KEY: json.dumps(data)} if constraints else {}
 
@@ -111,15 +111,15 @@ def text_constraints(text: Mapping[str, str], n: int) -> tuple[Constraint, ...]:
     Raises
     ------
     ValueError
-        If the text holds something else, or constraints on another mesh.
+        If the text is malformed, or belongs to another mesh.
     """
     if GOALS_KEY not in text:
         return ()
     found = json.loads(text[GOALS_KEY])
     if not isinstance(found, dict) or not isinstance(found.get("goals"), list):
-        raise ValueError("it is no list of goals")
+        raise ValueError("it is not a list of goals")
     if found.get("vertices") != n:
-        raise ValueError(f"it is about a mesh of {found.get('vertices')} vertices, this one has {n}")
+        raise ValueError(f"it belongs to a mesh with {found.get('vertices')} vertices, but this mesh has {n}")
     constraints = tuple(constraint_of(item) for item in found["goals"])
     check_indices(constraints, n)
     return constraints

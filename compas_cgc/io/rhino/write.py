@@ -1,4 +1,4 @@
-"""Write a .3dm file: things on layers, and a problem so that it is read as the same again."""
+"""Writing of objects and problems to layers of a .3dm file."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ rhino3dm = rhino3dm_module()
 
 
 class LayerWriter:
-    """An archive that is being drawn to.
+    """Writer of objects to the layers of an archive.
 
     Parameters
     ----------
     archive
-        A new one, or one that was read.
+        A new archive, or one that was read.
     """
 
     def __init__(self, archive: Archive):
@@ -67,7 +67,7 @@ class LayerWriter:
             self.archive.Objects.Delete(name)
 
     def layer(self, path: str, colour: _Colour = (0, 0, 0), visible: bool = True) -> int:
-        """Return the index of a layer (its full path), made with its parents if there is none yet."""
+        """Return the index of a layer (full path); create it and its parents if necessary."""
         found = {layer.FullPath or layer.Name: layer.Index for layer in self.archive.Layers}
         if path in found:
             return found[path]
@@ -82,7 +82,7 @@ class LayerWriter:
     def attributes(
         self, layer: int, name: str = "", text: Optional[Mapping[str, str]] = None, colour: Optional[_Colour] = None
     ) -> ObjectAttributes:
-        """Return attributes of an object on a layer, with a name, user text and a colour of its own."""
+        """Return the attributes of an object: layer, name, user text and colour."""
         attributes = rhino3dm.ObjectAttributes()
         attributes.LayerIndex, attributes.Name = layer, name
         for key, value in (text or {}).items():
@@ -101,7 +101,7 @@ class LayerWriter:
             self.archive.Objects.AddPoint(rhino3dm.Point3d(x, y, z), attributes)
 
     def cloud(self, points: FloatArray, attributes: ObjectAttributes) -> None:
-        """Add points (k, 3) [L] as one object: a point cloud where there are several."""
+        """Add points (k, 3) [L] as one object, a point cloud if there are several."""
         if len(points) == 1:
             self.points(points, attributes)
             return
@@ -127,24 +127,23 @@ class LayerWriter:
 
 @names_what_was_meant()
 def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version: int = 7) -> None:
-    """Write a problem on the layers of the convention: mesh, supports, creases, constraints, and a dot with the target of each region.
+    """Write a problem on the standard layers: mesh, supports, creases, constraints, and a text dot with the target of each region.
 
-    Every bit of the coordinates and targets comes back when the file is read. The dummy
-    mesh is left out.
+    Coordinates and targets are read back without loss. Dummy vertices are omitted.
 
     Parameters
     ----------
     path
-        The .3dm file; an older one is replaced when the new one is complete.
+        The .3dm file; an existing file is replaced when the new one is complete.
     problem
-        A problem or mesh, drawn in its units, by default metres.
+        A problem or mesh, written in its units, by default metres.
     version
         7 (opens in Rhino 7 and later) or 8.
 
     Raises
     ------
     FileError
-        If it cannot be written.
+        If the file cannot be written.
 
     Examples
     --------
@@ -167,7 +166,7 @@ def write_problem(path: Union[str, os.PathLike], problem: PosesProblem, version:
 
 
 def new_archive(problem: CGCProblem) -> Archive:
-    """Return an empty archive for a problem, by default in metres with a tolerance to suit its size."""
+    """Return an empty archive for a problem, by default in metres, with a tolerance relative to its size."""
     archive = rhino3dm.File3dm()
     archive.ApplicationName = "compas_cgc"
     archive.ApplicationDetails = f"compas_cgc {__version__}"
@@ -177,9 +176,9 @@ def new_archive(problem: CGCProblem) -> Archive:
 
 
 def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Mesh, text: Optional[dict[str, str]] = None) -> None:
-    """Draw a mesh with its supports as points, creases as polylines and constraints on the sublayers of `parent`.
+    """Draw a mesh, supports as points, creases as polylines and constraints on the sublayers of `parent`.
 
-    The user text of the mesh is `text` with what of the problem cannot be drawn.
+    The user text of the mesh is `text` and the data of the problem that cannot be drawn.
     """
     drawn, goals, others = _drawable(problem, float(writer.archive.Settings.ModelAbsoluteTolerance))
     texts = {**(text or {}), **vertex_text(problem), **constraint_text(others, len(problem.vertices))}
@@ -198,7 +197,7 @@ def draw_problem(writer: LayerWriter, problem: CGCProblem, parent: str, mesh: Me
 
 
 def _draw_goals(writer: LayerWriter, problem: CGCProblem, goals: list[Drawn], layer: str) -> None:
-    """Draw goals with their user text, and the places that have names."""
+    """Draw goals with their user text, and named places."""
     if not goals and not problem.drawing.places:
         return
     on_goals = writer.layer(layer, (20, 110, 120))
@@ -211,7 +210,7 @@ def _draw_goals(writer: LayerWriter, problem: CGCProblem, goals: list[Drawn], la
 
 
 def _drawable(problem: CGCProblem, tolerance: float) -> tuple[list[Drawn], list[Drawn], list[Constraint]]:
-    """Return constraints and goals as they are drawn, and those that would not be found again as they are."""
+    """Return constraints and goals as drawn objects, and those that cannot be read back from drawn objects."""
     V = problem.vertices
     snap = snap_distance(V, problem.faces, tolerance) if problem.goals else 0.0
     drawn, goals, others = [], [], []

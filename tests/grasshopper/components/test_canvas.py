@@ -87,8 +87,8 @@ def test_outlines_are_filled_with_columns_and_creases_as_drawn():
 @pytest.mark.parametrize(
     "inputs, sentence",
     [
-        ({"surfaces": [SQUARE, Brep(None)]}, "there are curves among the surfaces"),
-        ({"surfaces": [PolylineCurve(SQUARE.points[:3])], "edge_length": 1.0}, "curve 0 is not closed"),
+        ({"surfaces": [SQUARE, Brep(None)]}, "the input has both curves and surfaces"),
+        ({"surfaces": [PolylineCurve(SQUARE.points[:3])], "edge_length": 1.0}, "curve 0 is open"),
         ({"surfaces": [SQUARE], "edge_length": 0.0}, "edge_length must be above zero, not 0"),
         ({"surfaces": [SQUARE], "mesh": square(2)}, "either a mesh, or surfaces"),
         ({"surfaces": [square(2)]}, "the input surfaces gets a Mesh; connect surfaces"),

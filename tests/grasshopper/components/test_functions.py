@@ -72,7 +72,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
     "name, inputs, sentence",
     [
         ("Mesh", {"mesh": "QUAD", "supports": [Point3d(0.3, 0.1, 0.0)]}, "support point 0 is up to 0.3162 m away from the nearest vertex"),
-        ("Mesh", {"mesh": "QUAD", "creases": [line((5, 5, 0), (6, 6, 0))]}, "crease curve 0 runs nowhere along the mesh"),
+        ("Mesh", {"mesh": "QUAD", "creases": [line((5, 5, 0), (6, 6, 0))]}, "crease curve 0 does not lie on the mesh"),
         ("Mesh", {"mesh": "QUAD", "fix": "edges"}, "supports must be vertices, 'boundary', 'outline' or 'corners', not 'edges'"),
         ("Mesh", {"mesh": "EMPTY"}, "no face with three different corners"),
         ("Target", {"cgc_mesh": "NINE"}, "give at least one curvature K"),

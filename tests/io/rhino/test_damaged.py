@@ -66,7 +66,7 @@ def test_a_mutated_file_is_refused_in_a_sentence_or_read(whole, tmp_path, seed):
 def test_a_file_cut_short_is_never_read_in_part(whole, tmp_path, share):
     path = tmp_path / "roof.3dm"
     path.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(FileError, match="empty|not a Rhino file|not complete"):
+    with pytest.raises(FileError, match="empty|not a Rhino file|incomplete"):
         read_archive(path)
 
 

@@ -63,7 +63,7 @@ def test_nine_regions_are_written_side_by_side(tmp_path):
     result = solve(read(ROOF))
     path = tmp_path / "roof.3dm"
     notes = write(path, result, source=ROOF, nurbs=True)
-    assert len(notes) == 9 and all("as NURBS" in note and "% off in the median" in note for note in notes)
+    assert len(notes) == 9 and all("as NURBS" in note and ", median error " in note for note in notes)
     archive = rhino3dm.File3dm.Read(str(path))
     layers = {layer.Index: layer.FullPath for layer in archive.Layers}
     drawn = [one for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS"]
@@ -79,7 +79,7 @@ def test_nine_regions_are_written_side_by_side(tmp_path):
 def test_a_surface_whose_k_is_off_asks_for_a_finer_mesh(tmp_path):
     """A saddle between domes: between its vertices a coarse mesh has another K."""
     notes = write(tmp_path / "saddle.3dm", solve(nine_regions(18, centre=-0.01)), nurbs=True)
-    assert ["a finer mesh has it nearer" in note for note in notes] == [region == 4 for region in range(9)]
+    assert ["a finer mesh reduces it" in note for note in notes] == [region == 4 for region in range(9)]
 
 
 def test_the_k_of_the_surface_is_fitted_within_a_hairs_breadth_of_the_vertices():
@@ -136,7 +136,7 @@ def test_a_disc_is_written_with_the_edge_that_cuts_it(tmp_path):
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
     (note,) = write(tmp_path / "a.3dm", solve(mesh), nurbs=True)
-    assert "it overhangs, cut it along the edge curves" in note
+    assert "it extends beyond the region: cut it along the edge curves" in note
     archive = rhino3dm.File3dm.Read(str(tmp_path / "a.3dm"))
     layers = {layer.Index: layer.FullPath for layer in archive.Layers}
     names = sorted(one.Attributes.Name for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS")

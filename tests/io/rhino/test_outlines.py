@@ -79,7 +79,7 @@ def test_an_outline_on_the_mesh_layer_with_holes_and_creases(mesher, tmp_path):
     model = read_3dm(path, edge_length=0.8)
     mesh = CGCMesh.from_problem(model.checked())
     assert len(mesh.regions()) == 2 and len(mesh.supports()) == 4 and len(mesh.boundary_loops()) == 2
-    assert model.problem.faces[:, 0].size and not any("left out: the layer" in note for note in model.notes)
+    assert model.problem.faces[:, 0].size and not any("ignored: its layer" in note for note in model.notes)
 
 
 def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path):
@@ -88,7 +88,7 @@ def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path)
     sketch.curve(SQUARE)
     model = read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
     assert len(CGCMesh.from_problem(model.checked()).regions()) == 2 and not model.diagnostics
-    assert any("1 closed curve within it as a crease; for holes draw them" in note for note in model.notes)
+    assert any("1 closed curve inside it as a crease; draw holes and outline" in note for note in model.notes)
 
 
 def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
@@ -99,7 +99,7 @@ def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
         mesher(SQUARE, [], [], 0.0, 1e-6)
     sketch = Sketch()
     sketch.curve(SQUARE[:-1], "CGC::Mesh")
-    with pytest.raises(FileError, match="is not closed; close it"):
+    with pytest.raises(FileError, match="is open; close it"):
         read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
     monkeypatch.setitem(sys.modules, "compas_cgal.triangulation", None)
     with pytest.raises(MeshError, match=r"pip install 'compas_cgc\[mesher\]'"):
@@ -115,8 +115,8 @@ def test_an_outline_closed_within_the_tolerance_or_drawn_twice_is_one_outline(tm
         sketch.curve(points, "CGC::Mesh")
     found = read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=2.0)
     assert face_areas(found.problem.vertices, found.problem.faces).sum() == pytest.approx(100)
-    assert any("drawn twice" in note for note in found.notes)
-    with pytest.raises(MeshError, match="is not closed; close it .*, 0.05 is missing"):
+    assert any("duplicate outlines" in note for note in found.notes)
+    with pytest.raises(MeshError, match="is open with a gap of 0.05; close it"):
         outlined([("curve 0", ending(0.05))], [], np.empty((0, 3)), 2.0, 1e-3)
 
 
@@ -131,8 +131,8 @@ def test_curves_beside_the_outline_are_named_and_open_ones_are_told_to_be_closed
     sketch.curve(SQUARE)
     sketch.curve(0.5 * SQUARE + [20, 0, 0])
     model = read_3dm(sketch.save(tmp_path / "two.3dm"), edge_length=2.0)
-    assert [note for note in model.notes if "lies outside of the outline and was left out" in note]
-    assert not [note for note in model.notes if "within it" in note]
+    assert [note for note in model.notes if "lies outside the outline and was ignored" in note]
+    assert not [note for note in model.notes if "inside it" in note]
     sketch = Sketch()
     sketch.curve(SQUARE[:4])
     with pytest.raises(FileError, match=r"or close an outline \(Rhino: Join, CloseCrv\) and give an edge length"):

@@ -153,7 +153,7 @@ def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
         '{"vertices": 100, "goals": [{"kind": "magic"}]}': "a constraint must be an object with a 'kind'",
         '{"vertices": 100, "goals": [{"kind": "held", "vertices": [100]}]}': "names vertex 100",
         '{"vertices": 7, "goals": []}': "a mesh of 7 vertices, this one has 100",
-        "[]": "no list of goals",
+        "[]": "not a list of goals",
     }
     for text, words in broken.items():
         sketch = Sketch()
@@ -385,7 +385,7 @@ def test_where_two_meshes_of_one_region_ask_for_different_curvatures_the_first_i
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
     assert len(mesh_of(model).regions()) == 1 and set(model.problem.targets[model.problem.asked]) == {0.01}
     for K in ("0.01", "0.02"):
-        assert any(f"asks for K = {K}" in note for note in model.notes), "both are said"
+        assert any(f"prescribes K = {K}" in note for note in model.notes), "both are said"
 
 
 def test_a_crease_drawn_a_little_short_of_another_ends_on_it(sketch, tmp_path):
@@ -450,7 +450,7 @@ def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp
     expected = {
         far: ["'CGC::Supports'", "0.25 m away", "snap"],
         loose: ["'CGC::Supports'", "no vertex"],
-        away: ["'CGC::Creases'", "nowhere along the mesh"],
+        away: ["'CGC::Creases'", "does not lie on the mesh"],
         wordy: ["'CGC::Targets'", "write K=0.03"],
         two: [one, "same region", "delete one"],
     }
@@ -483,7 +483,7 @@ def test_meshes_that_are_none(sketch, tmp_path, vertices, faces, words):
 
 def test_a_file_without_a_mesh(sketch, tmp_path):
     sketch.points([[0, 0, 0]])
-    with pytest.raises(FileError, match="there is no mesh in the file"):
+    with pytest.raises(FileError, match="the file has no mesh"):
         read_3dm(sketch.save(tmp_path / "a.3dm"))
 
 

@@ -246,7 +246,7 @@ def test_targets_given_elsewhere_come_back_from_the_regions_of_the_result(tmp_pa
     sketch.curve(vertices[row(N, 6)])
     write_result(tmp_path / "c.3dm", solve(mesh), sketch.save(tmp_path / "a.3dm"))
     changed = read_3dm(tmp_path / "c.3dm")
-    assert any("not those of this mesh" in note for note in changed.notes) and np.isnan(changed.problem.targets).all()
+    assert any("do not match this mesh" in note for note in changed.notes) and np.isnan(changed.problem.targets).all()
 
 
 def test_a_result_alone_is_the_next_input(tmp_path):

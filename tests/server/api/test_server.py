@@ -323,8 +323,8 @@ def test_other_hosts_and_other_pages_are_refused(server):
 
 
 BAD = {
-    "no JSON": (b"{", 400, "not valid JSON"),
-    "no text": (b"\xff\xfe\x00", 400, "UTF-8"),
+    "not valid JSON": (b"{", 400, "not valid JSON"),
+    "not a text file": (b"\xff\xfe\x00", 400, "UTF-8"),
     "nothing": (b"", 400, "not valid JSON"),
     "NaN": (b'{"vertices": [[NaN, 0, 0]]}', 400, "NaN"),
     "a nest": (b'{"settings": ' + 40 * b"[" + 40 * b"]" + b"}", 400, "nested more than 32"),
@@ -337,7 +337,7 @@ BAD = {
     "ragged": (b'{"vertices": [[0,1],[0,1,2]], "faces": [[0,0,0]]}', 422, "three numbers"),
     "infinite": (b'{"vertices": [[1e999,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
     "too far": (b'{"vertices": [[1e300,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
-    "no such vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,3]]}', 422, "names vertex 3"),
+    "the vertex does not exist": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,3]]}', 422, "refers to vertex 3"),
     "half a vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,1.5]]}', 422, "whole numbers"),
 }
 

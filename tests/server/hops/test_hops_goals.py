@@ -78,7 +78,7 @@ def test_a_gate_under_a_curve_and_edges_in_plan():
         ({"Goals": ['{"kind": "rise"']}, "which is not valid JSON"),
         ({"Goals": ['{"kind": "rise", "ris": 3}']}, "has no field 'ris'"),
         ({"Goals": ["clearance = 2"]}, "input 'Over' has no curve, but 1 goals need one"),
-        ({"Goals": ["clearance = 2"], "Over": [curve(GATE[:3])]}, "is an open curve; clearance is for closed ones"),
+        ({"Goals": ["clearance = 2"], "Over": [curve(GATE[:3])]}, "is an open curve, but clearance requires a closed curve"),
         ({"Goals": ["rise = 4000"]}, "the rise 4000 is far larger than the mesh"),
         ({"Goals": ["rise = 2", "height = 3"]}, "the rise 2 and the height 3 of the crown contradict each other"),
         ({"Unknown": [4]}, "the goal Unknown names region 4, but the mesh has 1"),

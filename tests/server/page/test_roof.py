@@ -66,7 +66,7 @@ def test_a_roof_from_nothing_to_moulds(server, tmp_path, browser, width, dark):
         for text in ("12<0", "8<-90", "12<180"):
             hands.type(f"{text}\n")
         hands.click("#board", *corner)
-        wait_for(lambda: "Outline 12 × 8 m" in hands.text("#plan-list"), what="the outline is not closed")
+        wait_for(lambda: "Outline 12 × 8 m" in hands.text("#plan-list"), what="the outline is open")
         hands.chord("z")
         wait_for(lambda: "Outline" not in hands.text("#plan-list"))
         hands.chord("z", shift=True)
