@@ -79,7 +79,7 @@ def test_a_solve_can_be_cancelled(server):
 
 
 def test_refusals_and_failures_say_why(server):
-    with pytest.raises(Refused, match="names vertex 999"):
+    with pytest.raises(Refused, match="refers to vertex 999"):
         server.client.solve(*grid(3), supports=[999], targets=1.0)
     with pytest.raises(Failed, match="more than this boundary can carry"):
         server.client.solve(*grid(6), supports="boundary", targets=100.0)

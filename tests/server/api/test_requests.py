@@ -218,7 +218,7 @@ def test_a_target_that_is_none_is_named_wherever_it_stands(wrong):
         ),
         ({"faces": [[0, 1, 8], [1, 9, 49]]}, "a face refers to vertex 49, but there are 49 vertices, counted from 0$"),
         ({"supports": [[0.0, 0.0, 0.0]]}, "counted from 0, not coordinates such as .0.0, 0.0, 0.0.$"),
-        ({"supports": [999]}, "'supports' names vertex 999, which does not exist; there are 49, counted from 0"),
+        ({"supports": [999]}, "'supports' refers to vertex 999, which does not exist; there are 49 vertices, counted from 0"),
     ],
 )
 def test_vertices_that_are_counted_otherwise_are_told_how(wrong, part):

@@ -338,7 +338,7 @@ BAD = {
     "infinite": (b'{"vertices": [[1e999,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
     "too far": (b'{"vertices": [[1e300,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]}', 422, "vertex 0"),
     "the vertex does not exist": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,3]]}', 422, "refers to vertex 3"),
-    "half a vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,1.5]]}', 422, "whole numbers"),
+    "half a vertex": (b'{"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,1.5]]}', 422, "integers only"),
 }
 
 
@@ -358,9 +358,9 @@ def test_bad_requests_are_refused_with_a_sentence(server, name):
         ({"targets": [1.0]}, "1 numbers for 49"),
         ({"targets": {"x": 1.0}}, "region numbers as keys"),
         ({"targets": True}, "must be a number"),
-        ({"supports": [99]}, "names vertex 99"),
+        ({"supports": [99]}, "refers to vertex 99"),
         ({"supports": "everything"}, '"boundary", "outline" or "corners"'),
-        ({"creases": [[0, "1"]]}, "whole number"),
+        ({"creases": [[0, "1"]]}, "integer"),
         ({"settings": {"stepps": 1}}, "no setting 'stepps'"),
         ({"settings": {"tau": 0.5, "nearness": 1.0}}, "do not belong to one method; name it"),
         ({"settings": {"steps": 10**9}}, "at most 100000 steps"),
@@ -427,9 +427,9 @@ def test_jobs_are_listed_page_by_page_and_know_their_place_in_the_queue(tmp_path
         assert listed("state=failed")[1]["jobs"] == []
         for query, part in (
             ("colour=red", "unknown parameter 'colour'; the parameters are limit, offset, state"),
-            ("limit=0", "'limit' must be a whole number from 1 to 1000"),
+            ("limit=0", "'limit' must be an integer from 1 to 1000"),
             ("limit=many", "'limit' must be"),
-            ("offset=-1", "'offset' must be a whole number from 0"),
+            ("offset=-1", "'offset' must be an integer from 0"),
             ("state=lost", "'state' must be one of queued"),
         ):
             status, found = listed(query)

@@ -196,12 +196,12 @@ def test_a_whole_number_may_be_written_as_a_fraction(server, steps):
 @pytest.mark.parametrize(
     "name, input, data, part",
     [
-        ("flow", "Steps", "3.5", "input 'Steps' must be a whole number"),
-        ("flow", "Steps", True, "input 'Steps' must be a whole number"),
-        ("flow", "Steps", "true", "input 'Steps' must be a whole number"),
+        ("flow", "Steps", "3.5", "input 'Steps' must be an integer"),
+        ("flow", "Steps", True, "input 'Steps' must be an integer"),
+        ("flow", "Steps", "true", "input 'Steps' must be an integer"),
         ("flow", "Steps", 0, "input 'Steps' must be between 1 and 10000"),
-        ("flow", "Steps", 1e300, "input 'Steps' must be a whole number"),
-        ("flow", "Steps", {"X": 1}, "input 'Steps' must be a whole number"),
+        ("flow", "Steps", 1e300, "input 'Steps' must be an integer"),
+        ("flow", "Steps", {"X": 1}, "input 'Steps' must be an integer"),
         ("flow", "K", "0,25", "input 'K' cannot be read as a number"),
         ("flow", "K", "1" + 400 * "0", "input 'K' cannot be read as a number"),
         ("flow", "K", 10**299, "input 'K' must be a finite number"),
@@ -462,7 +462,7 @@ def test_every_text_is_shown_as_it_is(text):
         (lambda body: body["values"][2]["InnerTree"]["{0}"][0].update(data="NaN"), "poisons"),
         (lambda body: body["values"][2]["InnerTree"]["{0}"][0].update(type="System.Int32"), "unknown type"),
         (lambda body: body["values"][0].update(InnerTree=None), "null"),
-        (lambda body: body["values"][0].update(InnerTree={"0": []}), "not a path"),
+        (lambda body: body["values"][0].update(InnerTree={"0": []}), "no path"),
         (lambda body: body.pop("message"), "message"),
     ],
 )

@@ -288,13 +288,13 @@ def test_a_drawing_becomes_a_posed_problem(client):
         alone = client.post("/api/v1/drawings", json={**PLAN, "held": [], "points": points}).json
         place = np.array(alone["vertices"])
         outer = np.flatnonzero(np.isin(place[:, 0], (0, 12)) | np.isin(place[:, 1], (0, 8))).tolist()
-        assert sorted({*outer, *alone["columns"]}) == alone["supports"]["file"] and any("to begin with" in note for note in alone["notes"])
+        assert sorted({*outer, *alone["columns"]}) == alone["supports"]["file"] and any("by default" in note for note in alone["notes"])
 
 
 def test_drawings_that_make_no_mesh_are_refused_with_a_sentence(make_client):
     client = make_client(limits=Limits(vertices=500))
     cases = (
-        ({"edge_length": 0}, 422, "above zero"),
+        ({"edge_length": 0}, 422, "greater than zero"),
         ({"edge_length": 0.01}, 413, "increase the edge length"),
         ({"edge_length": 5e-324}, 413, "increase the edge length"),
         ({"outline": [[0, 0], [1, 1]]}, 422, "outline"),
