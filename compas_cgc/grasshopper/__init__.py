@@ -1,3 +1,3 @@
-"""Grasshopper: what the components do, and their files, made without Rhino."""
+"""Grasshopper: functions of the components, and builds of their files without Rhino."""
 
 from __future__ import annotations

@@ -25,23 +25,23 @@ __all__ = ["build_all", "built_files", "user_object_files"]
 
 
 def user_object_files(source: Optional[Path] = None) -> dict[str, bytes]:
-    """Return the user objects by the names of their files.
+    """Return the user objects by file name.
 
     Raises
     ------
     FileError
-        If a component is not as it must be.
+        If a component is invalid.
     """
     return {f"{bundle.key}.ghuser": to_bytes(user_object(bundle)) for bundle in read_bundles(source)}
 
 
 def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
-    """Return user objects, example definitions, their pictures and the package by path; the same sources give the same bytes.
+    """Return user objects, example definitions, their pictures and the package by path, deterministically.
 
     Raises
     ------
     FileError
-        If a component is not as it must be, or what was made is not read back the same.
+        If a component is invalid, or a definition cannot be read back without loss.
     """
     users = user_object_files(source)
     files = {f"components/{name}": data for name, data in users.items()}
@@ -77,7 +77,7 @@ def _definitions(source: Optional[Path]) -> dict[str, bytes]:
         binary, text = to_bytes(root), to_xml(root)
         problems = definition_problems(root)
         if problems or from_bytes(binary) != root or from_xml(text) != root:
-            raise FileError(f"{definition.name}: {'; '.join(problems) or 'it is not read back as it was written'}")
+            raise FileError(f"{definition.name}: {'; '.join(problems) or 'it cannot be read back without loss'}")
         files[f"definitions/{definition.name}.gh"] = binary
         files[f"definitions/{definition.name}.ghx"] = text
         files[f"definitions/{definition.name}.svg"] = definition_svg(root).encode("utf-8")
@@ -88,4 +88,4 @@ def _icon(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise FileError(f"{path}, the icon of the package, cannot be read ({error.strerror}); put a PNG there") from None
+        raise FileError(f"the icon of the package {path} cannot be read ({error.strerror}); put a PNG file there") from None

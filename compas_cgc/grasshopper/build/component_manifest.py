@@ -1,4 +1,4 @@
-"""Component manifest: a folder with code, metadata and an icon, checked to the last key."""
+"""Component manifest: a checked folder with code, metadata and an icon."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["ACCESS", "Bundle", "Parameter", "read_bundle", "read_bundles", "sour
 ACCESS = ("item", "list", "tree")
 EXPOSURES = (-1, 2, 4, 8, 16, 32, 64, 128)
 
-# Keys and the types of their values; those with a default may be left out.
+# Keys and the types of their values; keys with a default are optional.
 COMPONENT_KEYS = {"name": str, "nickname": str, "category": str, "subcategory": str, "description": str, "exposure": int, "ghpython": dict}
 GHPYTHON_KEYS = {"iconDisplay": int, "marshalGuids": bool, "inputParameters": list, "outputParameters": list}
 INPUT_KEYS = {"name": str, "description": str, "typeHintID": str, "scriptParamAccess": str, "optional": bool}
@@ -34,16 +34,16 @@ class Parameter:
 
     name: str
     description: str
-    hint: str = "none"  # a name of HINTS
-    access: str = "item"  # a name of ACCESS
+    hint: str = "none"  # a name in HINTS
+    access: str = "item"  # a name in ACCESS
     optional: bool = True
 
 
 @dataclass(frozen=True)
 class Bundle:
-    """A component as it stands in the sources."""
+    """Sources of a component."""
 
-    key: str  # name of the folder, and of the user object's file
+    key: str  # name of the folder and of the user object file
     name: str
     nickname: str
     category: str
@@ -64,18 +64,18 @@ class Bundle:
 
 
 def sources_folder() -> Path:
-    """Return the folder with the component bundles: inside of the package when it is installed, beside it in a clone.
+    """Return the folder with the component bundles: inside the installed package, or beside it in a clone.
 
     Raises
     ------
     FileError
-        If it is in neither.
+        If neither folder exists.
     """
     package = Path(__file__).resolve().parents[2]
     for parent in (package, package.parent):
         if (parent / "ghuser" / "components").is_dir():
             return parent / "ghuser" / "components"
-    raise FileError(f"the components are neither in {package} nor beside it; install compas_cgc again, or name their folder with --source")
+    raise FileError(f"the components are neither in {package} nor beside it; reinstall compas_cgc, or give their folder with --source")
 
 
 def read_bundles(folder: Optional[Path] = None) -> list[Bundle]:
@@ -84,7 +84,7 @@ def read_bundles(folder: Optional[Path] = None) -> list[Bundle]:
     Raises
     ------
     FileError
-        If there are none, or one is not as it must be.
+        If there are no bundles, or one is invalid.
     """
     folder = sources_folder() if folder is None else Path(folder)
     bundles = [read_bundle(path.parent) for path in sorted(folder.glob("*/metadata.json"))]
@@ -99,8 +99,8 @@ def read_bundle(folder: Path) -> Bundle:
     Raises
     ------
     FileError
-        If a file is missing, a key is unknown, missing or of the wrong kind, there is no
-        such placeholder, or the code does not take the inputs that the metadata declare.
+        If a file is missing, a key is unknown, missing or of the wrong type, a placeholder is
+        unknown, or the code does not match the inputs in the metadata.
     """
     try:
         code = filled((folder / "code.py").read_text(encoding="utf-8"))
@@ -171,7 +171,7 @@ def _keys(where: str, data: object, keys: dict) -> list[str]:
     if not isinstance(data, dict):
         return [f"{where} must be an object"]
     problems = [f"{where} has the unknown key {key!r}" for key in data if key not in keys]
-    problems += [f"{where} lacks {key!r}" for key in keys if key not in data and key not in OPTIONAL]
-    # A truth value is a whole number to Python, but not to a reader of the file.
+    problems += [f"{where} has no key {key!r}" for key in keys if key not in data and key not in OPTIONAL]
+    # A boolean is an integer in Python, but not in the file.
     wrong = [key for key, kind in keys.items() if key in data and type(data[key]) is not kind]
     return problems + [f"{key!r} of {where} must be of type {keys[key].__name__}, not {data[key]!r}" for key in wrong]

@@ -1,4 +1,4 @@
-"""GUIDs: those of Grasshopper's components and type hints, and stable ones for the components of this package."""
+"""GUIDs of Grasshopper's components and type hints, and stable GUIDs of the components of this package."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ OURS = uuid.uuid5(uuid.NAMESPACE_DNS, "compas_cgc.grasshopper")
 
 
 def own_guid(*words: str) -> uuid.UUID:
-    """Return the same GUID for the same words, for ever."""
+    """Return a GUID that depends only on the words."""
     return uuid.uuid5(OURS, "/".join(words))
 
 
@@ -29,7 +29,7 @@ def _hint(guid: str, assembly: str = "RhinoCommon", type: str = "") -> Hint:
 
 _CORE = "System.Private.CoreLib"
 
-# Only those whose converter is known from files that Rhino saved.
+# Type hints whose converters are known from files saved by Rhino.
 HINTS = {
     "none": _hint("6a184b65-baa3-42d1-a548-3915b401de53", _CORE, "System.Object"),
     "ghdoc": _hint("1c282eeb-dd16-439f-94e4-7d92b542fe8b", _CORE, "System.Object"),
@@ -50,7 +50,7 @@ HINTS = {
     "geometrybase": _hint("c37956f4-d39c-49c7-af71-1e87f8031b26", type="GeometryBase"),
 }
 
-# Component types by what they are; the script is Rhino 8's Python 3 one.
+# Types of components; `script` is the Python 3 script of Rhino 8.
 COMPONENT_TYPES = {
     name: uuid.UUID(guid)
     for name, guid in {
@@ -79,8 +79,8 @@ PARAMETER_TYPES = {
     }.items()
 }
 
-PARAMETER = uuid.UUID("08908df5-fa14-4982-9ab2-1aa0927566aa")  # of Rhino 8 scripts, in and out
-# Where Rhino 8.32 and later count the script component: among Grasshopper's own.
+PARAMETER = uuid.UUID("08908df5-fa14-4982-9ab2-1aa0927566aa")  # inputs and outputs of Rhino 8 scripts
+# Libraries; since Rhino 8.32, the script component belongs to Grasshopper itself.
 LIBRARIES = {
     "script": ("Grasshopper", uuid.UUID(int=0)),
     "hops": ("Hops", uuid.UUID("82cb7266-a8bc-4d3e-99f6-b91504c7117f")),

@@ -1,4 +1,4 @@
-"""Installation of user objects where Rhino 8 looks for them."""
+"""Installation of user objects for Rhino 8."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .userobject import is_ours
 
 __all__ = ["install", "uninstall", "user_objects_folder"]
 
-# The folder of Grasshopper's settings on macOS carries the id of the plug-in.
+# On macOS, the name of the settings folder contains the id of the plug-in.
 MAC = "Library/Application Support/McNeel/Rhinoceros/8.0/Plug-ins/Grasshopper (b45a29b1-4343-4035-989e-044e8580d9cf)"
 
 
@@ -24,14 +24,14 @@ def user_objects_folder(system: Optional[str] = None, environment: Optional[Mapp
     Parameters
     ----------
     system
-        As :func:`platform.system` says it. Default: this one.
+        Name of the system as in :func:`platform.system`. Default: this system.
     environment
-        Variables. Default: those of the process.
+        Environment variables. Default: those of the process.
 
     Raises
     ------
     FileError
-        If Grasshopper has no folder here.
+        If Grasshopper has no settings folder on this machine.
     """
     system = system or platform.system()
     environment = os.environ if environment is None else environment
@@ -40,23 +40,23 @@ def user_objects_folder(system: Optional[str] = None, environment: Optional[Mapp
     elif system == "Darwin":
         settings = Path(environment.get("HOME", "")) / MAC
     else:
-        raise FileError("Rhino 8 runs on Windows and macOS only; name a folder with --to, and carry its files over")
+        raise FileError("Rhino 8 runs on Windows and macOS only; choose a folder with --to, and copy its files")
     if not settings.is_dir():
-        raise FileError(f"Grasshopper has no folder {settings}; start Rhino 8 and Grasshopper once, or name a folder with --to")
+        raise FileError(f"Grasshopper has no folder {settings}; start Rhino 8 and Grasshopper once, or choose a folder with --to")
     return settings / "UserObjects"
 
 
 def install(files: Mapping[str, bytes], folder: Path, dry_run: bool = False) -> tuple[list[Path], list[Path]]:
-    """Put user objects into a folder, and take older ones of this package out of it.
+    """Install user objects in a folder, and remove older ones of this package.
 
     Parameters
     ----------
     files
-        User objects by the names of their files.
+        User objects by file name.
     folder
         Grasshopper's folder.
     dry_run
-        Change nothing.
+        Whether to only report the changes.
 
     Returns
     -------
@@ -65,12 +65,12 @@ def install(files: Mapping[str, bytes], folder: Path, dry_run: bool = False) -> 
     Raises
     ------
     FileError
-        If a file of another's is in the way.
+        If a file with the same name does not belong to this package.
     """
     ours = _ours(folder)
     for name in files:
         if (folder / name).exists() and folder / name not in ours:
-            raise FileError(f"{folder / name} is not from compas_cgc; move it away")
+            raise FileError(f"{folder / name} does not belong to compas_cgc; move it to another folder")
     written = [folder / name for name in sorted(files)]
     removed = [path for path in ours if path.name not in files]
     if not dry_run:

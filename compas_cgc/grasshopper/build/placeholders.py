@@ -1,4 +1,4 @@
-"""Placeholders in the sources of the components, such as ``{{version}}``, and the tables that they are filled from."""
+"""Placeholders in the sources of the components, such as ``{{version}}``, and their values."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def placeholders() -> dict[str, str]:
 
 
 def filled(source: Any) -> Any:
-    """Return text, or lists and dicts of it, with every placeholder filled.
+    """Return a string, or nested lists and dictionaries of strings, with all placeholders replaced.
 
     Raises
     ------
     FileError
-        If there is no such placeholder.
+        If a placeholder is unknown.
     """
     if isinstance(source, dict):
         return {key: filled(value) for key, value in source.items()}
@@ -51,7 +51,7 @@ def filled(source: Any) -> Any:
 
 
 def option_text(option: Option) -> str:
-    """Return what an option does, which methods have it and what it defaults to, for a tooltip."""
+    """Return the tooltip of an option: description, methods and default."""
     text = DEFAULT.sub("", option.text).strip()
     own = owners(option.name)
     whose = "" if len(own) == len(METHODS) else f" For the method {' and '.join(own)}."
@@ -61,7 +61,7 @@ def option_text(option: Option) -> str:
 def _default(option: Option) -> str:
     if option.default is None:
         said = DEFAULT.search(option.text)
-        return said.group(1) if said else "the method's own"
+        return said.group(1) if said else "the default of the method"
     if isinstance(option.default, float):
         return "infinite" if math.isinf(option.default) else f"{option.default:g}"
     return str(option.default)
@@ -70,5 +70,5 @@ def _default(option: Option) -> str:
 def _text_of(match: re.Match[str]) -> str:
     texts = placeholders()
     if match.group(1) not in texts:
-        raise FileError(f"there is no placeholder {match.group(0)}; there are {', '.join(texts)}")
+        raise FileError(f"unknown placeholder {match.group(0)}; the placeholders are {', '.join(texts)}")
     return texts[match.group(1)]

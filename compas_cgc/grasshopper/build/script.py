@@ -1,4 +1,4 @@
-"""Script component of Rhino 8 as items and chunks, in schema version 3."""
+"""Items and chunks of a Rhino 8 script component, in schema version 3."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ __all__ = ["Placement", "script_component"]
 
 
 class Placement(NamedTuple):
-    """Where a component is on a canvas, and what is wired to it."""
+    """Position and wires of a component on a canvas."""
 
-    attributes: Chunk  # of the component
+    attributes: Chunk  # attributes of the component
     input_attributes: Sequence[Chunk]
     output_attributes: Sequence[Chunk]
-    sources: Mapping[str, Sequence[UUID]]  # instances of the parameters wired to each input
+    sources: Mapping[str, Sequence[UUID]]  # instance GUIDs of the parameters wired to each input
 
 
 def script_component(bundle: Bundle, instance: str, placement: Optional[Placement] = None) -> tuple[list[Item], list[Chunk]]:
@@ -40,9 +40,9 @@ def script_component(bundle: Bundle, instance: str, placement: Optional[Placemen
     bundle
         The component.
     instance
-        Words that tell this one from others of its kind; its GUIDs are made from them.
+        Unique text from which the GUIDs of the component are derived.
     placement
-        For a component on a canvas.
+        Position and wires, for a component on a canvas.
     """
     items = [
         item("Description", "gh_string", bundle.description),

@@ -1,4 +1,4 @@
-"""Signature check: whether a component's code takes and returns what its metadata declare."""
+"""Check of the inputs and outputs in the code of a component against its metadata."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ REQUIREMENT = re.compile(r"^# r: compas_cgc>=\d+(\.\d+)+$", re.MULTILINE)
 
 
 def signature_problems(code: str, inputs: list[str], outputs: list[str]) -> list[str]:
-    """Return in sentences where ``RunScript`` differs from the declared inputs and outputs.
+    """Return the differences between ``RunScript`` and the declared inputs and outputs.
 
     Parameters
     ----------
@@ -24,12 +24,12 @@ def signature_problems(code: str, inputs: list[str], outputs: list[str]) -> list
     try:
         tree = ast.parse(code, feature_version=(3, 9))
     except SyntaxError as error:
-        return [f"code.py is no Python 3.9: {error}"]
+        return [f"code.py is not valid Python 3.9: {error}"]
     problems = []
     if not code.startswith("#! python 3\n"):
         problems.append("code.py must begin with the line '#! python 3'")
     if not REQUIREMENT.search(code):
-        problems.append("code.py must name the package that it needs, in a line '# r: compas_cgc>={{version}}'")
+        problems.append("code.py must state the required package in a line '# r: compas_cgc>={{version}}'")
     function = run_script(tree)
     if function is None:
         return [*problems, "code.py must have one class with a method RunScript"]
@@ -56,7 +56,7 @@ def run_script(tree: ast.Module) -> Optional[ast.FunctionDef]:
 
 
 def _name(node: Optional[ast.AST]) -> Optional[str]:
-    """Return the name that a returned value goes by: a variable's own, or an attribute's."""
+    """Return the name of a returned variable or attribute."""
     if isinstance(node, ast.Name):
         return node.id
     return node.attr if isinstance(node, ast.Attribute) else None

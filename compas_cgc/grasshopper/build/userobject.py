@@ -39,16 +39,16 @@ def user_object(bundle: Bundle) -> Chunk:
 
 
 def inner_archive(archive: Chunk) -> Chunk:
-    """Return the component that a user object holds.
+    """Return the component in a user object.
 
     Raises
     ------
     FileError
-        If it holds none.
+        If the archive holds no component.
     """
     data = archive.get("Object")
     if archive.name != "UserObject" or not isinstance(data, bytes):
-        raise FileError("the file holds no user object")
+        raise FileError("the file does not hold a user object")
     return from_bytes(data)
 
 

@@ -1,4 +1,4 @@
-"""Yak package: a zip that Rhino's package manager installs."""
+"""Yak package: a zip file for Rhino's package manager."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..._version import __version__
 __all__ = ["TAG", "manifest", "yak_bytes", "yak_name"]
 
 NAME = "compas_cgc"
-TAG = "rh8-any"  # Rhino 8 on every system
-# The earliest date that a zip can hold, so that the same content gives the same file.
+TAG = "rh8-any"  # Rhino 8 on all systems
+# Constant date (the earliest in a zip file), for reproducible files.
 DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def yak_name() -> str:
-    """Return the name of the package's file."""
+    """Return the file name of the package."""
     return f"{NAME}-{__version__}-{TAG}.yak"
 
 
@@ -43,7 +43,7 @@ def manifest() -> str:
 
 
 def yak_bytes(files: Mapping[str, bytes]) -> bytes:
-    """Return a package of files by their names, with the manifest first; the same files give the same bytes."""
+    """Return the package of files by name, with the manifest first, deterministically."""
     entries = {"manifest.yml": manifest().encode("utf-8"), **dict(sorted(files.items()))}
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as package:

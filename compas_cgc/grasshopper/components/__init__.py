@@ -1,7 +1,7 @@
-"""The functions behind the Grasshopper components.
+"""Functions of the Grasshopper components.
 
-Each takes ``ghenv.Component`` and the inputs, and gives the outputs as a NamedTuple.
-User errors become balloons on the component, never exceptions.
+Each function takes ``ghenv.Component`` and the inputs, and returns the outputs as a NamedTuple.
+User errors become balloons on the component instead of exceptions.
 """
 
 from __future__ import annotations

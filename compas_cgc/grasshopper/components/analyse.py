@@ -1,4 +1,4 @@
-"""Analyse: curvatures at the vertices, and colours to see them by."""
+"""Analyse: curvatures at the vertices, and their colours."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from ..runtime.widgets import offer_values
 __all__ = ["AnalyseOutputs", "analyse"]
 
 POLL_INTERVAL = 200  # [ms]
-PATIENCE = 2.0  # seconds that a canvas waits for a large mesh
-LOOK = 0.01  # seconds between two looks whether something is compiled, which it does not wait for
+MAX_WAIT = 2.0  # longest time that the canvas waits for a measurement [s]
+CHECK_INTERVAL = 0.01  # time between two checks for running compilation, which the canvas does not wait for [s]
 
 
 class AnalyseOutputs(NamedTuple):
@@ -48,13 +48,13 @@ class AnalyseOutputs(NamedTuple):
 
 @dataclass
 class Memory:
-    """What a component on the canvas remembers from one run to the next."""
+    """State of a component between two runs."""
 
     mesh: Any
     task: BackgroundTask[Measured]
 
     def end(self) -> None:
-        """Nobody waits for it any more."""
+        """Cancel the measurement."""
         self.task.cancel()
 
 
@@ -63,7 +63,7 @@ _MEMORIES: Memories[Memory] = Memories(Memory.end)
 
 @reports_errors(AnalyseOutputs)
 def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[float]) -> AnalyseOutputs:
-    """Measure a mesh; a vertex without the figure (on an edge, on a crease) has a gap in its list."""
+    """Measure a mesh; vertices without a value (on edges and creases) are null items in the lists."""
     offer_values(component, "show", FIGURES)
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
@@ -87,14 +87,14 @@ def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[
 
 
 def _measured(component: Any, mesh: Any) -> Optional[Measured]:
-    """Return what is measured, or None as long as it is compiled or takes long; the component runs again then."""
+    """Return the measurement, or None if it takes long or is being compiled; the component then runs again when it is available."""
     memory = _MEMORIES.of(component)
     if memory is None or memory.mesh is not mesh:
         _MEMORIES.drop(component)
         memory = _MEMORIES.keep(component, Memory(mesh, BackgroundTask(measure(mesh))))
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + MAX_WAIT
         while memory.task.running and memory.task.progress.compiling is None and time.monotonic() < end:
-            memory.task.wait(LOOK)
+            memory.task.wait(CHECK_INTERVAL)
     task = memory.task
     if not task.running:
         _MEMORIES.drop(component)

@@ -1,4 +1,4 @@
-"""Bake: a surface into the Rhino document, its parts on layers with names and user text."""
+"""Bake: a surface in the Rhino document, its parts on layers with names and user text."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .regions import part_of
 
 __all__ = ["BakeOutputs", "bake"]
 
-LAYER = "CGC Result"  # as the files that are written have it, and those that are read pass it over
+LAYER = "CGC Result"  # same layer as in written files; readers ignore it
 SAND, INK, RED = (140, 110, 60), (30, 30, 30), (200, 40, 40)
 
 
@@ -38,7 +38,7 @@ class BakeOutputs(NamedTuple):
 
 @reports_errors(BakeOutputs)
 def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[bool]) -> BakeOutputs:
-    """Bake a mesh, its regions, creases and supports; what the component has baked before is replaced."""
+    """Bake a mesh, its regions, creases and supports; replaces earlier objects of this component."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return BakeOutputs()

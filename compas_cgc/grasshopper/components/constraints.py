@@ -1,4 +1,4 @@
-"""Constraints: where vertices have to be, besides the curvature."""
+"""Constraints on the positions of vertices."""
 
 from __future__ import annotations
 
@@ -38,18 +38,18 @@ class ConstraintsOutputs(NamedTuple):
 def constraints(
     component: Any, cgc_mesh: Any, points: Any, height: Optional[float], curve: Any, plane: Any, mirror: Any, others: Any
 ) -> ConstraintsOutputs:
-    """List constraints of vertices: of those at points, or of those on the curve or plane itself."""
+    """Return constraints of the vertices at points, or of the vertices on the curve or plane if there are no points."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return ConstraintsOutputs(None)
-    # Constraints count the vertices of the mesh with its dummies.
+    # Vertex indices of constraints include dummy vertices.
     vertices, _ = cgc_mesh.arrays(dummies=True)
     snap, _ = document_units()
     chosen = vertices_at(vertices, points_to_array(as_list(points)), snap)
     made = list(as_list(others))
     if height is not None:
         if not chosen:
-            raise CGCError("a height needs the points of the vertices that shall be at it")
+            raise CGCError("a height requires points at the constrained vertices")
         made.append(Height(chosen, float(height)))
     if curve is not None:
         along = curve_to_points(curve, 0.1 * snap)
@@ -69,5 +69,5 @@ def constraints(
 
 def _some(found: IntArray, what: str) -> list[int]:
     if not len(found):
-        raise CGCError(f"no vertex lies on the {what}; give the points of the vertices that shall be on it")
+        raise CGCError(f"no vertex lies on the {what}; connect points at the constrained vertices")
     return sorted({int(v) for v in found})

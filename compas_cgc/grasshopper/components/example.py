@@ -1,4 +1,4 @@
-"""Example: the surfaces of the paper as inputs."""
+"""Example: input meshes of the paper."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ class ExampleOutputs(NamedTuple):
 
 @reports_errors(ExampleOutputs)
 def example(component: Any, number: Optional[int], variant: Optional[str]) -> ExampleOutputs:
-    """Give the mesh and the settings of one of Examples 2 to 7."""
+    """Return the mesh and the settings of one of the Examples 2 to 7."""
     number = 4 if number is None else int(number)
     if not 2 <= number <= 7:
-        raise CGCError(f"number must be from 2 to 7, not {number}; Example 1 is about plane curves")
+        raise CGCError(f"number must be from 2 to 7, not {number}; Example 1 concerns plane curves")
     chosen = examples_of(number, variant.strip() if variant else None)[0]
     assert isinstance(chosen, SurfaceExample)
     mesh, settings = chosen.build()

@@ -37,7 +37,7 @@ class Write3dmOutputs(NamedTuple):
 
 @reports_errors(Read3dmOutputs)
 def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read3dmOutputs:
-    """Read a mesh with its supports, creases, targets and goals; other mesh formats are read too."""
+    """Read a mesh with its supports, creases, targets and goals from a .3dm file or another mesh format."""
     if not path:
         add_warning(component, "connect the path of a file")
         return Read3dmOutputs(None, None, None)
@@ -50,7 +50,7 @@ def read_3dm(component: Any, path: Optional[str], split: Optional[bool]) -> Read
 
 
 def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
-    """Return the mesh that the text of an .obj file holds, as a panel keeps it."""
+    """Return the mesh in the text of an .obj file, such as from a panel."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "panel.obj"
         path.write_text(text, encoding="utf-8")
@@ -62,7 +62,7 @@ def _read_text(text: str) -> tuple[CGCMesh, list[str]]:
 
 @reports_errors(Write3dmOutputs)
 def write_3dm(component: Any, path: Optional[str], cgc_mesh: Any, write: Optional[bool]) -> Write3dmOutputs:
-    """Write a mesh with its supports, creases, targets and goals when it is told to."""
+    """Write a mesh with its supports, creases, targets and goals if `write` is true."""
     if not path or cgc_mesh is None:
         add_warning(component, "connect the path of a file and a CGC mesh")
         return Write3dmOutputs(None)

@@ -1,4 +1,4 @@
-"""Goals: what a surface shall be like besides its curvature."""
+"""Goals: requirements on a surface besides its curvature."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from ..runtime.geometry import document_units
 
 __all__ = ["GoalsOutputs", "goals"]
 
-EVERY = -1  # stands for all regions
+ALL_REGIONS = -1
 
 
 class GoalsOutputs(NamedTuple):
@@ -56,7 +56,7 @@ def goals(
     unknown: Any,
     others: Any,
 ) -> GoalsOutputs:
-    """List goals of the surface, and the regions whose K is to be found."""
+    """Return goals of the surface, including regions with unknown K."""
     made: list[Any] = list(as_list(others))
     if rise is not None:
         made.append(Rise(float(rise)))
@@ -75,17 +75,17 @@ def goals(
     made += [Level()] if level_edges else []
     regions = [int(region) for region in as_list(unknown)]
     if regions:
-        made.append(Unknown(ALL if EVERY in regions else regions))
+        made.append(Unknown(ALL if ALL_REGIONS in regions else regions))
     set_message(component, f"{len(made)} goal{'' if len(made) == 1 else 's'}")
     return GoalsOutputs(made)
 
 
 def _clear(heights: list[float], curves: list[Any]) -> list[Constraint]:
-    """Return what stays clear: over curves, or everywhere without any."""
+    """Return clearances inside curves, or everywhere if there are no curves."""
     if not curves:
         return [Above(height) for height in heights[:1]]
     if len(heights) not in (1, len(curves)):
-        raise CGCError(f"there are {len(heights)} clearances for {len(curves)} curves; give one for all, or one for each")
+        raise CGCError(f"there are {len(heights)} clearances for {len(curves)} curves; connect one for all curves, or one per curve")
     each = heights * len(curves) if len(heights) == 1 else heights
     return [Clearance(_outline(curve, "clear").tolist(), height) for curve, height in zip(curves, each)]
 
@@ -95,5 +95,5 @@ def _outline(curve: Any, name: str) -> FloatArray:
     snap, _ = document_units()
     points = curve_to_points(curve, 0.1 * snap)
     if len(points) < 4 or float(np.abs(points[0] - points[-1]).max()) > snap:
-        raise CGCError(f"a curve at {name!r} is open; it must be closed")
+        raise CGCError(f"a curve at the input {name} is open; connect closed curves")
     return points[:-1, :2]

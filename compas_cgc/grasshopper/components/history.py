@@ -1,4 +1,4 @@
-"""History: how a solve went, step by step."""
+"""History: convergence of a solve."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class HistoryOutputs(NamedTuple):
 
 @reports_errors(HistoryOutputs)
 def history(component: Any, result: Any) -> HistoryOutputs:
-    """List the figures of every step, for a graph."""
+    """Return the values of every step, for a graph."""
     if result is None:
         add_warning(component, "connect the result of Solve")
         return HistoryOutputs(*[None] * len(HistoryOutputs._fields))

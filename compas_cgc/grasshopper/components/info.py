@@ -1,4 +1,4 @@
-"""Info: what runs here."""
+"""Info: versions of the installed packages."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class InfoOutputs(NamedTuple):
 
 @reports_errors(InfoOutputs)
 def info(component: Any) -> InfoOutputs:
-    """List the versions of the package, of Python and of what it builds on."""
+    """Return the versions of the package, of Python and of its dependencies."""
     set_message(component, f"v{__version__}")
     lines = [f"compas_cgc {__version__}", f"Python {platform.python_version()} on {platform.system()}"]
     return InfoOutputs(lines + [_version(name) for name in ("compas", "numpy", "scipy", "numba", "rhino3dm")])
@@ -32,5 +32,5 @@ def info(component: Any) -> InfoOutputs:
 def _version(name: str) -> str:
     try:
         return f"{name} {metadata.version(name)}"
-    except metadata.PackageNotFoundError:  # an extra
+    except metadata.PackageNotFoundError:  # an optional dependency
         return f"{name} is not installed"

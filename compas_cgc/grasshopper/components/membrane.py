@@ -40,9 +40,9 @@ class MembraneOutputs(NamedTuple):
 def membrane(
     component: Any, cgc_mesh: Any, pressure: Optional[float], weight: Optional[float], path: Optional[str], write: Optional[bool]
 ) -> MembraneOutputs:
-    """Find the forces under a pressure and self weight, and write them when it is told to."""
+    """Compute the forces under pressure and self-weight, and write them if `write` is true."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh that has been solved")
+        add_warning(component, "connect a solved CGC mesh")
         return MembraneOutputs(*[None] * len(MembraneOutputs._fields))
     if not pressure and not weight:
         pressure = 1.0

@@ -1,4 +1,4 @@
-"""CGC Mesh: a mesh with what holds it and where it may fold."""
+"""CGC Mesh: a mesh with supports and creases."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..runtime.widgets import offer_values
 
 __all__ = ["CGCMeshOutputs", "cgc_mesh"]
 
-# The first says the same as nothing: the boundary where no points are given.
+# The first is the default: fix the points, or the boundary if there are none.
 AS_DRAWN, POINTS = "as drawn", "points"
 FIX = (AS_DRAWN, *SUPPORT_NAMES, POINTS)
 
@@ -46,10 +46,10 @@ def cgc_mesh(
     surfaces: Any = None,
     edge_length: Optional[float] = None,
 ) -> CGCMeshOutputs:
-    """Make a mesh with supports and creases; without points the whole boundary is fixed."""
+    """Return a mesh with supports and creases; without points, the whole boundary is fixed."""
     offer_values(component, "fix", FIX)
     if mesh is None and not as_list(surfaces):
-        add_warning(component, "connect a mesh; or surfaces or closed curves, and an edge length")
+        add_warning(component, "connect a mesh; or surfaces or closed curves with an edge length")
         return CGCMeshOutputs(None, None)
     points = as_list(supports)
     read = _read(mesh, as_list(surfaces), edge_length, points, as_list(creases))
@@ -62,7 +62,7 @@ def cgc_mesh(
     for note in read.notes:
         if "support" not in note:
             add_remark(component, note)
-    # Targets come later, from a component of their own.
+    # Targets are set later, by the component Target.
     sentences = [str(sentence) for sentence in check(problem) if "target" not in sentence]
     for sentence in sentences:
         add_warning(component, sentence)
@@ -75,8 +75,8 @@ def _read(mesh: Any, surfaces: list[Any], edge_length: Optional[float], points: 
     if mesh is None:
         length = None if edge_length is None else float(edge_length)
         if length is not None and not length > 0.0:
-            raise CGCError(f"edge_length must be above zero, not {length:g}")
+            raise CGCError(f"edge_length must be greater than zero, not {length:g}")
         return problem_from_surfaces(surfaces, length, points, creases, tolerance=tolerance, units=units)
     if surfaces:
-        raise CGCError("connect either a mesh, or surfaces that are to be meshed, not both")
+        raise CGCError("connect either a mesh or surfaces, not both")
     return problem_from_rhino(mesh, points, creases, tolerance=tolerance, units=units)

@@ -1,4 +1,4 @@
-"""Mould: panels of a solved surface, and the moulds that they are made on."""
+"""Mould: panels of a solved surface and their moulds."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..runtime.geometry import document_units
 
 __all__ = ["MouldOutputs", "mould"]
 
-AWAY = 0.15  # of the moulds from the surface, against its size
+MOULD_OFFSET = 0.15  # distance of the moulds from the surface, relative to its size
 
 
 class MouldOutputs(NamedTuple):
@@ -51,7 +51,7 @@ def mould(
     rough: Optional[bool],
     aside: Optional[float],
 ) -> MouldOutputs:
-    """Divide a surface into panels, and lay them onto as few moulds as there are curvatures."""
+    """Divide a surface into panels, and place them on one mould per curvature."""
     if cgc_mesh is None:
         add_warning(component, "connect a solved CGC mesh")
         return MouldOutputs(*[None] * len(MouldOutputs._fields))
@@ -64,11 +64,11 @@ def mould(
     chosen = material.strip() if material else "glass"
     report = moulds(problem, divided, material=chosen, thickness=6.0 if thickness is None else thickness, rough=bool(rough))
     low, high = problem.vertices.min(axis=0), problem.vertices.max(axis=0)
-    away = AWAY * float(np.linalg.norm(high - low)) + high[0] if aside is None else high[0] + aside
+    away = MOULD_OFFSET * float(np.linalg.norm(high - low)) + high[0] if aside is None else high[0] + aside
     places, shown = [], []
     corner = np.array([away, low[1], low[2]])
     for own in report.moulds:
-        # One mould above the other in plan, each with all its panels on it.
+        # The moulds are arranged in a column in plan, each with all its panels.
         places.append(corner + own.radius)
         vertices, faces = cap_mesh(own.surface, own.radius)
         shown.append(mesh_from_arrays(vertices + places[-1], faces))

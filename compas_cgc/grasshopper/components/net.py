@@ -1,4 +1,4 @@
-"""Net: curves to build along."""
+"""Net: construction curves."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class NetOutputs(NamedTuple):
 
 @reports_errors(NetOutputs)
 def net(component: Any, cgc_mesh: Any, spacing: Optional[float], through: Any) -> NetOutputs:
-    """Trace lines of curvature, an asymptotic net or rulings, as K asks for."""
+    """Trace lines of curvature, an asymptotic net or rulings, depending on K."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh that has been solved")
+        add_warning(component, "connect a solved CGC mesh")
         return NetOutputs(*[None] * len(NetOutputs._fields))
     points = points_to_array(as_list(through))
     found = curve_net(cgc_mesh, spacing or None, through=points if len(points) else None)

@@ -1,4 +1,4 @@
-"""Regions: the parts of a mesh as Rhino geometry, and a branch for each of them."""
+"""Regions: the parts of a mesh as Rhino geometry, one branch per region."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class RegionsOutputs(NamedTuple):
 
 @reports_errors(RegionsOutputs)
 def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
-    """Take a mesh apart into regions, creases, open edges and supports."""
+    """Split a mesh into regions, creases, open edges and supports."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return RegionsOutputs(*[None] * len(RegionsOutputs._fields))
@@ -59,7 +59,7 @@ def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
 
 
 def part_of(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return the vertices (k, 3) of some faces of a mesh, and the faces by them."""
+    """Return the vertices (k, 3) of faces of a mesh, and the faces with their new vertex indices."""
     used, local = np.unique(faces, return_inverse=True)
     return vertices[used], local.reshape(-1, 3)
 

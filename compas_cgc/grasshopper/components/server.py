@@ -34,13 +34,13 @@ class ServerOutputs(NamedTuple):
 
 @dataclass
 class Memory:
-    """What a component on the canvas remembers from one run to the next."""
+    """State of a component between two runs."""
 
     inputs: tuple
     task: BackgroundTask[RunningServer]
 
     def end(self) -> None:
-        """Stop the server, or the attempt to start it; one that ran before is left alone."""
+        """Stop the server or its start, unless the server was running before."""
         self.task.cancel()
         if self.task.result is not None:
             stop_server(self.task.result.process)
@@ -51,7 +51,7 @@ _MEMORIES: Memories[Memory] = Memories(Memory.end)
 
 @reports_errors(ServerOutputs)
 def server(component: Any, run: Optional[bool], url: Optional[str], key: Optional[str], python: Optional[str]) -> ServerOutputs:
-    """Find a server, or start one that ends with the toggle, the component or Rhino."""
+    """Find a server, or start one that stops with the toggle, the component or Rhino."""
     address = Address.from_text(url if url and url.strip() else URL, key)
     memory = _MEMORIES.of(component)
 
@@ -81,7 +81,7 @@ def _state(component: Any, address: Address, task: BackgroundTask[RunningServer]
     if found.process is not None and found.process.poll() is not None:
         forget()
         run_again(component, POLL_INTERVAL, forget)
-        return ServerOutputs(status="the server has ended; starting it again")
+        return ServerOutputs(status="the server stopped; restarting it")
     set_message(component, "running")
-    origin = "it ran before" if found.process is None else "started here"
+    origin = "already running" if found.process is None else "started here"
     return ServerOutputs(address, address.url, f"compas_cgc {found.version} at {address.url}, {origin}")

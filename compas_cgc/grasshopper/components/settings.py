@@ -1,4 +1,4 @@
-"""Settings: how a solve goes about it."""
+"""Settings: method and options of a solve."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def settings(
     crease_stiffness: Optional[float],
     measure: Optional[str] = None,
 ) -> SettingsOutputs:
-    """Gather settings; what is not connected keeps its default."""
+    """Return settings; unconnected inputs keep their defaults."""
     offer_values(component, "method", ("auto", *(name for name in method_names() if name != "auto")))
     made = settings_for(
         method.strip() if method else "auto",

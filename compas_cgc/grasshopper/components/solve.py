@@ -1,4 +1,4 @@
-"""Solve: the surface that has the curvature asked for, without ever blocking the canvas."""
+"""Solve: the surface with the target curvature, without blocking the canvas."""
 
 from __future__ import annotations
 
@@ -60,15 +60,15 @@ class SolveOutputs(NamedTuple):
     legend: Optional[list[str]] = None
 
 
-class Told(NamedTuple):
-    """What is measured on a surface once it is shown."""
+class Measurement(NamedTuple):
+    """Measurement of a displayed surface."""
 
     report: str
     measured: Measured
 
 
 def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> str:
-    """Return the same text for equal inputs, whatever objects they are made of."""
+    """Return a text that is equal for equal inputs, also of different objects."""
     held = [[constraint_data(one) for one in own] for own in (mesh.goals(), goals)]
     parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges(), held, settings, server)
     return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
@@ -76,21 +76,21 @@ def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Ad
 
 @dataclass
 class Memory:
-    """What a component on the canvas remembers from one run to the next."""
+    """State of a component between two runs."""
 
-    inputs: tuple = ()  # the latest ones: mesh, settings, server, goals
-    fingerprint: str = ""  # theirs
+    inputs: tuple = ()  # latest inputs: mesh, settings, server, goals
+    fingerprint: str = ""  # of the inputs
     task: Optional[BackgroundTask[SolveResult]] = None
-    answered: str = ""  # fingerprint of the inputs that `error` or `shown` answers
+    answered: str = ""  # fingerprint of the inputs of `error` or `shown`
     error: Optional[Exception] = None
     shown: SolveOutputs = field(default_factory=SolveOutputs)
-    telling: Optional[BackgroundTask[Told]] = None  # measures the surface that is shown
-    told: Optional[Told] = None
-    coloured: str = ""  # what the colours of the surface show
+    measuring: Optional[BackgroundTask[Measurement]] = None  # measures the surface that is shown
+    measurement: Optional[Measurement] = None
+    coloured: str = ""  # quantity shown by the colours
 
     def take(self, inputs: tuple) -> None:
-        """Take note of inputs; a solve of other ones is cancelled."""
-        # On most runs nothing is new, and comparing objects costs nothing.
+        """Store the inputs; cancel a solve of other inputs."""
+        # Fast path: on most runs the objects are identical.
         if len(inputs) == len(self.inputs) and all(map(_same, inputs, self.inputs)):
             return
         self.inputs, known = inputs, self.fingerprint
@@ -99,35 +99,35 @@ class Memory:
             self.cancel()
 
     def cancel(self) -> None:
-        """Cancel the solve that runs."""
+        """Cancel the running solve."""
         if self.task is not None:
             self.task.cancel()
         self.task = None
 
     def collect(self, task: BackgroundTask[SolveResult], mesh: CGCMesh) -> None:
-        """Take over the result of a solve that has ended; its surface is shown before it is measured."""
+        """Store the result of a finished solve; its surface is displayed before it is measured."""
         self.task = None
         self.answered, self.error = self.fingerprint, task.error
         result = task.result
         if result is not None:
-            # Only here, as Rhino's meshes are made in its own thread.
+            # Rhino meshes must be created in Rhino's thread.
             surface = mesh_from_arrays(*result.mesh.arrays())
             self.shown = SolveOutputs(surface, result.mesh, result.status, 1.0, None, result)
-            self.told, self.coloured = None, ""
-            self.telling = BackgroundTask(_telling(result, mesh))
+            self.measurement, self.coloured = None, ""
+            self.measuring = BackgroundTask(_measuring(result, mesh))
 
-    def hear(self, show: str) -> None:
-        """Take over what was measured, and colour the surface by a figure."""
-        if self.telling is not None and not self.telling.running:
-            ended, self.telling = self.telling, None
+    def show_measurement(self, show: str) -> None:
+        """Store the measurement, and colour the surface by a quantity."""
+        if self.measuring is not None and not self.measuring.running:
+            ended, self.measuring = self.measuring, None
             if ended.error is not None:
                 raise ended.error
-            self.told = ended.result
-        if self.told is not None and self.shown.cgc_mesh is not None and self.coloured != show:
-            found = figure_colours(self.told.measured.figures, show)
+            self.measurement = ended.result
+        if self.measurement is not None and self.shown.cgc_mesh is not None and self.coloured != show:
+            found = figure_colours(self.measurement.measured.figures, show)
             vertices, faces = self.shown.cgc_mesh.arrays()
             surface = mesh_from_arrays(vertices, faces, found.vertices)
-            self.shown = self.shown._replace(mesh=surface, report=self.told.report, colours=found.colours, legend=found.legend)
+            self.shown = self.shown._replace(mesh=surface, report=self.measurement.report, colours=found.colours, legend=found.legend)
             self.coloured = show
 
 
@@ -145,7 +145,7 @@ def solve(
     server: Any,
     show: Optional[str] = None,
 ) -> SolveOutputs:
-    """Solve in the background when `run` is set and the inputs are new; the last result stays until the next one is there."""
+    """Solve in the background if `run` is true and the inputs are new; the last result is shown until the next one is available."""
     offer_values(component, "show", FIGURES)
     if reset:
         _MEMORIES.drop(component)
@@ -162,15 +162,15 @@ def solve(
     memory.take(inputs)
     if memory.task is not None and not memory.task.running:
         memory.collect(memory.task, cgc_mesh)
-    memory.hear(figure)
+    memory.show_measurement(figure)
     if not run:
         memory.cancel()
     if run and memory.task is None and memory.answered != memory.fingerprint:
         memory.task = BackgroundTask(_solving(*inputs), lambda: component.OnPingDocument() is not None)
     if memory.task is not None:
         return _wait(component, memory, memory.task)
-    if memory.telling is not None:
-        return _wait(component, memory, memory.telling)
+    if memory.measuring is not None:
+        return _wait(component, memory, memory.measuring)
     return _show(component, memory)
 
 
@@ -179,7 +179,7 @@ def _same(one: object, other: object) -> bool:
 
 
 def _address(server: Any) -> Optional[Address]:
-    """Return the server of a wire: an address of Server, or a text."""
+    """Return the server from a wire: an address of Server, or a text."""
     if isinstance(server, str):
         return Address.from_text(server) if server.strip() else None
     return server
@@ -190,15 +190,15 @@ def _solving(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Addre
     return local_solve(mesh, settings, goals) if server is None else remote_solve(mesh, settings, goals, server)
 
 
-def _telling(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Told]:
+def _measuring(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Measurement]:
     """Return a function that measures a surface, for a background task."""
 
-    def told(report: Report) -> Told:
+    def measured(report: Report) -> Measurement:
         with watch_compilation(lambda state: report(Progress(compiling=state.part))):
             figures = str(analyse(result, mesh)).split("\n", 1)[1]
-        return Told(f"{result.summary}\n{result.ending}\n{figures}", measure(result.mesh)(report))
+        return Measurement(f"{result.summary}\n{result.ending}\n{figures}", measure(result.mesh)(report))
 
-    return told
+    return measured
 
 
 def _wait(component: Any, memory: Memory, task: BackgroundTask) -> SolveOutputs:
@@ -210,7 +210,7 @@ def _wait(component: Any, memory: Memory, task: BackgroundTask) -> SolveOutputs:
 
     def is_over() -> bool:
         set_message(component, reached(task.progress))
-        # A balloon comes and goes with a run of the component.
+        # Balloons are cleared at every run of the component.
         return not task.running or task.progress.note != progress.note
 
     poll(component, POLL_INTERVAL, is_over, lambda: _MEMORIES.drop_all(component))
@@ -218,7 +218,7 @@ def _wait(component: Any, memory: Memory, task: BackgroundTask) -> SolveOutputs:
 
 
 def _show(component: Any, memory: Memory) -> SolveOutputs:
-    """Put out what is known, with a balloon where it does not answer the inputs."""
+    """Return the current outputs, with a balloon if they do not belong to the inputs."""
     if memory.answered != memory.fingerprint:
         set_message(component, "set run to true")
         return memory.shown._replace(status="waiting" if memory.shown.mesh is None else "out of date")
@@ -233,12 +233,12 @@ def _show(component: Any, memory: Memory) -> SolveOutputs:
             add_warning(component, result.message)
         elif not result.verdict.fair:
             set_message(component, "rough")
-            add_warning(component, f"K is as asked, but the surface is {result.verdict}")
+            add_warning(component, f"K equals its target, but the surface is {result.verdict}")
     return memory.shown
 
 
 def _refused(component: Any, error: Exception) -> SolveOutputs:
-    """Show what is wrong with the inputs; a fault of the program is not hidden."""
+    """Show errors in the inputs as balloons; other errors are raised."""
     if not isinstance(error, (CGCError, ValueError, OSError)):
         raise error
     for sentence in error.problems if isinstance(error, ProblemError) else [error]:

@@ -1,4 +1,4 @@
-"""Study: the table and the surfaces of a study, also of one that still runs."""
+"""Study: the table and the surfaces of a finished or running study."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ class StudyOutputs(NamedTuple):
 
 @reports_errors(StudyOutputs)
 def study(component: Any, path: Optional[str], number: Optional[int], column: Optional[str]) -> StudyOutputs:
-    """Show a variant of a study with its row, a column for all variants, and those that no other one beats."""
+    """Show a variant of a study with its row, a column of all variants, and the Pareto-optimal variants."""
     if not path:
-        add_warning(component, "connect the folder that compas-cgc study has written")
+        add_warning(component, "connect the output folder of compas-cgc study")
         return StudyOutputs(*[None] * len(StudyOutputs._fields))
     results = Results(path.strip())
     total = len(results.study.variants)
     if len(results) < total:
         add_remark(component, f"{len(results)} of {total} variants are solved so far")
     if not len(results):
-        raise CGCError("the study has no variant yet; recompute when it has")
+        raise CGCError("the study has no finished variant yet; recompute later")
     number = int(number or 0)
     row = results.row(number)
     front = pareto_front(results).tolist() if results.study.pareto.columns else results.good().tolist()

@@ -1,4 +1,4 @@
-"""Target: which Gaussian curvature is wanted where."""
+"""Target: target Gaussian curvature of regions."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ class TargetOutputs(NamedTuple):
 
 @reports_errors(TargetOutputs)
 def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any) -> TargetOutputs:
-    """Ask for curvatures everywhere, by the numbers of regions, or at points in them."""
+    """Set target curvatures of all regions, of regions by number, or of the regions at points."""
     if cgc_mesh is None:
         add_warning(component, "connect a CGC mesh")
         return TargetOutputs(None)
     values = as_list(K)
     if not values:
-        raise CGCError("give at least one curvature K, in 1 / (model unit)²")
+        raise CGCError("connect at least one curvature K, in 1 / (model unit)²")
     mesh = cgc_mesh.copy()
     count = len(mesh.regions())
     everywhere = list(range(count)) if len(values) > 1 else []
     chosen = _chosen(mesh, as_list(region), points_to_array(as_list(point))) or everywhere
     if chosen and len(values) not in (1, len(chosen)):
-        raise CGCError(f"there are {len(values)} curvatures for {len(chosen)} regions; give one, or one for each")
+        raise CGCError(f"there are {len(values)} curvatures for {len(chosen)} regions; connect one for all regions, or one per region")
     if not chosen:
         mesh.set_target(values[0])
     for number, value in zip(chosen, values if len(values) > 1 else values * len(chosen)):
@@ -50,7 +50,7 @@ def target(component: Any, cgc_mesh: Any, K: Any, region: Any, point: Any) -> Ta
 
 
 def _chosen(mesh: CGCMesh, numbers: Sequence[int], points: FloatArray) -> list[int]:
-    """Return regions that are given by number, or by points (k, 3) at, above or below them [L]."""
+    """Return regions given by number, or by points (k, 3) on, above or below them [L]."""
     if numbers and len(points):
         raise CGCError("give the regions by number or by points, not both")
     if not len(points):

@@ -1,4 +1,4 @@
-"""Unroll: flat pieces on sheets, and the same pieces in place."""
+"""Unroll: flat pieces on sheets, and the same pieces in their final position."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ def unroll(
     per_sheet: Optional[bool] = None,
     whole: Optional[bool] = None,
 ) -> UnrollOutputs:
-    """Lay a solved surface out on sheets, and write it when it is told to."""
+    """Unroll a solved surface on sheets, and write them if `write` is true."""
     if cgc_mesh is None:
-        add_warning(component, "connect a CGC mesh that has been solved")
+        add_warning(component, "connect a solved CGC mesh")
         return UnrollOutputs(*[None] * len(UnrollOutputs._fields))
     sheet = None if not length and not width else (length or width or 0.0, width or length or 0.0)
     patterns = unroll_surface(

@@ -1,3 +1,3 @@
-"""Runtime of the components: background tasks, feedback and servers, shared while they run in Rhino."""
+"""Runtime of the components in Rhino: background tasks, feedback and servers."""
 
 from __future__ import annotations

@@ -10,14 +10,14 @@ __all__ = ["Address"]
 
 @dataclass(frozen=True)
 class Address:
-    """The address of a server, and its key where it has one."""
+    """Address of a server, and its key if it has one."""
 
     url: str
     key: Optional[str] = None
 
     @classmethod
     def from_text(cls, text: str, key: Optional[str] = None) -> Address:
-        """Return the address that somebody has written, which gets the ``http://`` that it lacks."""
+        """Return the address in a text; a missing ``http://`` is added."""
         url = text.strip()
         return cls(url if "://" in url else f"http://{url}", key.strip() if key else None)
 

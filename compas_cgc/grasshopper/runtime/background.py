@@ -1,4 +1,4 @@
-"""Background task: a function in a thread of its own, so that a canvas never waits."""
+"""Background task: a function in a separate thread, so that the canvas is not blocked."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ class BackgroundTask(Generic[Result]):
     Parameters
     ----------
     function
-        Called with a function that takes a :class:`Progress` and returns whether to stop; its value is the result.
+        Function to run. Its argument is a callback that takes a :class:`Progress` and returns whether to stop.
     wanted
-        Asked from within the thread whether somebody still waits for it. Default: until it is cancelled.
+        Called in the thread; returns whether the result is still needed. Default: until the task is cancelled.
 
     Attributes
     ----------
     progress
         The latest progress.
     result
-        What the function returned, or None.
+        Return value of the function, or None.
     error
-        What it raised, or None.
+        Error raised by the function, or None.
     """
 
     def __init__(self, function: Callable[[Report], Result], wanted: Callable[[], bool] = lambda: True):
@@ -48,15 +48,15 @@ class BackgroundTask(Generic[Result]):
 
     @property
     def running(self) -> bool:
-        """Whether the result is still to come."""
+        """Whether the function is still running."""
         return self._thread.is_alive()
 
     def cancel(self) -> None:
-        """Tell the function to stop, without waiting for it."""
+        """Request that the function stop, without waiting for it."""
         self._stop.set()
 
     def wait(self, seconds: float) -> bool:
-        """Wait for the function, at most so long, and tell whether it has ended."""
+        """Wait for the function, at most the given time [s], and return whether it has ended."""
         self._thread.join(seconds)
         return not self.running
 
@@ -67,5 +67,5 @@ class BackgroundTask(Generic[Result]):
     def _run(self, function: Callable[[Report], Any]) -> None:
         try:
             self.result = function(self._report)
-        except Exception as error:  # the canvas shows it when it looks next
+        except Exception as error:  # shown on the canvas at the next poll
             self.error = error

@@ -1,4 +1,4 @@
-"""Baking: geometry into the open Rhino document, on layers, with names and user text."""
+"""Baking of geometry to layers of the open Rhino document, with names and user text."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from ...errors import CGCError
 
 __all__ = ["Bakery", "baking"]
 
-OWNER = "cgc baked by"  # user text with the id of the component, by which it replaces what it has baked before
+OWNER = "cgc baked by"  # user text with the id of the component, which identifies its earlier objects
 NOT_FOUND = -1
 
 
 class Bakery:
-    """A Rhino document that is being baked into.
+    """Writer of objects to a Rhino document.
 
     Parameters
     ----------
     document
         The document.
     owner
-        Id of the component that bakes.
+        Id of the baking component.
     """
 
     def __init__(self, document: Any, owner: str):
@@ -32,13 +32,13 @@ class Bakery:
         self.baked: list[str] = []
 
     def clear(self) -> None:
-        """Delete what the component has baked before."""
+        """Delete the earlier objects of the component."""
         objects = self._document.Objects
         for earlier in list(objects.FindByUserString(OWNER, self._owner, True) or ()):
             objects.Delete(earlier, True)
 
     def layer(self, path: str, colour: tuple[int, int, int]) -> int:
-        """Return the index of a layer, such as ``CGC Result::Mesh``, which is made if there is none."""
+        """Return the index of a layer, such as ``CGC Result::Mesh``; create it if necessary."""
         import Rhino
         import System
 
@@ -54,7 +54,7 @@ class Bakery:
                     made.ParentLayerId = parent
                 index = layers.Add(made)
                 if index == NOT_FOUND:
-                    raise CGCError(f"Rhino makes no layer {known!r}; give another name")
+                    raise CGCError(f"Rhino cannot create the layer {known!r}; choose another name")
             parent = layers[index].Id
         return int(index)
 
@@ -71,7 +71,7 @@ class Bakery:
 
 @contextmanager
 def baking(owner: str) -> Iterator[Bakery]:
-    """Bake into the open document, as one step that Rhino's Undo takes back.
+    """Bake to the open document as a single undo step.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def baking(owner: str) -> Iterator[Bakery]:
 
     document = Rhino.RhinoDoc.ActiveDoc
     if document is None:
-        raise CGCError("there is no open Rhino document to bake into; open one")
+        raise CGCError("no Rhino document is open; open one to bake")
     record = document.BeginUndoRecord("Bake CGC")
     try:
         yield Bakery(document, owner)

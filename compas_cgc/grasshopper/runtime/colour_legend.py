@@ -1,4 +1,4 @@
-"""Colours of a figure at the vertices of a mesh, and their legend."""
+"""Colours of a quantity at the vertices of a mesh, and their legend."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from ...scene.figures import FIGURES
 
 __all__ = ["FigureColours", "check_figure", "figure_colours"]
 
-STEPS = 7  # of the legend
+STEPS = 7  # number of colours in the legend
 
 
 class FigureColours(NamedTuple):
-    """A figure in colours."""
+    """Colours of a quantity."""
 
     vertices: IntArray  # (n, 3) red, green, blue, 0..255
     limit: float  # largest |value|
-    colours: list[Any]  # of the legend, for Grasshopper
-    legend: list[str]  # its values
+    colours: list[Any]  # colours of the legend, for Grasshopper
+    legend: list[str]  # values of the legend
 
 
 def check_figure(show: str) -> None:
-    """Raise an error if there is no such figure."""
+    """Raise an error if the quantity is unknown."""
     if show not in FIGURES:
         raise CGCError(f"show must be one of {', '.join(FIGURES)}, not {show!r}")
 
 
 def figure_colours(figures: Mapping[str, FloatArray], show: str) -> FigureColours:
-    """Return the colours of a figure (n,): blue below zero, white at zero, red above, grey for none."""
+    """Return the colours of a quantity (n,): blue below zero, white at zero, red above, grey for NaN."""
     import System
 
     limit = largest(figures[show])

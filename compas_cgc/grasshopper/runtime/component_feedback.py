@@ -1,4 +1,4 @@
-"""Component feedback: messages and balloons of a component, and when it runs again."""
+"""Component feedback: messages, balloons and scheduled runs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["add_error", "add_remark", "add_warning", "as_list", "poll", "reports
 
 
 def set_message(component: Any, text: str) -> None:
-    """Write a short text under a component."""
+    """Show a short text below a component."""
     component.Message = text
 
 
@@ -35,7 +35,7 @@ def add_error(component: Any, text: str) -> None:
 
 
 def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object]) -> None:
-    """Let Grasshopper run a component again after a while, or call `on_deleted` if it is not on the canvas any more."""
+    """Schedule another run of a component, or call `on_deleted` if it is no longer on the canvas."""
     from Grasshopper.Kernel import GH_Document
 
     def callback(document: Any) -> None:
@@ -48,18 +48,18 @@ def run_again(component: Any, milliseconds: int, on_deleted: Callable[[], object
 
 
 def poll(component: Any, milliseconds: int, is_over: Callable[[], bool], on_deleted: Callable[[], object]) -> None:
-    """Look every so often whether something is over, and only then let Grasshopper run a component, and what hangs on it, again.
+    """Poll until `is_over` returns true, then run a component and its dependents again.
 
     Parameters
     ----------
     component
         The component.
     milliseconds
-        Between two looks.
+        Polling interval.
     is_over
-        Asked each time; it may set the component's message meanwhile.
+        Called at every poll; it may set the message of the component.
     on_deleted
-        Called if the component is not on the canvas any more.
+        Called if the component is no longer on the canvas.
     """
     from Grasshopper.Kernel import GH_Document
 
@@ -81,12 +81,12 @@ def poll(component: Any, milliseconds: int, is_over: Callable[[], bool], on_dele
 
 
 def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
-    """Make a function of a component answer user errors with red balloons and empty outputs.
+    """Return a decorator that converts user errors of a component to red balloons and empty outputs.
 
     Parameters
     ----------
     outputs
-        NamedTuple of the outputs.
+        NamedTuple class of the outputs.
     """
 
     def decorate(function: Callable) -> Callable:
@@ -112,13 +112,13 @@ def reports_errors(outputs: Any) -> Callable[[Callable], Callable]:
 
 
 def unwrapped(value: Any) -> Any:
-    """Return the value that Grasshopper has wrapped to send it along a wire."""
+    """Return the value inside Grasshopper's wrapper for wires."""
     kind = type(value).__name__
     return value.Value if kind.startswith("GH_") and hasattr(value, "Value") else value
 
 
 def as_list(values: Any) -> list:
-    """Return a list input without its gaps; an unconnected one is empty, a single value a list of one."""
+    """Return the values of a list input without null items; a single value becomes a list."""
     if values is None:
         return []
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):

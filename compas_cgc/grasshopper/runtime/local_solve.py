@@ -1,4 +1,4 @@
-"""Local solve: in this process, with progress."""
+"""Local solve: in this process, with progress reports."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def local_solve(mesh: CGCMesh, settings: Optional[Settings] = None, goals: Seque
     Parameters
     ----------
     mesh
-        A mesh with targets and goals; it must not change any more.
+        A mesh with targets and goals; it must not be changed during the solve.
     settings
-        Those of :func:`compas_cgc.solve`.
+        Settings of :func:`compas_cgc.solve`.
     goals
-        Constraints next to those of the mesh.
+        Constraints in addition to those of the mesh.
     """
 
     def run(report: Report) -> SolveResult:

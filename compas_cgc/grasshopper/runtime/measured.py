@@ -1,4 +1,4 @@
-"""What is measured on a mesh, once for all components that show it."""
+"""Measurements of meshes, cached for all components."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from .progress import Report
 
 __all__ = ["Measured", "known_measures", "measure", "mesh_fingerprint"]
 
-MOST = 16  # meshes that are remembered
+CACHE_SIZE = 16  # number of meshes
 
 
 class Measured(NamedTuple):
-    """Figures of a mesh."""
+    """Measurement of a mesh."""
 
-    figures: dict[str, FloatArray]  # (n,) of every vertex, NaN where there is none
+    figures: dict[str, FloatArray]  # (n,) quantities at the vertices, NaN where undefined
     report: SurfaceReport
 
 
@@ -35,19 +35,19 @@ _LOCK = threading.Lock()
 
 
 def mesh_fingerprint(mesh: CGCMesh) -> str:
-    """Return the same text for equal meshes, whatever objects they are made of."""
+    """Return a text that is equal for equal meshes, also of different objects."""
     parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges())
     return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
 
 
 def known_measures(mesh: CGCMesh) -> Optional[Measured]:
-    """Return what has been measured on a mesh, or None."""
+    """Return the cached measurement of a mesh, or None."""
     with _LOCK:
         return _KNOWN.get(mesh_fingerprint(mesh))
 
 
 def measure(mesh: CGCMesh) -> Callable[[Report], Measured]:
-    """Return a function that measures a mesh, which must not change meanwhile, for a background task."""
+    """Return a function that measures a mesh, for a background task. The mesh must not be changed meanwhile."""
 
     def run(report: Report) -> Measured:
         name = mesh_fingerprint(mesh)
@@ -59,7 +59,7 @@ def measure(mesh: CGCMesh) -> Callable[[Report], Measured]:
             made = Measured(figures(mesh), analyse(mesh))
         with _LOCK:
             _KNOWN[name] = made
-            while len(_KNOWN) > MOST:
+            while len(_KNOWN) > CACHE_SIZE:
                 _KNOWN.popitem(last=False)
         return made
 

@@ -1,4 +1,4 @@
-"""Memories: what the components on open canvases remember from one run to the next."""
+"""Memories: state of the components on open canvases between runs."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ Memory = TypeVar("Memory")
 @dataclass(frozen=True, eq=False)
 class _Entry(Generic[Memory]):
     component: Any
-    run: int  # within a solution: several meshes on one wire make several runs
+    run: int  # index within a solution, as several items on a wire cause several runs
     memory: Memory
-    unwatch: Callable[[], object]  # end the watch over the document
+    unwatch: Callable[[], object]  # stops watching the document
 
 
 class Memories(Generic[Memory]):
-    """A memory for each component and run of it within a solution.
+    """State for each component and each of its runs within a solution.
 
-    Ids do not tell components apart: a definition that is open twice, or pasted with its ids, has each of them twice.
+    Component ids are not unique: a definition can be open twice, or be pasted with its ids.
 
     Parameters
     ----------
     forget
-        Called with a memory when it is dropped: on a reset, or because its component was deleted or its document closed.
+        Called with a state when it is dropped: on a reset, or when its component is deleted or its document closed.
     """
 
     def __init__(self, forget: Callable[[Memory], object]):
@@ -38,13 +38,13 @@ class Memories(Generic[Memory]):
         self._entries: list[_Entry[Memory]] = []
 
     def of(self, component: Any) -> Optional[Memory]:
-        """Return what a component remembers, or None."""
+        """Return the state of a component, or None."""
         run = _run_of(component)
-        # Rhino's objects come in a new wrapper each time, which are equal but not the same.
+        # Rhino creates a new wrapper of an object on every access; wrappers are equal but not identical.
         return next((entry.memory for entry in self._entries if entry.run == run and entry.component == component), None)
 
     def keep(self, component: Any, memory: Memory) -> Memory:
-        """Remember something until the component is deleted or its document closed, and return it."""
+        """Store the state of a component until it is deleted or its document closed, and return the state."""
         for entry in [entry for entry in self._entries if entry.component.OnPingDocument() is None]:
             self._drop(entry)
         watch = _when_closed(component, lambda: self.drop_all(component))
@@ -52,13 +52,13 @@ class Memories(Generic[Memory]):
         return memory
 
     def drop(self, component: Any) -> None:
-        """Forget what a component remembers of this run."""
+        """Drop the state of this run of a component."""
         run = _run_of(component)
         for entry in [entry for entry in self._entries if entry.run == run and entry.component == component]:
             self._drop(entry)
 
     def drop_all(self, component: Any) -> None:
-        """Forget what a component remembers of all its runs."""
+        """Drop the states of all runs of a component."""
         for entry in [entry for entry in self._entries if entry.component == component]:
             self._drop(entry)
 
@@ -73,12 +73,12 @@ def _run_of(component: Any) -> int:
 
 
 def _when_closed(component: Any, callback: Callable[[], object]) -> Callable[[], object]:
-    """Call a function when the document of a component is closed, which nothing that is scheduled there outlives.
+    """Call a function when the document of a component is closed; scheduled callbacks do not run after that.
 
     Returns
     -------
     Callable
-        Ends the watch.
+        Function that stops watching.
     """
     import Grasshopper
 

@@ -1,4 +1,4 @@
-"""Remote solve: by a server, which may go away and come back."""
+"""Remote solve: on a server, with retries when the connection is lost."""
 
 from __future__ import annotations
 
@@ -37,18 +37,18 @@ from .progress import Report
 
 __all__ = ["remote_solve", "request_body"]
 
-POLL_INTERVAL = 0.1  # seconds between two looks at a job
-RETRY_INTERVAL = 1.0  # seconds until a lost server is tried again
-FORGOTTEN = (404, 410)  # what a server answers that does not know the job
+POLL_INTERVAL = 0.1  # time between two status requests [s]
+RETRY_INTERVAL = 1.0  # time until a retry after a lost connection [s]
+UNKNOWN_JOB = (404, 410)  # HTTP statuses of a server that does not know the job
 
 
 def remote_solve(
     mesh: CGCMesh, settings: Optional[Settings], goals: Sequence[Constraint], server: Address
 ) -> Callable[[Report], SolveResult]:
-    """Return a function that has a server solve, for a background task.
+    """Return a function that solves on a server, for a background task.
 
-    A server that does not answer is tried again until it does or the task is cancelled;
-    one that has forgotten the job, because it was started anew, gets it again.
+    Requests are retried until the server responds or the task is cancelled. If the server was
+    restarted and does not know the job, the job is submitted again.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def remote_solve(
 
 
 def _answer(client: Client, id: str, body: bytes, meter: ProgressMeter, report: Report) -> dict:
-    """Submit a job until a server has it, and return its result."""
+    """Submit a job, with retries, and return its result."""
     progress, submitted = Progress(), False
     while True:
         shown, pause = progress, POLL_INTERVAL
@@ -81,13 +81,13 @@ def _answer(client: Client, id: str, body: bytes, meter: ProgressMeter, report: 
             if status["state"] == "succeeded":
                 return client.result(id)
             if status["state"] in ("failed", "cancelled"):
-                raise CGCError(status["message"] or f"the server says that the job is {status['state']}")
+                raise CGCError(status["message"] or f"the server reports that the job is {status['state']}")
             if status["error"] is not None:
                 shown = progress = meter.at(status["iteration"], status["error"])
         except ServerUnavailable as lost:
-            shown, pause = progress._replace(note=f"{lost}; trying again"), RETRY_INTERVAL
+            shown, pause = progress._replace(note=f"{lost}; retrying"), RETRY_INTERVAL
         except Refused as error:
-            if error.status not in FORGOTTEN or not submitted:
+            if error.status not in UNKNOWN_JOB or not submitted:
                 raise CGCError(str(error)) from None
             submitted = False
         if report(shown):
@@ -98,7 +98,7 @@ def _answer(client: Client, id: str, body: bytes, meter: ProgressMeter, report: 
 
 
 def request_body(id: str, problem: CGCProblem, settings: Optional[Settings] = None) -> bytes:
-    """Return the body of a request; with the same `id` a server takes it for the same job."""
+    """Return the body of a request; a request with the same `id` refers to the same job."""
     body = {
         "id": id,
         **_settings(settings),
@@ -116,7 +116,7 @@ def _settings(settings: Optional[Settings]) -> dict[str, Any]:
 
 
 def _needs_compas(problem: CGCProblem) -> bool:
-    """Check whether arrays cannot say it all: strategies of single creases, or roles that do not follow from places."""
+    """Check whether arrays cannot represent a problem: strategies of single creases, or roles that do not follow from the geometry."""
     if np.isfinite(problem.s).any() or np.isfinite(problem.e).any():
         return True
     plain = CGCProblem(problem.vertices, problem.faces, creases=problem.creases)
@@ -124,9 +124,9 @@ def _needs_compas(problem: CGCProblem) -> bool:
 
 
 def _compas_mesh(problem: CGCProblem) -> dict[str, Any]:
-    """Return a problem as COMPAS JSON, which takes longer to write and to read."""
+    """Return a problem as COMPAS JSON, which is slower than arrays."""
     data = CGCMesh.from_problem(problem).__data__
-    # They go into the body, where they are for arrays too.
+    # Constraints are sent in the body, as for arrays.
     data["attributes"].pop("goals", None)
     return {"mesh": {"dtype": "compas_cgc.datastructures/CGCMesh", "data": data}}
 
@@ -142,7 +142,7 @@ def _arrays(problem: CGCProblem) -> dict[str, Any]:
 
 
 def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[Settings], mesh: CGCMesh) -> SolveResult:
-    """Return what a server answers as the result that a solve in this process gives."""
+    """Return the response of a server as the result of a local solve."""
     columns = (answer["history"][name] for name in History._fields)
     real = problem.without_dummies()
     if any(isinstance(own, Unknown) for own in real.goals):

@@ -1,4 +1,4 @@
-"""Server process of the canvas: a compute server that is found, or started and stopped with it."""
+"""Server process of the canvas: finds a running server, or starts and stops one."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = ["RunningServer", "find_or_start"]
 
 
 class RunningServer(NamedTuple):
-    """A server that answers."""
+    """A responding server."""
 
     version: str
-    process: Optional[subprocess.Popen]  # None where it ran before
+    process: Optional[subprocess.Popen]  # None if the server was already running
 
 
 def find_or_start(address: Address, python: Optional[str]) -> Callable[[Report], RunningServer]:
@@ -36,9 +36,9 @@ def find_or_start(address: Address, python: Optional[str]) -> Callable[[Report],
     Parameters
     ----------
     address
-        On this machine, if it has to be started.
+        Address of the server; a server can only be started on this machine.
     python
-        Python that has compas_cgc. Default: the one that runs this, which is none inside of Rhino.
+        Path of a Python with compas_cgc. Default: the running Python, which is not available inside Rhino.
     """
 
     def run(report: Report) -> RunningServer:
@@ -56,7 +56,7 @@ def _found_or_started(address: Address, python: Optional[str], report: Report) -
     if found is not None:
         return RunningServer(found["version"], None)
     if not python and own_python() is None:
-        raise CGCError("no server answers, and Rhino itself cannot run one; connect the path of a Python that has compas_cgc")
+        raise CGCError("no server is running, and Rhino cannot start one; connect the path of a Python with compas_cgc")
     server = start_server(address.url, address.key, python.strip() if python else None, detached=False)
     atexit.register(stop_server, server.process)
     starting = Progress(note=f"starting; the log is {server.log}")

@@ -1,4 +1,4 @@
-"""Data trees: a branch for each region."""
+"""Data trees with one branch per region."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["tree_of"]
 
 
 def tree_of(branches: Sequence[Iterable[Any]]) -> Any:
-    """Return a data tree with the branches {0}, {1}, ...; None is an empty place in one."""
+    """Return a data tree with the branches {0}, {1}, ...; None becomes a null item."""
     from Grasshopper import DataTree
     from Grasshopper.Kernel.Data import GH_Path
     from System import Object

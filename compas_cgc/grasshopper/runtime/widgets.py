@@ -1,4 +1,4 @@
-"""Widgets: value lists that appear at the inputs of a component that is new on the canvas."""
+"""Widgets: value lists at the inputs of a new component."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Optional
 
 __all__ = ["offer_values"]
 
-GAP = 30.0  # between a list and the input [pixel]
-DELAY = 5  # [ms]; the canvas must not change while a solution runs
+GAP = 30.0  # distance between a list and the input [pixel]
+DELAY = 5  # [ms]; the canvas must not be changed during a solution
 
 _OFFERED: set[tuple[str, str]] = set()
 
 
 def offer_values(component: Any, name: str, values: Sequence[str]) -> None:
-    """Put a value list at an input, once, if nothing is connected to the component yet.
+    """Add a value list to an input, once, if nothing is connected to the component yet.
 
-    A list that the user deletes does not come back, and a definition that is opened stays as it was saved.
+    A deleted list is not added again, and saved definitions are not changed.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def offer_values(component: Any, name: str, values: Sequence[str]) -> None:
     name
         Name of the input.
     values
-        Texts to choose from; the first one is chosen, and has to mean the same as nothing.
+        Texts to choose from; the first one is selected and must be equivalent to the default.
     """
     parameter, document = _input(component, name), component.OnPingDocument()
     key = (str(component.InstanceGuid), name)
@@ -69,7 +69,7 @@ def _value_list(name: str, values: Sequence[str]) -> Any:
 
 
 def _place_before(made: Any, parameter: Any) -> None:
-    """Put an object to the left of an input; its size is known once it is on the canvas."""
+    """Place an object to the left of an input, when its size on the canvas is known."""
     from System.Drawing import PointF
 
     made.Attributes.PerformLayout()

@@ -1,4 +1,4 @@
-"""Wires: what may come along each input of a component, and the sentence where something else does."""
+"""Wires: accepted types of each component input, and errors for other types."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .address import Address
 
 __all__ = ["LISTS", "check_wires", "single"]
 
-# Names of the inputs that take lists; the others take one value.
+# Inputs that take lists; the others take a single value.
 LISTS = frozenset(
     ("K", "clear", "clearance", "creases", "curves", "goals", "others", "point", "points", "region", "supports", "surfaces")
     + ("through", "unknown")
@@ -27,10 +27,10 @@ LISTS = frozenset(
 
 
 class Wire(NamedTuple):
-    """What an input takes."""
+    """Accepted type of an input."""
 
-    fits: Callable[[Any], bool]  # whether one value does
-    wanted: str  # what to connect
+    fits: Callable[[Any], bool]  # whether a value is accepted
+    wanted: str  # description of what to connect
 
 
 def _is_number(value: Any) -> bool:
@@ -46,12 +46,12 @@ def _is_switch(value: Any) -> bool:
 
 
 def _is_geometry(value: Any) -> bool:
-    """Check whether a value may be geometry of Rhino, of which there are too many classes to name."""
+    """Check whether a value may be Rhino geometry, which has too many classes to list."""
     return not isinstance(value, (str, bytes, numbers.Number, CGCMesh, SolveResult, Settings, Constraint, Address))
 
 
 def _is_mesh(value: Any) -> bool:
-    # Breps and SubDs have vertices and faces too, and edges.
+    # Unlike meshes, Breps and SubDs also have edges.
     return _is_geometry(value) and hasattr(value, "Vertices") and hasattr(value, "Faces") and not hasattr(value, "Edges")
 
 
@@ -68,7 +68,7 @@ def _is_curve(value: Any) -> bool:
 
 
 def _is_surface(value: Any) -> bool:
-    """Surfaces, Breps, extrusions, SubDs and curves; a mesh has an input of its own."""
+    """Check for surfaces, Breps, extrusions, SubDs and curves; meshes have a separate input."""
     return _is_geometry(value) and not _is_mesh(value) and any(hasattr(value, name) for name in ("Faces", "NormalAt", "TryGetPolyline"))
 
 
@@ -90,7 +90,7 @@ _AMOUNTS = (
     *("volume", "weight", "width"),
 )
 
-# By the names of inputs, which mean the same on every component.
+# Types by name of the input, which is the same for all components.
 WIRES = {
     "cgc_mesh": Wire(lambda value: isinstance(value, CGCMesh), "the output cgc_mesh of CGC Mesh, Target, Solve or Example"),
     "settings": Wire(lambda value: isinstance(value, Settings), "the output of Settings"),
@@ -126,36 +126,36 @@ WIRES = {
 
 
 def single(name: str, value: Any) -> Any:
-    """Return the value of an input that takes one, which comes in a list where the canvas was set to list access.
+    """Return the value of a single-value input, which arrives as a list if the input is set to list access.
 
     Parameters
     ----------
     name
-        Of the input.
+        Name of the input.
     value
-        What it gets: of a list without gaps its one value, None where it is empty.
+        The input: a value, or a list of at most one value that is not null.
 
     Raises
     ------
     CGCError
-        If there are several.
+        If the list has several values.
     """
     if name in LISTS or value is None:
         return value
     values = _values(value)
     there = [one for one in values if one is not None]
     if len(there) > 1:
-        raise CGCError(f"the input {name} gets {len(there)} values; connect one, or set the input to item access")
+        raise CGCError(f"the input {name} received {len(there)} values; connect one value, or set the input to item access")
     return there[0] if there else None
 
 
 def check_wires(inputs: Mapping[str, Any]) -> None:
-    """Raise an error with a sentence for the first input that something else is connected to than it takes.
+    """Raise an error for the first input with a value of the wrong type.
 
     Parameters
     ----------
     inputs
-        Values or lists of values by the names of inputs, None where nothing is connected.
+        Values or lists of values by name of the input, None if nothing is connected.
     """
     for name, value in inputs.items():
         wire = WIRES.get(name)
@@ -164,17 +164,17 @@ def check_wires(inputs: Mapping[str, Any]) -> None:
         for one in _values(value):
             inner = getattr(one, "Value", one) if type(one).__name__.startswith("GH_") else one
             if inner is not None and not wire.fits(inner):
-                raise CGCError(f"the input {name} gets {_kind(inner)}; connect {wire.wanted}")
+                raise CGCError(f"the input {name} received {_kind(inner)}; connect {wire.wanted}")
 
 
 def _values(value: Any) -> Sequence[Any]:
-    """Return the values of a list, and one alone as a list of one; points may be rows of numbers."""
+    """Return the values of a list; a single value becomes a list. Points can be rows of numbers."""
     is_list = type(value) is list or type(value).__name__.startswith("List") or (type(value) is tuple and not all(map(_is_number, value)))
     return list(value) if is_list else [value]
 
 
 def _kind(value: Any) -> str:
-    """Say what a value is, as a user of Grasshopper calls it."""
+    """Return the name of a value's type in the terms of Grasshopper users."""
     if isinstance(value, str):
         return f"the text {value[:30]!r}"
     if isinstance(value, bool):

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Measure curvatures at the vertices, and show them in colours.
+"""Measure curvatures at the vertices and show them as colours.
 
 COMPAS CGC {{version}}
 """

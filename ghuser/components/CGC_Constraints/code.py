@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Say where vertices have to be, besides the curvature.
+"""Constrain the positions of vertices, besides the curvature.
 
 COMPAS CGC {{version}}
 """

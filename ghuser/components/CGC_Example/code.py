@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""One of the paper's examples, with its settings.
+"""An example of the paper, with its settings.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Say what the surface shall be like besides its curvature: how high, how large, what stays clear under it; and which K is to be found.
+"""Set requirements on the surface besides its curvature, such as rise, volume or clearance, and regions with unknown K.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""How a solve went, step by step, for a graph.
+"""Convergence of a solve, step by step, for a graph.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Versions of the package, of Python and of what it builds on.
+"""Versions of the package, of Python and of the dependencies.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Find the membrane forces of a surface of constant K under a pressure and self weight.
+"""Compute the membrane forces of a surface of constant K under pressure and self-weight.
 
 COMPAS CGC {{version}}
 """

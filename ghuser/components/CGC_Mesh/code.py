@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Make a mesh with what holds it and where it may fold; surfaces, SubDs and outlines are meshed.
+"""Create a mesh with supports and creases. Surfaces, SubDs and outlines are meshed.
 
 COMPAS CGC {{version}}
 """

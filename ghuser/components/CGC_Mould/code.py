@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Divide a surface into panels, and say on which moulds they are made and how they fit.
+"""Divide a surface into panels, and report their moulds and their fit.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Trace curves to build along: lines of curvature where K > 0, an asymptotic net of equal sides where K < 0, rulings where K = 0.
+"""Trace construction curves: lines of curvature where K > 0, an asymptotic net of equal sides where K < 0, rulings where K = 0.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Take a CGC mesh apart into region meshes, creases, open edges and supports.
+"""Split a CGC mesh into region meshes, creases, open edges and supports.
 
 COMPAS CGC {{version}}
 """

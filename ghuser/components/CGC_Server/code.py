@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Find or start the compute server, so that a solve runs outside of Rhino.
+"""Find or start the compute server, so that a solve runs outside Rhino.
 
 COMPAS CGC {{version}}
 """

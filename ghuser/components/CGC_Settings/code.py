@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Say how a solve goes about it. Without any settings Solve chooses the method by the problem.
+"""Set the method and options of a solve. Without settings, Solve chooses the method.
 
 COMPAS CGC {{version}}
 """

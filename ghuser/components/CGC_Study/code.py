@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Read a study that compas-cgc study has written: the surface of a variant, its row of the table, and the best ones.
+"""Read the output of compas-cgc study: the surface of a variant, its row of the table, and the best variants.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Say which Gaussian curvature is wanted, everywhere or region by region.
+"""Set the target Gaussian curvature, everywhere or region by region.
 
 COMPAS CGC {{version}}
 """

@@ -1,6 +1,6 @@
 #! python 3
 # r: compas_cgc>={{version}}
-"""Lay a solved surface out as flat pieces within sheets; regions of K = 0 keep all their lengths.
+"""Unroll a solved surface into flat pieces on sheets. Regions with K = 0 keep all lengths.
 
 COMPAS CGC {{version}}
 """

@@ -132,7 +132,7 @@ def test_files_by_suffix(tmp_path):
         write_archive(tmp_path / f"a.{suffix}", WORKED)
         assert read_archive(tmp_path / f"a.{suffix}") == WORKED
     assert (tmp_path / "a.gh").read_bytes() != (tmp_path / "a.ghx").read_bytes()
-    with pytest.raises(FileError, match=r"a\.3dm: files of Grasshopper end in \.gh"):
+    with pytest.raises(FileError, match=r"a\.3dm: the suffix of a Grasshopper file must be one of \.gh"):
         read_archive(tmp_path / "a.3dm")
     with pytest.raises(FileError, match=r"none\.gh"):
         read_archive(tmp_path / "none.gh")

@@ -72,7 +72,7 @@ def test_where_rhino_8_looks(tmp_path):
     assert user_objects_folder("Darwin", {"HOME": str(tmp_path)}) == mac / "UserObjects"
     with pytest.raises(FileError, match="start Rhino 8 and Grasshopper once"):
         user_objects_folder("Windows", {"APPDATA": str(tmp_path / "other")})
-    with pytest.raises(FileError, match="Windows and macOS only; name a folder with --to"):
+    with pytest.raises(FileError, match="Windows and macOS only; choose a folder with --to"):
         user_objects_folder("Linux", {})
 
 
@@ -104,7 +104,7 @@ def test_components_that_are_no_more_are_taken_away_and_those_of_others_are_not(
     )
     assert install({"CGC_Solve.ghuser": data}, tmp_path) == ([tmp_path / "CGC_Solve.ghuser"], [tmp_path / "CGC_Old.ghuser"])
     (tmp_path / "CGC_Mine.ghuser").write_bytes(b"somebody else's")
-    with pytest.raises(FileError, match="is not from compas_cgc; move it away"):
+    with pytest.raises(FileError, match="does not belong to compas_cgc; move it"):
         install({"CGC_Mine.ghuser": data}, tmp_path)
     assert uninstall(tmp_path) == [tmp_path / "CGC_Solve.ghuser"] and (tmp_path / "CGC_Mine.ghuser").exists()
 
@@ -113,7 +113,7 @@ def test_the_components_are_in_the_package_or_beside_it(tmp_path, monkeypatch):
     assert sources_folder() == ROOT / "ghuser" / "components", "of the clone that these tests are in"
     package = tmp_path.resolve() / "site-packages" / "compas_cgc"
     monkeypatch.setattr(bundle, "__file__", str(package / "grasshopper" / "build" / "bundle.py"))
-    with pytest.raises(FileError, match="install compas_cgc again, or name their folder with --source"):
+    with pytest.raises(FileError, match="reinstall compas_cgc, or give their folder with --source"):
         sources_folder()
     for parent in (package.parent, package):
         (parent / "ghuser" / "components").mkdir(parents=True)
@@ -126,7 +126,7 @@ def test_wrong_sources_end_in_one_sentence(tmp_path, capsys):
     shutil.copytree(sources_folder() / "CGC_Info", tmp_path / "components" / "CGC_Info")
     (tmp_path / "components" / "CGC_Info" / "code.py").write_text("def", encoding="utf-8")
     assert main(["grasshopper", "build", "-o", str(tmp_path / "out"), "--source", str(tmp_path / "components")]) == 2
-    assert "CGC_Info: code.py is no Python 3.9" in capsys.readouterr().err and not (tmp_path / "out").exists()
+    assert "CGC_Info: code.py is not valid Python 3.9" in capsys.readouterr().err and not (tmp_path / "out").exists()
 
 
 def test_the_pictures_of_the_guide_are_those_of_the_definitions(files):

@@ -183,9 +183,9 @@ def test_panels_are_laid_onto_a_mould_for_each_curvature(canvas):
     opened.set["run"] = [True]
     values = opened.settle()
     assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
-    assert len(opened.panel(values, "panels")) == 36 and len(opened.panel(values, "not bent it misses by [mm]")) == 36
+    assert len(opened.panel(values, "panels")) == 36 and len(opened.panel(values, "deviation without bending [mm]")) == 36
     assert len(opened.out(values, "Mould", "moulds")) == 2 and "36 panels on 2 moulds" in "".join(opened.panel(values, "report"))
-    opened.set["panels to a region"] = [1]
+    opened.set["panels per region"] = [1]
     assert len(opened.panel(opened.settle(), "panels")) == 9
 
 
@@ -315,12 +315,12 @@ def arrays(mesh):
     "node, sentence",
     [
         (Script("x", "CGC_Solve", {"mesh": "a.out"}), "x has no input 'mesh'"),
-        (Script("x", "CGC_Solve", {"cgc_mesh": "t.mesh"}), "the wire from 't.mesh' to x.cgc_mesh begins nowhere"),
-        (Script("x", "CGC_Solve", {"cgc_mesh": "t"}), "the wire from 't' to x.cgc_mesh begins nowhere"),
-        (Script("x", "CGC_Solve", {"run": "K.value"}), "the wire from 'K.value' to x.run begins nowhere"),
-        (Panel("x", "p", source="nobody"), "the wire from 'nobody' to x. begins nowhere"),
-        (Group("x", "g", ("nobody",)), "holds an object that is not there"),
-        (Slider("K", "K", 0, 0, 1), "two objects of the same key"),
+        (Script("x", "CGC_Solve", {"cgc_mesh": "t.mesh"}), "the source of the wire from 't.mesh' to x.cgc_mesh does not exist"),
+        (Script("x", "CGC_Solve", {"cgc_mesh": "t"}), "the source of the wire from 't' to x.cgc_mesh does not exist"),
+        (Script("x", "CGC_Solve", {"run": "K.value"}), "the source of the wire from 'K.value' to x.run does not exist"),
+        (Panel("x", "p", source="nobody"), "the source of the wire from 'nobody' to x. does not exist"),
+        (Group("x", "g", ("nobody",)), "refers to an object that does not exist"),
+        (Slider("K", "K", 0, 0, 1), "two objects with the same key"),
         (Hops("x", "cgc/dome", {"Curve": "K"}), "x has no input 'Curve'"),
     ],
 )
@@ -358,14 +358,14 @@ def script_path(root):
     "where, change, sentence",
     [
         (OBJECTS, with_item("ObjectCount", "gh_int32", 99), "ObjectCount is 99"),
-        ([*OBJECTS, ("Object", 0)], with_item("Colour", "gh_int32", 1), "GUID, Lib and Name and no others"),
-        ([*OBJECTS, ("Object", 0)], lambda part: replace(part, chunks=()), "one Container and nothing else"),
+        ([*OBJECTS, ("Object", 0)], with_item("Colour", "gh_int32", 1), "GUID, Lib and Name only"),
+        ([*OBJECTS, ("Object", 0)], lambda part: replace(part, chunks=()), "exactly one chunk, its Container"),
         ([*OBJECTS, ("Object", 0), ("Container", None)], lambda part: replace(part, chunks=()), "no Attributes"),
         ("parameters", with_item("InputCount", "gh_int32", 1), "InputCount is 1"),
         ("input", with_item("SourceCount", "gh_int32", 5), "SourceCount is 5"),
         ("input", with_item("Source", "gh_guid", "00000000-0000-0000-0000-000000000009", 0), "is not in the file"),
         ("source", with_item("Text", "gh_string", "!"), "its source cannot be read"),
-        ([], lambda part: replace(part, name="Other"), "is no definition"),
+        ([], lambda part: replace(part, name="Other"), "is not a definition"),
         ([("Definition", None)], lambda part: chunk("Definition"), "no DefinitionObjects"),
     ],
 )

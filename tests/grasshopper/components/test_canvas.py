@@ -90,7 +90,7 @@ def test_outlines_are_filled_with_columns_and_creases_as_drawn():
         ({"surfaces": [SQUARE, Brep(None)]}, "the input has both curves and surfaces"),
         ({"surfaces": [PolylineCurve(SQUARE.points[:3])], "edge_length": 1.0}, "curve 0 is open"),
         ({"surfaces": [SQUARE], "edge_length": 0.0}, "edge_length must be above zero, not 0"),
-        ({"surfaces": [SQUARE], "mesh": square(2)}, "either a mesh, or surfaces"),
+        ({"surfaces": [SQUARE], "mesh": square(2)}, "either a mesh or surfaces"),
         ({"surfaces": [square(2)]}, "the input surfaces gets a Mesh; connect surfaces"),
         ({"surfaces": ["roof"]}, "the input surfaces gets the text 'roof'"),
         ({"surfaces": [SQUARE], "edge_length": "fine"}, "the input edge_length gets the text 'fine'; connect a number"),
@@ -158,7 +158,7 @@ def test_a_thread_ends_whose_component_is_nowhere_any_more():
 
 def test_the_surface_is_there_before_its_report(monkeypatch):
     told = []
-    real = solve_module._telling
+    real = solve_module._measuring
 
     def slow(result, mesh):
         def tell(report):
@@ -168,7 +168,7 @@ def test_the_surface_is_there_before_its_report(monkeypatch):
 
         return tell
 
-    monkeypatch.setattr(solve_module, "_telling", slow)
+    monkeypatch.setattr(solve_module, "_measuring", slow)
     placed, mesh = place("Solve"), dome()
     out = placed.run(cgc_mesh=mesh, run=True)
     end = time.monotonic() + PATIENCE
@@ -209,7 +209,7 @@ def test_analyse_does_not_wait_for_the_compiler(monkeypatch):
     began = time.monotonic()
     out = placed.run(cgc_mesh=mesh)
     assert out["mesh"] is None and time.monotonic() - began < analyse_module.PATIENCE
-    assert placed.component.Message.startswith("compiling, once [###")
+    assert placed.component.Message.startswith("compiling (first use) [###")
     assert placed.component.document.tick() == 1 and not placed.component.expired
     go.append(True)
     out = placed.settle(cgc_mesh=mesh)
@@ -352,7 +352,7 @@ def test_a_surface_is_baked_on_layers_with_names_and_user_text_and_replaced():
 def test_what_cannot_be_baked_is_said():
     placed = place("Bake")
     placed.run(cgc_mesh=dome(), layer="::", bake=True)
-    assert "Rhino makes no layer" in placed.said("Error")[0] and sys.modules["Rhino"].RhinoDoc.ActiveDoc.open == 0
+    assert "Rhino cannot create the layer" in placed.said("Error")[0] and sys.modules["Rhino"].RhinoDoc.ActiveDoc.open == 0
     sys.modules["Rhino"].RhinoDoc.ActiveDoc = None
     placed.run(cgc_mesh=dome(), bake=True)
-    assert "no open Rhino document" in placed.said("Error")[0]
+    assert "no Rhino document is open" in placed.said("Error")[0]

@@ -80,7 +80,7 @@ def change(data, path, value):
     "path, value, sentence",
     [
         (["nickName"], "x", "unknown key 'nickName'"),
-        (["name"], None, "lacks 'name'"),
+        (["name"], None, "has no key 'name'"),
         (["exposure"], 3, "exposure must be one of"),
         (["exposure"], True, "'exposure' of metadata.json must be of type int, not True"),
         (["ghpython", "hideOutput"], True, "ghpython has the unknown key 'hideOutput'"),
@@ -108,12 +108,12 @@ def test_metadata_that_are_not_as_they_must_be(tmp_path, path, value, sentence):
     "old, new, sentence",
     [
         ("#! python 3\n", "", "must begin with the line"),
-        ("# r: compas_cgc>={{version}}", "# r: compas", "must name the package"),
+        ("# r: compas_cgc>={{version}}", "# r: compas", "must state the required package"),
         ("def RunScript", "def Run", "a method RunScript"),
         ("return out.cgc_mesh, out.problems", "return out.problems, out.cgc_mesh", "RunScript returns"),
         ("return out.cgc_mesh, out.problems", "pass", "returns nothing"),
         ("flip: bool,", "flip: bool, more=1,", "RunScript takes"),
-        ("import System", "match 1:\n    case 1: pass", "is no Python 3.9"),
+        ("import System", "match 1:\n    case 1: pass", "is not valid Python 3.9"),
     ],
 )
 def test_code_that_does_not_fit_its_metadata(tmp_path, old, new, sentence):
@@ -131,7 +131,7 @@ def test_a_placeholder_that_there_is_not_is_named(tmp_path):
     shutil.copytree(sources_folder() / "CGC_Settings", folder)
     text = (folder / "metadata.json").read_text(encoding="utf-8")
     (folder / "metadata.json").write_text(text.replace("{{options.delay}}", "{{options.wait}}"), encoding="utf-8")
-    with pytest.raises(FileError, match="CGC_Settings: there is no placeholder {{options.wait}}; there are version, methods"):
+    with pytest.raises(FileError, match="CGC_Settings: unknown placeholder {{options.wait}}; the placeholders are version, methods"):
         read_bundle(folder)
 
 

@@ -145,7 +145,7 @@ def test_a_server_that_is_lost_and_comes_back(tmp_path, monkeypatch):
     memory = memory_of(placed)
     wait_for(lambda: memory.task.progress.note)
     assert placed.run(**inputs)["status"] == "running" and placed.component.Message == "waiting"
-    assert "start one with: compas-cgc serve; trying again" in placed.said("Warning")[0]
+    assert "start one with: compas-cgc serve; retrying" in placed.said("Warning")[0]
     with running_server(tmp_path / "first.sqlite", workers=1, port=port):
         wait_for(lambda: memory.task.progress.step > 0)
         assert placed.run(**inputs)["status"] == "running" and not placed.component.balloons
@@ -177,7 +177,7 @@ def settled(placed, **inputs):
 def test_a_server_that_runs_is_found_and_left_alone(running):
     placed = place("Server")
     out = settled(placed, run=True, url=running.url)
-    assert out["server"] == Address(running.url) and out["url"] == running.url and out["status"].endswith("it ran before")
+    assert out["server"] == Address(running.url) and out["url"] == running.url and out["status"].endswith("already running")
     assert place("Solve").run(cgc_mesh=dome(), run=False, server=out["server"])["status"] == "waiting"
     assert settled(placed, run=False, url=running.url)["status"] == "not running"
     assert running.client.health()["status"] == "ok"
@@ -217,5 +217,5 @@ def test_inside_rhino_a_python_must_be_named(monkeypatch):
     monkeypatch.setattr(sys, "executable", "C:/Program Files/Rhino 8/System/Rhino.exe")
     placed = place("Server")
     settled(placed, run=True, url=f"http://127.0.0.1:{free_port()}")
-    assert "Rhino itself cannot run one" in placed.said("Error")[0]
+    assert "Rhino cannot start one" in placed.said("Error")[0]
     placed.run(run=False)

@@ -83,7 +83,7 @@ def test_a_wrong_wire_is_one_sentence(name, wire, wrong):
     inputs = {"cgc_mesh": dome()} if "cgc_mesh" in {one.name for one in placed.bundle.inputs} else {}
     out = placed.run(**{**inputs, wire: wrong})
     (sentence,) = placed.said("Error")
-    assert re.match(rf"the input {wire} gets .+; connect .+", sentence)
+    assert re.match(rf"the input {wire} received .+; connect .+", sentence)
     assert all(value is None for value in out.values())
 
 
@@ -99,7 +99,7 @@ def test_inputs_of_one_value_take_it_out_of_a_list_and_tell_of_several():
     for name in ("Analyse", "Constraints", "Mould", "Regions", "Solve"):
         placed = place(name)
         placed.run(cgc_mesh=[dome(), dome()])
-        assert placed.said("Error") == ["the input cgc_mesh gets 2 values; connect one, or set the input to item access"]
+        assert placed.said("Error") == ["the input cgc_mesh received 2 values; connect one value, or set the input to item access"]
         placed.run(cgc_mesh=[None])
         assert not placed.said("Error") and len(placed.said("Warning")) == 1
 

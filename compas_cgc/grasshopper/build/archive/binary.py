@@ -18,10 +18,10 @@ from .types import Value
 
 __all__ = ["from_bytes", "to_bytes"]
 
-# More than any definition needs, less than hurts: files come from strangers.
-LARGEST = 1 << 28
-DEEPEST = 64
-# A chunk is at least a name, an index and two counts, an item a name, an index, a type and a byte.
+# Limits on untrusted files, above the needs of any definition.
+MAX_SIZE = 1 << 28  # inflated size [bytes]
+MAX_DEPTH = 64  # levels of nested chunks
+# Minimal sizes in bytes: a chunk has a name, an index and two counts; an item has a name, an index, a type and one byte.
 SMALLEST_CHUNK = 13
 SMALLEST_ITEM = 10
 
@@ -32,12 +32,12 @@ def to_bytes(root: Chunk) -> bytes:
     Parameters
     ----------
     root
-        What the file holds.
+        Root chunk of the file.
 
     Returns
     -------
     bytes
-        Of the file.
+        Content of the file.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def from_bytes(data: bytes) -> Chunk:
     Parameters
     ----------
     data
-        Of the file.
+        Content of the file.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def from_bytes(data: bytes) -> Chunk:
     Raises
     ------
     FileError
-        If they are cut off, damaged or of another kind.
+        If the data are truncated, damaged or in another format.
 
     Examples
     --------
@@ -75,16 +75,16 @@ def from_bytes(data: bytes) -> Chunk:
     """
     inflate = zlib.decompressobj(-15)
     try:
-        plain = inflate.decompress(data, LARGEST)
+        plain = inflate.decompress(data, MAX_SIZE)
     except zlib.error as error:
-        raise FileError(f"this is no binary Grasshopper file ({error})") from None
+        raise FileError(f"this is not a binary Grasshopper file ({error})") from None
     if not inflate.eof:
-        raise FileError("the Grasshopper file is cut off" if not inflate.unconsumed_tail else "the Grasshopper file is too large")
+        raise FileError("the Grasshopper file is truncated" if not inflate.unconsumed_tail else "the Grasshopper file is too large")
     return _Reader(plain).chunk(0)
 
 
 class _Reader:
-    """A place in inflated bytes."""
+    """Read position in inflated bytes."""
 
     def __init__(self, data: bytes):
         self.data = data
@@ -92,7 +92,7 @@ class _Reader:
 
     def take(self, count: int) -> bytes:
         if count < 0 or count > len(self.data) - self.at:
-            raise FileError("the Grasshopper file is cut off or damaged")
+            raise FileError("the Grasshopper file is truncated or damaged")
         self.at += count
         return self.data[self.at - count : self.at]
 
@@ -107,10 +107,10 @@ class _Reader:
         return None if value == -1 else value
 
     def count(self, smallest: int) -> int:
-        """Return a count of things that can still fit."""
+        """Return a count after checking that the remaining bytes can hold as many elements."""
         value = self.integer()
         if not 0 <= value <= (len(self.data) - self.at) // smallest:
-            raise FileError("the Grasshopper file is cut off or damaged")
+            raise FileError("the Grasshopper file is truncated or damaged")
         return value
 
     def text(self) -> str:
@@ -122,20 +122,20 @@ class _Reader:
             if byte < 0x80:
                 break
             if shift > 28:
-                raise FileError("the Grasshopper file is damaged: a text has no length")
+                raise FileError("the Grasshopper file is damaged: a string has no length")
         try:
             return self.take(length).decode("utf-8")
         except UnicodeDecodeError:
-            raise FileError("the Grasshopper file is damaged: a text is not UTF-8") from None
+            raise FileError("the Grasshopper file is damaged: a string is not UTF-8") from None
 
     def chunk(self, depth: int) -> Chunk:
-        if depth > DEEPEST:
+        if depth > MAX_DEPTH:
             raise FileError("the Grasshopper file is damaged: chunks are nested too deeply")
         name, index = self.text(), self.index()
         items, chunks = self.integer(), self.integer()
         room = len(self.data) - self.at
         if items < 0 or chunks < 0 or items * SMALLEST_ITEM + chunks * SMALLEST_CHUNK > room:
-            raise FileError("the Grasshopper file is cut off or damaged")
+            raise FileError("the Grasshopper file is truncated or damaged")
         return Chunk(name, tuple(self.item() for _ in range(items)), tuple(self.chunk(depth + 1) for _ in range(chunks)), index)
 
     def item(self) -> Item:

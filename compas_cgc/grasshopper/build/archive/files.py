@@ -1,4 +1,4 @@
-"""Grasshopper files by their suffix."""
+"""Reading and writing of Grasshopper files by suffix."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_archive(path: Union[str, os.PathLike]) -> Chunk:
     Parameters
     ----------
     path
-        Of the file.
+        Path of the file.
 
     Returns
     -------
@@ -35,7 +35,7 @@ def read_archive(path: Union[str, os.PathLike]) -> Chunk:
     Raises
     ------
     FileError
-        If it cannot be read.
+        If the file cannot be read.
 
     Examples
     --------
@@ -54,19 +54,19 @@ def read_archive(path: Union[str, os.PathLike]) -> Chunk:
 
 
 def write_archive(path: Union[str, os.PathLike], root: Chunk) -> None:
-    """Write a .gh, .ghx or .ghuser file, whole or not at all.
+    """Write a .gh, .ghx or .ghuser file, atomically.
 
     Parameters
     ----------
     path
-        Of the file, which is replaced when the new one is complete.
+        Path of the file; an existing file is replaced when the new one is complete.
     root
-        What it shall hold.
+        Root chunk of the file.
 
     Raises
     ------
     FileError
-        If the suffix is another, or a text cannot be written in XML.
+        If the suffix is not supported, or a string cannot be written in XML.
 
     Examples
     --------
@@ -86,5 +86,5 @@ def write_archive(path: Union[str, os.PathLike], root: Chunk) -> None:
 def _form(path: Path) -> tuple:
     suffix = path.suffix.lower()
     if suffix not in _FORMS:
-        raise FileError(f"{path}: files of Grasshopper end in {', '.join(_FORMS)}, not in {suffix or 'nothing'!r}")
+        raise FileError(f"{path}: the suffix of a Grasshopper file must be one of {', '.join(_FORMS)}, not {suffix or 'empty'!r}")
     return _FORMS[suffix]

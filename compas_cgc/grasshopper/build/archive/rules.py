@@ -1,4 +1,4 @@
-"""Rules that hold in every definition that Grasshopper writes."""
+"""Consistency rules of Grasshopper definitions."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ __all__ = ["definition_problems"]
 
 
 def definition_problems(root: Chunk) -> list[str]:
-    """Return in sentences where a definition breaks the rules that Grasshopper's own files keep.
+    """Return the violations of the consistency rules of Grasshopper files in a definition.
 
     Parameters
     ----------
     root
-        What :func:`read_archive` returns for a .gh or .ghx file.
+        Root chunk of a .gh or .ghx file, from :func:`read_archive`.
 
     Returns
     -------
     list of str
-        Empty for a definition as Grasshopper writes it.
+        One sentence per violation; empty for a valid definition.
 
     Examples
     --------
@@ -31,11 +31,11 @@ def definition_problems(root: Chunk) -> list[str]:
     True
     """
     if root.name != "Root" or root.get("ArchiveVersion") is None:
-        return ["the archive is no definition: its root is not called 'Root' or has no ArchiveVersion"]
+        return ["the archive is not a definition: its root is not named 'Root' or has no ArchiveVersion"]
     definition = root.child("Definition")
     objects = definition.child("DefinitionObjects") if definition else None
     if objects is None:
-        return ["the archive is no definition: it has no DefinitionObjects"]
+        return ["the archive is not a definition: it has no DefinitionObjects"]
     found = objects.children("Object")
     problems = list(_numbered("the definition", "ObjectCount", objects.get("ObjectCount"), [part.index for part in found]))
     names = list(_instances(objects))
@@ -45,9 +45,9 @@ def definition_problems(root: Chunk) -> list[str]:
         where = f"{part.get('Name', default='an object')} ({part.index})"
         container = part.child("Container")
         if not {entry.name for entry in part.items} <= {"GUID", "Lib", "Name"} or not part.has("GUID") or not part.has("Name"):
-            problems.append(f"{where}: an object has the items GUID, Lib and Name and no others")
+            problems.append(f"{where}: an object must have the items GUID, Lib and Name only")
         if container is None or len(part.chunks) != 1:
-            problems.append(f"{where}: an object has one Container and nothing else")
+            problems.append(f"{where}: an object must have exactly one chunk, its Container")
             continue
         problems += _container_problems(where, container, known)
     return problems
@@ -55,7 +55,7 @@ def definition_problems(root: Chunk) -> list[str]:
 
 def _container_problems(where: str, container: Chunk, known: set[UUID]) -> Iterator[str]:
     if container.child("Attributes") is None:
-        yield f"{where}: it has no Attributes, so no place on the canvas"
+        yield f"{where}: it has no Attributes and thus no position on the canvas"
     data = container.child("ParameterData")
     if data is not None:
         for side in ("Input", "Output"):
@@ -74,14 +74,14 @@ def _container_problems(where: str, container: Chunk, known: set[UUID]) -> Itera
             yield from _numbered(f"{where}: Source", "SourceCount", part.get("SourceCount"), [entry.index for entry in sources])
         for source in sources:
             if source.value not in known:
-                yield f"{where}: a wire comes from {source.value}, which is not in the file"
+                yield f"{where}: a wire starts at {source.value}, which is not in the file"
         if part.name == "Script":
             yield from _script_problems(where, part)
 
 
 def _script_problems(where: str, script: Chunk) -> Iterator[str]:
     language = script.child("LanguageSpec")
-    # Scripts in C# and Python 2 cannot be judged here.
+    # Scripts in C# and Python 2 are not checked.
     if language is None or not str(language.get("Taxon")).endswith("python") or not str(language.get("Version")).startswith("3"):
         return
     try:

@@ -1,4 +1,4 @@
-"""Archive tree: items in chunks, which every Grasshopper file consists of."""
+"""Archive tree: the chunks and items of Grasshopper files."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Item(NamedTuple):
     Parameters
     ----------
     name
-        Of the item.
+        Name of the item.
     index
-        Of a numbered list such as ``InputId``; hides that of tuples.
+        Position in a numbered list such as ``InputId``; overrides the method of tuples.
     type
-        A name of :data:`compas_cgc.grasshopper.build.archive.TYPES`.
+        A name in :data:`compas_cgc.grasshopper.build.archive.TYPES`.
     value
-        As it is read back.
+        Normalised value, as read from a file.
 
     Examples
     --------
@@ -38,13 +38,13 @@ class Item(NamedTuple):
 
     name: str
     index: Optional[int]  # type: ignore[assignment]  # of a numbered list such as ``InputId``; hides that of tuples
-    type: str  # a name of :data:`compas_cgc.grasshopper.build.archive.TYPES`
+    type: str  # a name in :data:`compas_cgc.grasshopper.build.archive.TYPES`
     value: Value
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Named items and chunks; the items are kept in the order that Grasshopper writes.
+    """Named items and child chunks; items are sorted in the order of Grasshopper.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Chunk:
     items
         Items, unique by name and index.
     chunks
-        Child chunks, unique by name and index, in an order of their own.
+        Child chunks, unique by name and index, in any order.
     index
         Position in a numbered list such as ``Object``.
 
@@ -97,12 +97,12 @@ class Chunk:
         return self._chunks.get((name, index))
 
     def part(self, name: str, index: Optional[int] = None) -> Chunk:
-        """Return a child chunk that has to be there.
+        """Return a required child chunk.
 
         Raises
         ------
         FileError
-            If it is not.
+            If the child chunk does not exist.
         """
         found = self.child(name, index)
         if found is None:
@@ -110,28 +110,28 @@ class Chunk:
         return found
 
     def children(self, name: str) -> list[Chunk]:
-        """Return the numbered child chunks of a name."""
+        """Return the numbered child chunks with a name."""
         return [part for part in self.chunks if part.name == name]
 
 
 def item(name: str, type: str, value: object, index: Optional[int] = None) -> Item:
-    """Make an item, with its value in the form in which it is read back.
+    """Return an item with its value normalised to the form read from a file.
 
     Parameters
     ----------
     name
-        Of the item.
+        Name of the item.
     type
-        Such as ``"gh_int32"``.
+        Name of the type, such as ``"gh_int32"``.
     value
-        What it holds.
+        Value of the item.
     index
-        Where there are several of one name.
+        Position, if there are several items with this name.
 
     Returns
     -------
     Item
-        With the value as it is read back.
+        The item with its normalised value.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def item(name: str, type: str, value: object, index: Optional[int] = None) -> It
     'dome'
     """
     if type not in TYPES:
-        raise FileError(f"{type!r} is no type of a Grasshopper file")
+        raise FileError(f"{type!r} is not a type of Grasshopper files")
     try:
         return Item(name, index, type, TYPES[type].clean(value))
     except (TypeError, ValueError, OverflowError, ArithmeticError) as error:
@@ -152,23 +152,23 @@ def item(name: str, type: str, value: object, index: Optional[int] = None) -> It
 
 
 def chunk(name: str, items: Iterable[Item] = (), chunks: Iterable[Chunk] = (), index: Optional[int] = None) -> Chunk:
-    """Make a chunk of any iterables.
+    """Return a chunk from iterables of items and chunks.
 
     Parameters
     ----------
     name
-        Of the chunk.
+        Name of the chunk.
     items
-        What it holds itself.
+        Items of the chunk.
     chunks
-        What lies in it.
+        Child chunks.
     index
-        Where there are several of one name.
+        Position, if there are several chunks with this name.
 
     Returns
     -------
     Chunk
-        With tuples of both.
+        The chunk with tuples of both.
 
     Examples
     --------

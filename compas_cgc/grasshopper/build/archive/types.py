@@ -1,7 +1,7 @@
-"""The types of values in Grasshopper files, in binary and in XML.
+"""Types of values in Grasshopper files, in binary and XML form.
 
-A value is a bool, int, float, str, bytes, UUID or Decimal, or a tuple of numbers:
-fields of a structure in the order of :attr:`Type.fields`, elements of an array, or
+A value is a bool, int, float, str, bytes, UUID, Decimal or a tuple of numbers. A tuple holds
+the fields of a structure in the order of :attr:`Type.fields`, the elements of an array, or
 alpha, red, green and blue of a colour.
 """
 
@@ -16,18 +16,18 @@ from typing import Any
 
 __all__ = ["BY_CODE", "TYPES", "Type", "Value"]
 
-# Of bool, int, float, str, bytes, UUID, Decimal or tuple, as the type of the item says.
+# A bool, int, float, str, bytes, UUID, Decimal or tuple, depending on the type of the item.
 Value = Any
 
 
 @dataclass(frozen=True)
 class Type:
-    """A type of values."""
+    """Type of a value in a file."""
 
     code: int
     name: str
-    clean: Callable[[Any], Value]  # makes a value what it will be when it is read back
-    format: str = ""  # for struct, empty where the length varies
+    clean: Callable[[Any], Value]  # normalises a value to the form read from a file
+    format: str = ""  # format of the struct module, empty for variable lengths
     fields: tuple[str, ...] = ()  # XML elements of a structure
 
 
@@ -40,7 +40,7 @@ def _bool(value: Any) -> bool:
 def _whole(format: str) -> Callable[[Any], int]:
     def clean(value: Any) -> int:
         if isinstance(value, bool) or int(value) != value:
-            raise ValueError("it must be a whole number")
+            raise ValueError("it must be an integer")
         return _packed(format, (int(value),))[0]
 
     return clean
@@ -52,7 +52,7 @@ def _single(value: Any) -> float:
 
 def _text(value: object) -> str:
     if not isinstance(value, str):
-        raise ValueError("it must be text")
+        raise ValueError("it must be a string")
     value.encode("utf-8")
     return value
 
@@ -68,7 +68,7 @@ def _decimal(value: object) -> Decimal:
         raise ValueError("it must be a finite number")
     scaled = int("".join(map(str, digits))) * 10 ** max(exponent, 0)
     if -exponent > 28 or scaled >= 1 << 96:
-        raise ValueError("a decimal has at most 28 places and 96 bits")
+        raise ValueError("a decimal has at most 28 digits and 96 bits")
     return number if exponent <= 0 else number.quantize(Decimal(1))
 
 

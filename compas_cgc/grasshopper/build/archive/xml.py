@@ -1,4 +1,4 @@
-"""Grasshopper's XML form, the one of .ghx files."""
+"""XML form of Grasshopper files (.ghx)."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from .types import Value
 
 __all__ = ["from_xml", "to_xml"]
 
-DEEPEST = 64
+MAX_DEPTH = 64  # levels of nested chunks
 NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-# A parser folds carriage returns of the text itself, but not those that are spelt out.
-SPELT = {"\r": "&#13;"}
+# XML parsers normalise literal carriage returns, but not character references.
+ENTITIES = {"\r": "&#13;"}
 
 
-# Half a step beyond the largest single, from where rounding goes to infinity.
+# Half a step beyond the largest single-precision number, above which rounding gives infinity.
 SINGLE_LIMIT = float.fromhex("0x1.ffffffp+127")
 
 
@@ -38,17 +38,17 @@ def to_xml(root: Chunk) -> bytes:
     Parameters
     ----------
     root
-        What the file holds.
+        Root chunk of the file.
 
     Returns
     -------
     bytes
-        Of the file, UTF-8.
+        Content of the file, UTF-8.
 
     Raises
     ------
     FileError
-        If a text holds a character that XML has no way to write.
+        If a string holds a character that XML cannot represent.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def to_xml(root: Chunk) -> bytes:
     lines += [*_inside(root, "  "), "</Archive>", ""]
     text = "\n".join(lines)
     if NOT_XML.search(text):
-        raise FileError("a text holds a control character, which XML cannot; write the binary form")
+        raise FileError("a string holds a control character, which XML cannot represent; write a .gh file instead")
     return text.encode("utf-8")
 
 
@@ -70,7 +70,7 @@ def from_xml(data: bytes) -> Chunk:
     Parameters
     ----------
     data
-        Of the file.
+        Content of the file.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def from_xml(data: bytes) -> Chunk:
     Raises
     ------
     FileError
-        If they are cut off, damaged or of another kind.
+        If the data are truncated, damaged or in another format.
 
     Examples
     --------
@@ -89,13 +89,13 @@ def from_xml(data: bytes) -> Chunk:
     'Root'
     """
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise FileError("the Grasshopper file declares XML entities, which no Grasshopper file does")
+        raise FileError("the Grasshopper file declares XML entities, which Grasshopper does not support")
     try:
         root = ElementTree.fromstring(data)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise FileError(f"the Grasshopper file is cut off or damaged: {error}") from None
+        raise FileError(f"the Grasshopper file is truncated or damaged: {error}") from None
     if root.tag != "Archive":
-        raise FileError(f"an XML file of Grasshopper begins with <Archive>, not with <{root.tag}>")
+        raise FileError(f"a .ghx file must begin with <Archive>, not with <{root.tag}>")
     return _chunk(root, 0)
 
 
@@ -128,7 +128,7 @@ def _value_text(entry: Item) -> str:
     if kind.name == "gh_bool":
         return "true" if value else "false"
     if kind.name == "gh_string":
-        return escape(value, SPELT)
+        return escape(value, ENTITIES)
     if kind.name == "gh_drawing_color":
         return f"<ARGB>{';'.join(map(str, value))}</ARGB>"
     if kind.name == "gh_doublearray":
@@ -142,7 +142,7 @@ def _value_text(entry: Item) -> str:
 
 
 def _number(value: float, single: bool) -> str:
-    """Return the shortest text that is read back as the same number."""
+    """Return the shortest string that is read back as the same number."""
     if value != value or value in (float("inf"), -float("inf")):
         return {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}[repr(value)]
     if not isinstance(value, float) or not single:
@@ -152,7 +152,7 @@ def _number(value: float, single: bool) -> str:
 
 
 def _chunk(element: ElementTree.Element, depth: int) -> Chunk:
-    if depth > DEEPEST:
+    if depth > MAX_DEPTH:
         raise FileError("the Grasshopper file is damaged: chunks are nested too deeply")
     items = tuple(_item(child) for group in element.findall("items") for child in group.findall("item"))
     chunks = tuple(_chunk(child, depth + 1) for group in element.findall("chunks") for child in group.findall("chunk"))
@@ -195,4 +195,4 @@ def _index(element: ElementTree.Element) -> Optional[int]:
     try:
         return None if text is None else int(text)
     except ValueError:
-        raise FileError(f"the index {text!r} is no whole number") from None
+        raise FileError(f"the index {text!r} is not an integer") from None

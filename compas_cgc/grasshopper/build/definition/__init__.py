@@ -1,4 +1,4 @@
-"""Grasshopper definitions: described as data, laid out, written, drawn."""
+"""Grasshopper definitions: description as data, layout, writing and drawing."""
 
 from __future__ import annotations
 

@@ -49,14 +49,14 @@ FIRST_DOME = Definition(
         Panel("status", "status", source="solve.status", size=(220, 40)),
         Panel("legend", "legend", source="analyse.legend", size=(120, 150)),
         Panel("report", "report", source="solve.report", size=(520, 190)),
-        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("ask", "inputs", ("number", "K", "example", "target", "run", "reset")),
     ),
 )
 
 NINE_REGIONS = Definition(
     "nine_regions",
     "Nine regions",
-    "A square in nine regions, the paper's Example 4: one curvature around, another in the centre, with folds between.",
+    "Example 4 of the paper: a square in nine regions separated by creases, with a different curvature in the centre.",
     (
         *_headline("Nine regions, as in the paper", "1  Set run to True.   2  Move a slider.   3  Bake the regions: one mould for each."),
         Panel("number", "example", "4", size=(60, 40)),
@@ -76,14 +76,14 @@ NINE_REGIONS = Definition(
         Panel("report", "report", source="solve.report", size=(520, 230)),
         Panel("targets", "targets by region", source="regions.targets", size=(160, 90)),
         Panel("errors", "largest error by step", source="history.max_error", size=(200, 80)),
-        Group("ask", "what is asked", ("number", "around", "centre", "region", "example", "all", "one", "run", "reset")),
+        Group("ask", "inputs", ("number", "around", "centre", "region", "example", "all", "one", "run", "reset")),
     ),
 )
 
 MOULDS = Definition(
     "moulds",
     "Panels and their moulds",
-    "The nine regions again, solved so that they consist of the triangles of their moulds, divided into panels, each laid onto its mould.",
+    "The nine regions, solved with the triangles of their moulds and divided into panels. Every panel is placed on its mould.",
     (
         *_headline("Panels and their moulds", "1  Set run to True.   2  Choose how many panels.   3  Bake panels and moulds."),
         Panel("number", "example", "4", size=(60, 40)),
@@ -97,24 +97,22 @@ MOULDS = Definition(
         Script("settings", "CGC_Settings", {"measure": "measure"}),
         *SWITCHES,
         _solving("one.cgc_mesh", "settings.settings"),
-        Slider("count", "panels to a region", 4, 1, 25, 0),
+        Slider("count", "panels per region", 4, 1, 25, 0),
         ValueList("material", "material", ("glass", "steel", "gfrp", "timber")),
         Slider("thickness", "thickness in mm", 6.0, 1.0, 40.0, 1),
         Script("mould", "CGC_Mould", {"cgc_mesh": "solve.cgc_mesh", "count": "count", "material": "material", "thickness": "thickness"}),
         Panel("status", "status", source="solve.status", size=(220, 40)),
         Panel("names", "panels", source="mould.names", size=(80, 230)),
-        Panel("misses", "not bent it misses by [mm]", source="mould.misses", size=(160, 230)),
+        Panel("misses", "deviation without bending [mm]", source="mould.misses", size=(160, 230)),
         Panel("report", "report", source="mould.report", size=(520, 230)),
-        Group(
-            "ask", "what is asked", ("number", "around", "centre", "region", "example", "all", "one", "measure", "settings", "run", "reset")
-        ),
+        Group("ask", "inputs", ("number", "around", "centre", "region", "example", "all", "one", "measure", "settings", "run", "reset")),
     ),
 )
 
 FLAT_PATTERNS = Definition(
     "flat_patterns",
     "From a roof to cut sheets",
-    "The paper's roof with curved creases, solved for K = 0, unrolled to pieces within sheets, with labels, folds, rulings and marks.",
+    "The roof of the paper with curved creases, solved for K = 0 and unrolled to pieces on sheets with labels, folds, rulings and marks.",
     (
         *_headline("From a roof to cut sheets", "1  Set run to True.   2  Choose the sheets.   3  Name a .dxf, and set write to True."),
         Panel("number", "example", "7", size=(60, 40)),
@@ -133,7 +131,7 @@ FLAT_PATTERNS = Definition(
         Panel("status", "status", source="solve.status", size=(220, 40)),
         Panel("labels", "pieces", source="unroll.labels", size=(80, 230)),
         Panel("report", "report", source="unroll.report", size=(520, 230)),
-        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("ask", "inputs", ("number", "K", "example", "target", "run", "reset")),
         Group("sheets", "sheets", ("length", "width", "path", "write")),
     ),
 )
@@ -141,9 +139,9 @@ FLAT_PATTERNS = Definition(
 FORCES = Definition(
     "forces",
     "Forces in a dome",
-    "A square dome of constant curvature under pressure and its own weight: crosses along the principal forces, reactions, line loads.",
+    "A square dome of constant curvature under pressure and self-weight: crosses along the principal forces, reactions, line loads.",
     (
-        *_headline("Forces in a dome", "1  Set run to True.   2  Choose pressure and weight.   3  Bake what pulls and what presses."),
+        *_headline("Forces in a dome", "1  Set run to True.   2  Choose pressure and weight.   3  Bake tension and compression."),
         Slider("number", "example", 2, 2, 7, 0),
         Slider("K", "curvature K", 1.0, 0.1, 2.0, 2),
         Script("example", "CGC_Example", {"number": "number"}, hidden=True),
@@ -156,7 +154,7 @@ FORCES = Definition(
         Panel("status", "status", source="solve.status", size=(220, 40)),
         Panel("loads", "line loads", source="membrane.line_loads", size=(120, 230)),
         Panel("report", "report", source="membrane.report", size=(520, 230)),
-        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("ask", "inputs", ("number", "K", "example", "target", "run", "reset")),
         Group("load", "load", ("pressure", "weight")),
     ),
 )
@@ -164,9 +162,9 @@ FORCES = Definition(
 LATHS = Definition(
     "laths",
     "Laths on saddles",
-    "The roof with curved creases for a negative K: asymptotic curves at one spacing, along which straight laths lie.",
+    "The roof with curved creases for a negative K: equally spaced asymptotic curves, along which straight laths can be bent.",
     (
-        *_headline("Laths on saddles", "1  Set run to True.   2  Move the sliders.   3  Bake the curves (of curvature where K > 0)."),
+        *_headline("Laths on saddles", "1  Set run to True.   2  Move the sliders.   3  Bake the curves (lines of curvature if K > 0)."),
         Panel("number", "example", "7", size=(60, 40)),
         Slider("K", "curvature K", -0.01, -0.02, 0.05, 3),
         Script("example", "CGC_Example", {"number": "number"}, hidden=True),
@@ -179,16 +177,16 @@ LATHS = Definition(
         Panel("status", "status", source="solve.status", size=(220, 40)),
         Panel("sides", "lengths between nodes", source="net.sides", size=(120, 230)),
         Panel("report", "report", source="net.report", size=(520, 150)),
-        Group("ask", "what is asked", ("number", "K", "example", "target", "run", "reset")),
+        Group("ask", "inputs", ("number", "K", "example", "target", "run", "reset")),
     ),
 )
 
 TWO_STRATEGIES = Definition(
     "two_strategies",
     "Two strategies for creases",
-    "The same problem by the paper's strategies S1 (creases follow by a factor) and S2 (creases wait, then follow), side by side.",
+    "The same problem with the strategies S1 (creases move by a factor) and S2 (creases move after a delay) of the paper, side by side.",
     (
-        *_headline("S1 and S2 side by side", "Creases follow by a factor s (left), or wait for some steps and then follow fully (right)."),
+        *_headline("S1 and S2 side by side", "Creases move by a factor s (left), or wait for some steps and then move fully (right)."),
         Panel("number", "example", "4", size=(60, 40)),
         Slider("K", "curvature K", 4.0, 0.5, 4.0, 2),
         Slider("s", "S1: factor s", 0.5, 0.0, 1.0, 2),
@@ -200,7 +198,7 @@ TWO_STRATEGIES = Definition(
         *SWITCHES,
         _solving("target.cgc_mesh", "first.settings", "solve_first"),
         _solving("target.cgc_mesh", "second.settings", "solve_second"),
-        Slider("aside", "second one aside by", 2.0, 0.0, 5.0, 1),
+        Slider("aside", "offset of the second surface", 2.0, 0.0, 5.0, 1),
         Script("analyse_first", "CGC_Analyse", {"cgc_mesh": "solve_first.cgc_mesh"}),
         Script("analyse_second", "CGC_Analyse", {"cgc_mesh": "solve_second.cgc_mesh", "aside": "aside"}),
         Panel("report_first", "S1", source="solve_first.report", size=(520, 230)),
@@ -212,11 +210,11 @@ TWO_STRATEGIES = Definition(
 OWN_MESH = Definition(
     "own_mesh",
     "Your own mesh",
-    "A mesh from Rhino with points that hold it and curves along which it may fold.",
+    "A mesh from Rhino with points as supports and curves as creases.",
     (
         *_headline(
             "Your own mesh",
-            "1  Right-click Mesh > Set one Mesh; supports and creases too, if you want.\n"
+            "1  Right-click Mesh > Set one Mesh; supports and creases are optional.\n"
             "2  Set K: 1/r² for a sphere of radius r.   3  Set run to True.",
         ),
         Parameter("mesh", "Mesh", "Mesh"),
@@ -239,7 +237,7 @@ OWN_MESH = Definition(
 
 
 def _vault(columns: int = 12, rows: int = 8, width: float = 12.0, depth: float = 8.0, rise: float = 2.0) -> str:
-    """Return a barrel vault that stands on its two long sides, as the text of an .obj file."""
+    """Return a barrel vault supported along its two long sides, as the text of an .obj file."""
     places = [(i, j) for i in range(columns + 1) for j in range(rows + 1)]
     number = {place: k + 1 for k, place in enumerate(places)}
     lines = ["# A vault on its two long sides"]
@@ -255,12 +253,12 @@ def _vault(columns: int = 12, rows: int = 8, width: float = 12.0, depth: float =
 MESH_INSIDE = Definition(
     "mesh_inside",
     "A mesh inside the definition",
-    "A vault that is kept in the definition itself, as the text of an .obj file: put the text of your own in its place.",
+    "A vault stored in the definition as the text of an .obj file. Replace it by the text of your own file.",
     (
         *_headline(
             "A mesh inside the definition",
             "1  Set run to True.   2  Move K.\n"
-            "3  Put the text of your own .obj file into the panel: v and f lines, p for vertices that stay, l for creases.",
+            "3  Paste the text of your own .obj file into the panel: v and f lines, p for fixed vertices, l for creases.",
         ),
         Panel("text", "mesh as .obj", _vault(), size=(200, 230), whole=True),
         Script("read", "CGC_Read3dm", {"path": "text"}, hidden=True),
@@ -281,7 +279,7 @@ MESH_INSIDE = Definition(
 HOPS_DOME = Definition(
     "hops_dome",
     "A dome by Hops",
-    "A mesh fixed at its edge becomes a surface of constant Gaussian curvature, on the server; for Rhino 7 and 8, without our components.",
+    "A mesh fixed at its edge becomes a surface of constant Gaussian curvature. Solved on the server; for Rhino 7 and 8, without plug-in.",
     (
         *_headline(
             "A dome by Hops",
@@ -299,7 +297,7 @@ HOPS_DOME = Definition(
 HOPS_REGIONS = Definition(
     "hops_regions",
     "Regions by Hops",
-    "A mesh with creases and a curvature for each region between them, on the server; for Rhino 7 and 8, without our components.",
+    "A mesh with creases and one curvature per region. Solved on the server; for Rhino 7 and 8, without plug-in.",
     (
         *_headline(
             "Regions by Hops",

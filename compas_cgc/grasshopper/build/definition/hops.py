@@ -1,4 +1,4 @@
-"""Hops component as items and chunks."""
+"""Items and chunks of a Hops component."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ SERVER = "http://127.0.0.1:7331"
 def hops_component(
     definition: Definition, node: Hops, attributes: Chunk, inputs: Sequence[Chunk], outputs: Sequence[Chunk]
 ) -> tuple[list[Item], list[Chunk]]:
-    """Return the items and chunks of a component for a function of the server.
+    """Return the items and chunks of a Hops component for a function of the server.
 
-    Hops asks the server for its parameters when a definition is opened; these are what
-    it shows until then.
+    Hops requests the parameters from the server when a definition is opened; these are shown
+    until then.
     """
     function = endpoint(node.uri)
     items = [

@@ -1,4 +1,4 @@
-"""Layered layout: every object in a column, from left to right along the wires."""
+"""Layered layout: objects in columns from left to right along the wires."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from .ports import sources_of
 
 __all__ = ["Box", "layout", "port_boxes"]
 
-COLUMN_GAP = 70.0
+COLUMN_GAP = 70.0  # all lengths in pixels
 ROW_GAP = 18.0
 PORT = 20.0  # height of an input or output
 ICON = 28.0  # width of a component between its inputs and outputs
-LETTER = 6.5  # mean width
-NOTE_LINE = 1.6  # height of a line of a note, against the size of its letters
+LETTER = 6.5  # mean width of a character
+NOTE_LINE = 1.6  # line height of a note, relative to its font size
 
 
 class Box(NamedTuple):
@@ -40,12 +40,12 @@ class Box(NamedTuple):
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Its middle."""
+        """Centre of the rectangle."""
         return self.x + self.width / 2, self.y + self.height / 2
 
 
 def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, Box]:
-    """Return where every object stands, groups aside."""
+    """Return the rectangle of every object except groups."""
     notes = [node for node in definition.nodes if isinstance(node, Note)]
     nodes = {node.key: node for node in definition.nodes if not isinstance(node, (Note, Group))}
     columns = _columns(nodes)
@@ -59,7 +59,7 @@ def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, B
     feeding = {wire.partition(".")[0] for node in nodes.values() for wires in sources_of(node).values() for wire in wires}
     places = _column_places(columns, sizes, feeding)
     top = y + ROW_GAP
-    # First what has inputs, beside what feeds it; then what feeds them, beside the inputs that it feeds.
+    # Objects with inputs are placed beside their sources first, then the sources beside the inputs.
     for key in sorted(columns, key=columns.__getitem__):
         sources = [wire.partition(".")[0] for wires in sources_of(nodes[key]).values() for wire in wires]
         if sources:
@@ -75,7 +75,7 @@ def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, B
 
 
 def _column_places(columns: Mapping[str, int], sizes: Mapping[str, tuple[float, float]], feeding: set[str]) -> list[tuple[float, float]]:
-    """Return the left side and the width of every column; what feeds nothing may reach into the next one."""
+    """Return the left side and width of every column; objects without outgoing wires may extend into the next column."""
     places, x = [], 0.0
     for column in range(max(columns.values(), default=-1) + 1):
         members = [key for key, own in columns.items() if own == column]
@@ -86,7 +86,7 @@ def _column_places(columns: Mapping[str, int], sizes: Mapping[str, tuple[float, 
 
 
 def _free(box: Box, boxes: Mapping[str, Box]) -> Box:
-    """Return the box, moved down until it touches no other."""
+    """Return the box, moved down until it overlaps no other."""
     while True:
         near = [o for o in boxes.values() if o.x < box.x + box.width and box.x < o.x + o.width]
         hit = [o for o in near if o.y < box.y + box.height + ROW_GAP and box.y < o.y + o.height + ROW_GAP]
@@ -96,7 +96,7 @@ def _free(box: Box, boxes: Mapping[str, Box]) -> Box:
 
 
 def _fed_heights(key: str, node: Node, boxes: Mapping[str, Box], bundles: Mapping[str, Bundle]) -> list[float]:
-    """Return the heights of the inputs of an object that another one feeds."""
+    """Return the vertical positions of the inputs that an object feeds."""
     if node.key not in boxes or not isinstance(node, (Script, Hops)):
         return []
     names, ports = input_names(node, bundles), port_boxes(node, boxes[node.key], bundles)[0]
@@ -115,7 +115,7 @@ def port_boxes(node: Node, box: Box, bundles: Mapping[str, Bundle]) -> tuple[lis
 
 
 def _columns(nodes: Mapping[str, Node]) -> dict[str, int]:
-    """Return the longest way from a source to each object; sources stand just before what they feed."""
+    """Return the column of each object: the longest path from a source; sources are placed just before their first target."""
     before = {key: [wire.partition(".")[0] for wires in sources_of(node).values() for wire in wires] for key, node in nodes.items()}
     depth: dict[str, int] = {}
 

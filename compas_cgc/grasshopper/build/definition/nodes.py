@@ -1,4 +1,4 @@
-"""Nodes: the objects of a canvas and their wires, as plain data."""
+"""Nodes: the objects and wires of a canvas as plain data."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = [
     "Wires",
 ]
 
-# Where an input comes from: "key" of an object with one output, or "key.output"; several in a tuple.
+# Source of an input: "key" of an object with one output, or "key.output"; a tuple for several.
 Wires = Mapping[str, Union[str, tuple[str, ...]]]
 
 
@@ -36,7 +36,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Slider(Node):
-    """A number slider; without digits it gives whole numbers."""
+    """A number slider; without digits its values are integers."""
 
     name: str
     value: float
@@ -62,13 +62,13 @@ class Button(Node):
 
 @dataclass(frozen=True)
 class Panel(Node):
-    """A panel: a text to give, or a place to read what comes in."""
+    """A panel with a text, or one that shows its source."""
 
     name: str
     text: str = ""
     source: str = ""
     size: tuple[int, int] = (200, 60)
-    whole: bool = False  # its lines are one text
+    whole: bool = False  # whether its lines form one text
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class ValueList(Node):
 
 @dataclass(frozen=True)
 class Parameter(Node):
-    """A floating parameter that the user fills, of a kind such as ``Mesh``."""
+    """A floating parameter set by the user, of a type such as ``Mesh``."""
 
     name: str
     kind: str
@@ -93,14 +93,14 @@ class Script(Node):
 
     bundle: str  # key of the bundle
     wires: Wires = field(default_factory=dict)
-    hidden: bool = False  # its geometry is not drawn
+    hidden: bool = False  # whether its preview is disabled
 
 
 @dataclass(frozen=True)
 class Hops(Node):
-    """Grasshopper's own component for a function of our server."""
+    """A Hops component for a function of the server."""
 
-    uri: str  # such as cgc/dome
+    uri: str  # path of the function, such as cgc/dome
     wires: Wires = field(default_factory=dict)
 
 
@@ -114,7 +114,7 @@ class Note(Node):
 
 @dataclass(frozen=True)
 class Group(Node):
-    """A coloured ground behind objects."""
+    """A coloured group of objects."""
 
     name: str
     members: tuple[str, ...]
@@ -131,11 +131,11 @@ class Definition:
     title
         Headline on the canvas.
     description
-        What it shows, in a sentence or two.
+        Description in one or two sentences.
     nodes
-        Objects; those that share a column are stacked in this order.
+        Objects; objects in the same column are stacked in this order.
     rhino
-        Oldest Rhino that it is for.
+        Oldest supported version of Rhino.
 
     Examples
     --------

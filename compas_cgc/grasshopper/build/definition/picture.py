@@ -1,4 +1,4 @@
-"""Picture of a definition as SVG, drawn from the archive that is written."""
+"""Picture of a definition as SVG, drawn from its archive."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ STYLE = (
 
 
 def definition_svg(root: Chunk) -> str:
-    """Return a picture of a definition as SVG, from its objects, bounds and wires.
+    """Return a picture of a definition as SVG, drawn from its objects, bounds and wires.
 
     Parameters
     ----------
     root
-        What :func:`compas_cgc.grasshopper.build.archive.read_archive` returns for a definition.
+        Root chunk of a definition, from :func:`compas_cgc.grasshopper.build.archive.read_archive`.
 
     Returns
     -------
     str
-        The text of the picture.
+        Text of the SVG file.
 
     Examples
     --------

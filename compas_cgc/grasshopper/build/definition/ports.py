@@ -21,7 +21,7 @@ __all__ = ["check_wires", "input_names", "instance", "output_names", "source_gui
 
 
 def instance(definition: Definition, node: Node) -> str:
-    """Return the words that the GUIDs of an object are made from."""
+    """Return the text from which the GUIDs of an object are derived."""
     return f"definition/{definition.name}/{node.key}"
 
 
@@ -40,7 +40,7 @@ def output_names(node: Node, bundles: Mapping[str, Bundle]) -> list[str]:
 
 
 def sources_of(node: Node) -> dict[str, tuple[str, ...]]:
-    """Return the wires that come into an object, by the name of the input; a panel's has no name."""
+    """Return the sources of an object by the name of the input; the input of a panel has no name."""
     if isinstance(node, Panel):
         return {"": (node.source,)} if node.source else {}
     if isinstance(node, (Script, Hops)):
@@ -49,26 +49,26 @@ def sources_of(node: Node) -> dict[str, tuple[str, ...]]:
 
 
 def source_guid(definition: Definition, wire: str) -> UUID:
-    """Return the instance of the parameter that a wire comes from."""
+    """Return the instance GUID of the parameter at which a wire starts."""
     key, _, output = wire.partition(".")
     node = next(node for node in definition.nodes if node.key == key)
     return own_guid(instance(definition, node), "Output", output) if output else own_guid(instance(definition, node))
 
 
 def check_wires(definition: Definition, bundles: Mapping[str, Bundle]) -> None:
-    """Refuse wires that come from or lead to what is not there.
+    """Check that both ends of all wires exist.
 
     Raises
     ------
     FileError
-        Naming the wire.
+        If an end of a wire does not exist.
     """
     nodes = {node.key: node for node in definition.nodes}
     if len(nodes) < len(definition.nodes):
-        raise FileError(f"the definition {definition.name} has two objects of the same key")
+        raise FileError(f"the definition {definition.name} has two objects with the same key")
     for node in definition.nodes:
         if isinstance(node, Group) and not set(node.members) <= set(nodes):
-            raise FileError(f"{definition.name}: the group {node.key} holds an object that is not there")
+            raise FileError(f"{definition.name}: the group {node.key} refers to an object that does not exist")
         for name, wires in sources_of(node).items():
             if isinstance(node, (Script, Hops)) and name not in input_names(node, bundles):
                 raise FileError(f"{definition.name}: {node.key} has no input {name!r}")
@@ -76,4 +76,4 @@ def check_wires(definition: Definition, bundles: Mapping[str, Bundle]) -> None:
                 key, _, output = wire.partition(".")
                 outputs = output_names(nodes[key], bundles) if key in nodes else None
                 if outputs is None or isinstance(nodes[key], (Group, Note)) or (output not in outputs if outputs else output):
-                    raise FileError(f"{definition.name}: the wire from {wire!r} to {node.key}.{name} begins nowhere")
+                    raise FileError(f"{definition.name}: the source of the wire from {wire!r} to {node.key}.{name} does not exist")

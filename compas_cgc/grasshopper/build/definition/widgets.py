@@ -1,4 +1,4 @@
-"""Widgets: sliders, panels and other objects of Grasshopper's own as items and chunks."""
+"""Items and chunks of sliders, panels and other standard objects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PANEL_COLOUR = (255, 255, 250, 90)
 
 
 def widget(node: Node, box: Box) -> tuple[str, str, list[Item], list[Chunk]]:
-    """Return the kind, the name, the own items and the chunks of an object at a place."""
+    """Return type, name, items and chunks of an object in a rectangle."""
     if isinstance(node, Slider):
         return "slider", "Number Slider", [], [_attributes(box), _slider(node)]
     if isinstance(node, Toggle):
@@ -44,7 +44,7 @@ def widget(node: Node, box: Box) -> tuple[str, str, list[Item], list[Chunk]]:
         return node.kind, node.kind, [], [_attributes(box)]
     if isinstance(node, Note):
         return "scribble", "Scribble", _note(node, box), [_attributes(box)]
-    raise TypeError(f"{type(node).__name__} is no widget")
+    raise TypeError(f"{type(node).__name__} is not a widget")
 
 
 def _slider(node: Slider) -> Chunk:
@@ -63,7 +63,7 @@ def _slider(node: Slider) -> Chunk:
 
 
 def _panel(multiline: bool) -> Chunk:
-    # Without multiline Grasshopper gives each line as a value of its own.
+    # Without multiline, Grasshopper outputs each line as a separate value.
     flags = {"DrawIndices": False, "DrawPaths": False, "Multiline": multiline, "SpecialCodes": False, "Stream": False, "Wrap": True}
     items = [item("Colour", "gh_drawing_color", PANEL_COLOUR), *(item(name, "gh_bool", value) for name, value in flags.items())]
     return chunk("PanelProperties", items)

@@ -1,4 +1,4 @@
-"""Definition file: a canvas as the archive of a .gh or .ghx file."""
+"""Archive of a definition for a .gh or .ghx file."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from .widgets import widget
 
 __all__ = ["definition_archive"]
 
-# A date that stays: 2024-01-01 in ticks of 100 ns.
+# Constant date 2024-01-01 in ticks of 100 ns, for reproducible files.
 DATE = 638396640000000000
 PAPER = (150, 255, 255, 255)
 
 
 def definition_archive(definition: Definition, bundles: Mapping[str, Bundle]) -> Chunk:
-    """Return a definition for Rhino 8, laid out, with every component's source in it.
+    """Return a definition for Rhino 8 with its layout and the source code of all components.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def definition_archive(definition: Definition, bundles: Mapping[str, Bundle]) ->
     Raises
     ------
     FileError
-        If a wire begins or ends nowhere.
+        If an end of a wire does not exist.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def definition_archive(definition: Definition, bundles: Mapping[str, Bundle]) ->
     """
     check_wires(definition, bundles)
     boxes = layout(definition, bundles)
-    # Groups lie behind, so they come last as Grasshopper puts them.
+    # Groups come last, as in files of Grasshopper, because they lie behind the other objects.
     nodes = sorted(definition.nodes, key=lambda node: isinstance(node, Group))
     objects = [_object(i, definition, node, boxes, bundles) for i, node in enumerate(nodes)]
     kinds = {Script: "script", Hops: "hops"}
