@@ -31,27 +31,27 @@ MESH = {"dtype": "compas.datastructures/Mesh", "data": {"vertex": {}, "face": {}
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
 HOSTILE = {
-    "count.ply": (PLY.format(kind="ascii", more="element junk 99999999999\n") + "0 0 0 1 0 0 0 1 0", "announces 99999999999"),
+    "count.ply": (PLY.format(kind="ascii", more="element junk 99999999999\n") + "0 0 0 1 0 0 0 1 0", "declares 99999999999"),
     "negative_count.ply": (
         PLY.format(kind="ascii", more="element face -1\nproperty list char int vertex_indices\n") + "0 0 0 1 0 0 0 1 0",
-        "announces -1",
+        "declares -1",
     ),
-    "empty_elements.ply": (PLY.format(kind="binary_little_endian", more="element junk 99999999999\n") + 80 * "0", "announces 99999999999"),
+    "empty_elements.ply": (PLY.format(kind="binary_little_endian", more="element junk 99999999999\n") + 80 * "0", "declares 99999999999"),
     "list_length.ply": (
         PLY.format(kind="binary_little_endian", more="element face 900\nproperty list char uchar vertex_indices\n")
         + 72 * "\0"
         + 900 * "\xff",
-        "announces -1",
+        "declares -1",
     ),
-    "count.off": ("OFF\n99999999999 1 0\n0 0 0\n", "announces 99999999999 vertices"),
-    "negative_count.off": ("OFF\n-1 -1 0\n0 0 0\n1 0 0\n", "announces -1 vertices"),
-    "negative_face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "announces -3 corners"),
+    "count.off": ("OFF\n99999999999 1 0\n0 0 0\n", "declares 99999999999 vertices"),
+    "negative_count.off": ("OFF\n-1 -1 0\n0 0 0\n1 0 0\n", "declares -1 vertices"),
+    "negative_face.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "declares -3 corners"),
     "continued.obj": ("v 0 0 0 \\\n" * 100_000, "holds no mesh"),
     "corners.obj": (TRIANGLE + "f " + "1 2 3 " * 5000, "15000 corners"),
-    "large.obj": (TRIANGLE.replace("1", "1e308") + "f 1 2 3\n", "larger than 1e[+]12"),
+    "large.obj": (TRIANGLE.replace("1", "1e308") + "f 1 2 3\n", "exceeds 1e[+]12"),
     "index.obj": (TRIANGLE + f"f 1 2 {10**30}\n", "the vertex does not exist"),
     "lists.json": ("[" * 100_000, "nested too deeply"),
-    "objects.json": ('{"a":' * 300 + "1" + "}" * 300, "nested more than 64 deep"),
+    "objects.json": ('{"a":' * 300 + "1" + "}" * 300, "nested more than 64 levels deep"),
     "type.json": (json.dumps({"dtype": f"{FOREIGN}/X", "data": {}}), "names the type"),
     "inner_type.json": (json.dumps({**MESH, "data": {"vertex": {"0": {"dtype": "os/system", "data": {}}}}}), "names the type"),
     "bases.json": (json.dumps({"dtype": f"{FOREIGN}/X", "inheritance": ["os/_Environ"], "data": {}}), "names the type"),
@@ -130,7 +130,7 @@ def test_a_cursor_stops_at_each_of_its_limits():
     cursor = Cursor(bytes(100), limits)
     cursor.array("<f8", 2)
     assert cursor.left == 84
-    with pytest.raises(ValueError, match="announces 11 values, and 84 bytes follow"):
+    with pytest.raises(ValueError, match="declares 11 values, but only 84 bytes follow"):
         cursor.array("<f8", 11)
     with pytest.raises(ValueError, match="more than 10 elements"):
         cursor.count(9)

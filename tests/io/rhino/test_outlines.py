@@ -74,7 +74,7 @@ def test_an_outline_on_the_mesh_layer_with_holes_and_creases(mesher, tmp_path):
     sketch.curve([[5, -1, 0], [5.5, 11, 0]], "CGC::Creases")
     sketch.points(SQUARE[:4], "CGC::Supports")
     path = sketch.save(tmp_path / "a.3dm")
-    with pytest.raises(FileError, match="no mesh in the file.*--edge-length"):
+    with pytest.raises(FileError, match="the file has no mesh.*--edge-length"):
         read_3dm(path)
     model = read_3dm(path, edge_length=0.8)
     mesh = CGCMesh.from_problem(model.checked())
@@ -99,7 +99,7 @@ def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
         mesher(SQUARE, [], [], 0.0, 1e-6)
     sketch = Sketch()
     sketch.curve(SQUARE[:-1], "CGC::Mesh")
-    with pytest.raises(FileError, match="is open; close it"):
+    with pytest.raises(FileError, match="is open with a gap of 10; close it"):
         read_3dm(sketch.save(tmp_path / "a.3dm"), edge_length=1.0)
     monkeypatch.setitem(sys.modules, "compas_cgal.triangulation", None)
     with pytest.raises(MeshError, match=r"pip install 'compas_cgc\[mesher\]'"):

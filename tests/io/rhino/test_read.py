@@ -78,7 +78,7 @@ def test_of_several_meshes_the_first_is_taken_and_the_others_named(sketch, tmp_p
     first = sketch.mesh(*plan())
     sketch.mesh(*plan(3.0))
     model = read_3dm(sketch.save(tmp_path / "a.3dm"))
-    assert said(model, first, "1 more not", "CGC::Mesh")
+    assert said(model, first, "1 more ignored", "CGC::Mesh")
     assert said(model, "no support")
 
 
@@ -112,7 +112,7 @@ def test_the_layers_of_the_convention_in_capitals_or_not(sketch, tmp_path):
     assert mesh.vertex_s(row(N, 3)[4]) == 0.5 and mesh.vertex_e(row(N, 3)[4]) == 4 and mesh.vertex_s(0) is None
     (constraint,) = mesh.goals()
     assert isinstance(constraint, OnCurve) and constraint.vertices == row(N, 6) and not constraint.closed
-    assert said(model, "1 curve, 1 point", "not read")
+    assert said(model, "1 curve, 1 point", "ignored")
 
 
 def test_constraints_besides_the_curvature(sketch, tmp_path):
@@ -152,7 +152,7 @@ def test_a_constraint_that_cannot_be_used_is_named(sketch, tmp_path):
         "not JSON": "cannot be used",
         '{"vertices": 100, "goals": [{"kind": "magic"}]}': "a constraint must be an object with a 'kind'",
         '{"vertices": 100, "goals": [{"kind": "held", "vertices": [100]}]}': "names vertex 100",
-        '{"vertices": 7, "goals": []}': "a mesh of 7 vertices, this one has 100",
+        '{"vertices": 7, "goals": []}': "a mesh with 7 vertices, but this mesh has 100",
         "[]": "not a list of goals",
     }
     for text, words in broken.items():
@@ -243,7 +243,7 @@ def test_own_layer_names_by_argument_and_in_a_file_beside(sketch, tmp_path):
     assert len(read_3dm(path).problem.supports) == 4
     assert len(read_3dm(path, layers={"supports": "Columns"}).problem.supports) == 1, "the argument goes before the file"
     for text, words in (
-        ('[layers]\nroof = "A"', "no role 'roof'"),
+        ('[layers]\nroof = "A"', "unknown role 'roof'"),
         ("[layers", "TOML"),
         ("[layers]\nmesh = 3", "not 3"),
         ("layers = 3", "table"),
@@ -313,7 +313,7 @@ def test_a_brep_with_a_render_mesh_is_accepted(tmp_path):
     path = tmp_path / "a.3dm"
     subprocess.run([sys.executable, "-c", MESHED_BREP, str(path)], check=True)
     model = read_3dm(path)
-    assert len(model.problem.vertices) == 8 and len(model.problem.faces) == 12 and said(model, "is no mesh")
+    assert len(model.problem.vertices) == 8 and len(model.problem.faces) == 12 and said(model, "is not a mesh")
     corners = model.problem.vertices[model.problem.faces]
     volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
     assert abs(volume) == pytest.approx(1.0)
@@ -367,7 +367,7 @@ def test_a_crease_that_does_not_follow_edges_is_traced_or_cut(sketch, tmp_path):
     name = sketch.curve(circle.ToNurbsCurve(), "Creases")
     path = sketch.save(tmp_path / "a.3dm")
     traced = read_3dm(path)
-    assert said(traced, name, "'Creases'", "best path of edges", "of a mean edge")
+    assert said(traced, name, "'Creases'", "nearest path of edges", "of a mean edge")
     assert len(mesh_of(traced).regions()) == 2 and len(traced.problem.vertices) == (N + 1) ** 2
     cut = read_3dm(path, crease="split")
     assert said(cut, name, "was split along", "new vertices") and len(mesh_of(cut).regions()) == 2
@@ -449,7 +449,7 @@ def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp
     problems = list(model.diagnostics)
     expected = {
         far: ["'CGC::Supports'", "0.25 m away", "snap"],
-        loose: ["'CGC::Supports'", "no vertex"],
+        loose: ["'CGC::Supports'", "a vertex of the mesh"],
         away: ["'CGC::Creases'", "does not lie on the mesh"],
         wordy: ["'CGC::Targets'", "write K=0.03"],
         two: [one, "same region", "delete one"],
@@ -468,7 +468,7 @@ def test_everything_that_does_not_fit_is_said_with_id_layer_and_mend(sketch, tmp
     "vertices, faces, words",
     [
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [], "has no faces"),
-        ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertex 2 has a coordinate that is no finite number"),
+        ([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]], "vertex 2 has a coordinate that is not finite"),
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]], "vertices that do not exist"),
         ([[0, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 2]], "no face with three different corners"),
     ],

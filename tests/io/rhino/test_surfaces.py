@@ -110,7 +110,7 @@ def test_a_surface_is_meshed_evenly_and_its_sharp_joints_are_creases(tmp_path, n
     angles = smallest_angles(V, F)
     assert angles.min() >= 15 and np.percentile(angles, 5) >= 30
     assert any("meshed with edges of about 0.4 m, within" in note for note in model.notes)
-    assert (f"{joints} joints" in " ".join(model.notes)) == (joints > 0)
+    assert (f"{joints} sharp joints" in " ".join(model.notes)) == (joints > 0)
     assert bool(len(model.problem.creases)) == (joints > 0)
     if joints:
         sharp = model.problem.creases
@@ -146,7 +146,7 @@ def folded(heights):
 def test_a_kink_inside_a_face_is_a_crease(tmp_path, heights, folds, regions, length):
     model = read_3dm(saved(tmp_path, folded(heights)), edge_length=0.5)
     V, F, sharp = model.problem.vertices, model.problem.faces, model.problem.creases
-    said = f"{folds} joints" if folds > 1 else "a sharp joint"
+    said = f"{folds} sharp joints" if folds > 1 else "a sharp joint"
     assert any(said in note for note in model.notes) == (folds > 0) and model.problem.regions().max() + 1 == regions
     plan = np.linalg.norm((V[sharp[:, 0]] - V[sharp[:, 1]])[:, :2], axis=1).sum()
     assert plan == pytest.approx(length)
@@ -219,7 +219,7 @@ def test_a_corner_of_the_side_of_a_surface_is_a_vertex():
 
 
 def test_what_is_no_surface_is_named():
-    with pytest.raises(MeshError, match="a str is no surface"):
+    with pytest.raises(MeshError, match="a str is not a surface"):
         CGCMesh.from_surface("roof", 0.5)
 
 

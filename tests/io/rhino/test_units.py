@@ -39,5 +39,5 @@ def test_the_report_in_the_drawing_names_the_unit_of_the_drawing(tmp_path, name)
 
 
 def test_a_unit_that_is_none_is_refused():
-    with pytest.raises(FileError, match="there is no unit 'Cubits'"):
+    with pytest.raises(FileError, match="unknown unit 'Cubits'"):
         unit_system("Cubits")

@@ -114,7 +114,7 @@ def test_every_example_of_the_paper_survives_bit_for_bit(tmp_path, example, orig
 def test_units_that_are_none_are_refused(tmp_path):
     mesh = problem()
     mesh.attributes["units"] = "Cubits"
-    with pytest.raises(FileError, match="no unit 'Cubits'"):
+    with pytest.raises(FileError, match="unknown unit 'Cubits'"):
         write_problem(tmp_path / "a.3dm", mesh)
     assert not list(tmp_path.iterdir())
 

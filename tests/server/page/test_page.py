@@ -440,7 +440,7 @@ def test_the_key_is_asked_for_until_it_is_right(page):
     page.seen("dialog[open]")
     before = page.complaints()
     page.give("not-the-key")
-    wait_for(lambda: "not it" in page.one("#key-text").text)
+    wait_for(lambda: "is wrong" in page.one("#key-text").text)
     page.give(KEY)
     assert len(wait_for(lambda: page.all(".example"))) == 6
     assert before and all("401" in text for text in [before[-1], *page.complaints()])
@@ -462,7 +462,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
     assert flat.reshape(-1, 3).std(axis=0).min() > 10 and len(page.all(".region")) == 10
     page.solve()
     solved = page.at_rest()
-    assert page.one(".verdict h2").text == "As asked" and "10⁻" in page.one(".verdict dl").text
+    assert page.one(".verdict h2").text == "Target reached" and "10⁻" in page.one(".verdict dl").text
     assert "in 9 regions as prescribed, supported at 4 of 256 vertices." in page.one(".verdict p").text
     assert changed(flat, solved) > 0.1
     slider = page.one("[aria-label='K of Region 4'][type=range]")
@@ -470,7 +470,7 @@ def test_an_example_is_drawn_solved_and_follows_the_slider(page):
         slider.send_keys(Keys.ARROW_RIGHT)
     assert float(page.number(4).get_attribute("value")) > 4
     wait_for(lambda: changed(solved, page.at_rest()) > 0.01, what="the surface does not follow the slider")
-    wait_for(lambda: page.one(".verdict h2").text == "As asked" and not page.all(".verdict .old"), what="the last step is not solved")
+    wait_for(lambda: page.one(".verdict h2").text == "Target reached" and not page.all(".verdict .old"), what="the last step is not solved")
     page.at_rest()
     for colours in ("curvature", "error"):
         before = page.at_rest()
@@ -490,7 +490,7 @@ def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp
 
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=9, nx=9), "off", tmp_path)))
-    assert "neither a .3dm nor an .obj" in page.seen("#trouble").text
+    assert "is not a .3dm, .obj or .dxf file" in page.seen("#trouble").text
     drawn = file_of(nine_regions(), "3dm", tmp_path)
     model = rhino3dm.File3dm.Read(str(drawn))
     model.Objects.AddTextDot("column by the neighbour", rhino3dm.Point3d(1, 2, 3))
@@ -541,7 +541,7 @@ def test_without_a_free_stream_of_events_the_page_asks_again_and_again(page):
         "const real = window.fetch; window.fetch = (path, options) => real(path.replace('?follow=true', ''), options)"
     )
     page.solve()
-    assert page.one(".verdict h2").text == "As asked" and page.complaints() == []
+    assert page.one(".verdict h2").text == "Target reached" and page.complaints() == []
 
 
 @pytest.mark.nightly
@@ -597,7 +597,7 @@ def test_a_rough_surface_is_amber_with_its_reasons_and_its_places(page, tmp_path
     page.at_rest()
     page.solve()
     page.seen(".verdict.warn")
-    assert page.one(".verdict h2").text == "Rough" and "not one to build" in page.one(".verdict p").text
+    assert page.one(".verdict h2").text == "Rough" and "too rough to build" in page.one(".verdict p").text
     mend, reasons = page.one(".verdict p:nth-of-type(2)").text, page.one(".verdict .reasons").text
     assert "free it there" in mend, "what would mend it comes before the numbers"
     assert "curvature of fitted polynomials" in reasons and mend not in reasons
@@ -618,9 +618,9 @@ def test_where_edges_are_turned_the_page_shows_the_surface_and_keeps_the_drawing
     page.at_rest()
     page.solve()
     page.seen(".verdict.good")
-    assert "Faces turned" in page.one("#verdict").text
+    assert "Faces changed" in page.one("#verdict").text
     _, faces, _ = result_of(page.download("3dm"))
     assert sorted(map(sorted, faces.tolist())) != sorted(map(sorted, problem.faces.tolist()))
     page.solve()
     page.seen(".verdict.good")
-    assert "Faces turned" in page.one("#verdict").text and not page.complaints()
+    assert "Faces changed" in page.one("#verdict").text and not page.complaints()

@@ -32,7 +32,7 @@ def server(tmp_path_factory):
 
 def good(hands):
     """Wait until the surface is as asked."""
-    wait_for(lambda: hands.text(".verdict.good h2") == "As asked" and not hands.shown(BUSY), what="the roof is not solved")
+    wait_for(lambda: hands.text(".verdict.good h2") == "Target reached" and not hands.shown(BUSY), what="the roof is not solved")
 
 
 def rise(hands):
@@ -137,7 +137,7 @@ def test_a_design_is_the_same_after_a_link_and_a_file(server, tmp_path):
             "const { fromFragment } = await import('/page/design/packing.js');"
             "try { await fromFragment('abc'); } catch (error) { return error.message; }"
         )
-        assert "not whole" in broken
+        assert "incomplete" in broken
 
 
 def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
@@ -189,7 +189,7 @@ def test_what_is_drawn_is_not_lost(server, tmp_path):
         hands.click("#draw-field")
         for text in ("0, 0", "10<0", "6<90"):
             hands.type(f"{text}\n")
-        for text, said in (("0, 0", "a point already"), ("five", "a length such as 5")):
+        for text, said in (("0, 0", "already a point"), ("five", "a length such as 5")):
             hands.type(f"{text}\n")
             assert said in hands.text("#draw-hint") and hands.value("#draw-field") == text
             hands.chord("a")

@@ -52,7 +52,7 @@ def test_the_surface_of_the_slider_is_that_of_a_solve_from_the_drawing(tmp_path)
 
         def found():
             """Wait for the surface that was asked for; return its vertices, its message, and which solves went on from the last."""
-            wait_for(lambda: hands.text(".verdict.good h2") == "As asked" and not hands.shown(BUSY), what="the roof is not solved")
+            wait_for(lambda: hands.text(".verdict.good h2") == "Target reached" and not hands.shown(BUSY), what="the roof is not solved")
             return json.loads(hands.read(FOUND))
 
         hands.open(f"{server.url}/#new")

@@ -1,9 +1,9 @@
-/** What is said of a model. */
+/** Description, problems and notes of a model. */
 
 import { capital } from './words.js';
 
 /**
- * Name a model and what it is made of.
+ * Show the name and size of a model.
  * @param {HTMLElement} room
  * @param {import('./model.js').Model} model
  */
@@ -23,7 +23,7 @@ export function showTitle(room, model) {
 }
 
 /**
- * Say what stands in the way of a solve, and what was found.
+ * Show the problems and notes of a model.
  * @param {HTMLElement} room
  * @param {import('./model.js').Model} model
  */

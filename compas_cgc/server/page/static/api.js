@@ -1,15 +1,15 @@
-/** What the page asks of the server; nothing else is ever asked of anybody. */
+/** Requests of the page to the server. The page contacts no other server. */
 
 import { unpack } from './packed.js';
 import { capital } from './words.js';
 
 const KEY = 'compas_cgc.key';
 
-/** What the server says when it refuses. */
+/** An error response of the server. */
 export class Refusal extends Error {
   /**
-   * @param {number} status of HTTP; 0 where there was no answer
-   * @param {string} message a sentence
+   * @param {number} status HTTP status; 0 if there was no response
+   * @param {string} message one sentence
    */
   constructor(status, message) {
     super(message);
@@ -19,7 +19,7 @@ export class Refusal extends Error {
 
 /** The server's addresses as functions. */
 export class Api {
-  /** @param {(again: boolean) => Promise<string>} askForKey called when the server wants a key */
+  /** @param {(again: boolean) => Promise<string>} askForKey called when the server requires a key */
   constructor(askForKey) {
     this.askForKey = askForKey;
     this.asking = null;
@@ -43,7 +43,7 @@ export class Api {
   /**
    * @param {File} file
    * @param {string} kind of file
-   * @param {?number} [edge] length of the edges of a mesh of curves or surfaces
+   * @param {?number} [edge] edge length of the mesh of curves or surfaces
    */
   model(file, kind, edge) {
     const name = file.name.replace(/\.[^.]*$/, '');
@@ -64,7 +64,7 @@ export class Api {
   }
 
   /**
-   * Have a drawing meshed.
+   * Request the mesh of a drawing.
    * @param {object} sketch
    */
   drawing(sketch) {
@@ -77,7 +77,7 @@ export class Api {
   }
 
   /**
-   * Run a job to its end and return its result; who aborts stops it.
+   * Run a job to its end and return its result; an abort stops the job.
    * @param {object} job
    * @param {AbortSignal} signal
    * @returns {Promise<any>}
@@ -118,7 +118,7 @@ export class Api {
   }
 
   /**
-   * Stop and forget a job; also while the page is being left.
+   * Stop and delete a job; also works while the page is closing.
    * @param {string} id
    */
   async forget(id) {
@@ -134,7 +134,7 @@ export class Api {
   }
 
   /**
-   * Return a solved surface, its arrays as arrays of numbers: xyz, targets and curvature (NaN where there is none).
+   * Return a solved surface, its arrays as arrays of numbers: xyz, targets and curvature (NaN where undefined).
    * @param {string} id
    * @param {AbortSignal} [signal]
    */
@@ -145,7 +145,7 @@ export class Api {
   /**
    * @param {string} id
    * @param {string} format
-   * @param {?File} beside the .3dm to put the result into
+   * @param {?File} beside the .3dm file into which the result is merged
    * @returns {Promise<Blob>}
    */
   async download(id, format, beside) {
@@ -164,8 +164,8 @@ export class Api {
   }
 
   /**
-   * Solve, and give the states of the job as they change, a surface while it is judged, what is said of it, and the result in the end, all by one request;
-   * nothing where no stream is free.
+   * Solve with a single request, and yield the status of the job, the surface before its verdict, the verdict, and the result;
+   * yields nothing if no stream is free.
    * @param {object} job
    * @param {AbortSignal} signal
    * @returns {AsyncGenerator<{status?: import('./types.js').Status, arrived?: Float64Array, judged?: import('./types.js').Judged, result?: import('./types.js').Result}>}
@@ -185,7 +185,7 @@ export class Api {
   }
 
   /**
-   * Send a request, with the key where there is one, and ask for it where it is missing or wrong.
+   * Send a request with the key, and ask the user for the key if it is missing or wrong.
    * @param {string} path
    * @param {RequestInit} [options]
    * @returns {Promise<Response>}
@@ -199,7 +199,7 @@ export class Api {
         answer = await fetch(path, { ...options, headers });
       } catch (error) {
         if (error.name === 'AbortError') throw error;
-        throw new Refusal(0, 'The server does not answer. See that it still runs, then try once more.');
+        throw new Refusal(0, 'The server does not respond. Check that it is running, then try again.');
       }
       if (answer.ok) return answer;
       if (answer.status !== 401) throw new Refusal(answer.status, await sentence(answer));
@@ -215,14 +215,14 @@ export class Api {
   }
 }
 
-/** Give the events of a stream. EventSource would do, but can neither send a key nor a request. */
+/** Yield the events of a stream. EventSource cannot send a key or a request body. */
 async function* eventsOf(answer) {
   const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
   let text = '';
   for (;;) {
     const { done, value } = await reader.read();
     if (done) return;
-    // A surface comes in many pieces: only the new one is searched for an end.
+    // A surface arrives in many pieces: search only the new piece for the end.
     let from = Math.max(0, text.length - 1);
     text += value;
     for (let end = text.indexOf('\n\n', from); end >= 0; end = text.indexOf('\n\n', from)) {
@@ -251,6 +251,6 @@ async function sentence(answer) {
   try {
     return capital((await answer.json()).message);
   } catch {
-    return `The server answered ${answer.status} without a reason.`;
+    return `The server responded with status ${answer.status} and no message.`;
   }
 }

@@ -1,11 +1,11 @@
-/** The course of a solve: the largest error and the energy, step by step. */
+/** Convergence of a solve: largest error and energy by step. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import uPlot from './vendor/uplot/uPlot.esm.js';
 import { power, readable } from './numbers.js';
 
 const HEIGHT = 116;
-const CALM = 250; // milliseconds without a new solve, after which the course of the last one is drawn
+const IDLE = 250; // time without a new solve after which the charts are drawn [ms]
 
 /** A small plot of one quantity over the steps. */
 class Chart {
@@ -88,14 +88,14 @@ export class Charts {
     this.clear();
   }
 
-  /** Begin anew. */
+  /** Clear the charts. */
   clear() {
     clearTimeout(this.timer);
     this.seen = { steps: [], error: [], energy: [] };
   }
 
   /**
-   * Add what a running solve tells.
+   * Add a step of a running solve.
    * @param {object} status
    * @returns {boolean} whether there is something to be seen
    */
@@ -116,8 +116,8 @@ export class Charts {
    */
   end({ max_error: error, energy }) {
     const steps = error.map((_, i) => i + 1);
-    // While a slider moves nobody reads them, and the surface would wait for them.
-    if (error.length) this.timer = setTimeout(() => this.show(steps, error, energy), this.error.plot ? CALM : 0);
+    // Drawing the charts while a slider moves would delay the surface.
+    if (error.length) this.timer = setTimeout(() => this.show(steps, error, energy), this.error.plot ? IDLE : 0);
     return error.length > 0;
   }
 
@@ -126,7 +126,7 @@ export class Charts {
     this.energy.set(steps, energy);
   }
 
-  /** Take new colours from the style sheet. */
+  /** Update the colours from the style sheet. */
   dress() {
     for (const chart of [this.error, this.energy]) if (chart.plot) chart.build();
   }

@@ -29,7 +29,7 @@ export function regionColour(region) {
 }
 
 /**
- * Return the same as channels.
+ * Return the colour of a region as channels.
  * @param {number} region
  * @returns {number[]} red, green and blue in 0..1 (sRGB)
  */
@@ -38,7 +38,7 @@ export function regionChannels(region) {
 }
 
 /**
- * Return the colour of a value from -limit (blue) over 0 (white) to limit (red), grey where there is none.
+ * Return the colour of a value from -limit (blue) over 0 (white) to limit (red), grey for NaN.
  * @param {number} value
  * @param {number} limit
  * @returns {number[]} red, green and blue in 0..1 (sRGB)
@@ -51,7 +51,7 @@ export function signedColour(value, limit) {
 }
 
 /**
- * Return a colour channel as light: three.js mixes colours in linear space.
+ * Return a colour channel in linear space, as used by three.js.
  * @param {number} channel sRGB in 0..1
  * @returns {number}
  */

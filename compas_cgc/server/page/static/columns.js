@@ -1,11 +1,11 @@
-/** The heights of supports that stand alone. */
+/** Fields for the heights of isolated supports. */
 
 import { readable } from './numbers.js';
 
-const MOST = 12; // rows
+const MAX_ROWS = 12;
 
 /**
- * List the supports that stand alone, each with its height.
+ * List the isolated supports with their heights.
  * @param {HTMLElement} room
  * @param {import('./model.js').Model} model
  * @param {number[]} held
@@ -14,7 +14,7 @@ const MOST = 12; // rows
 export function showColumns(room, model, held, change) {
   const set = new Set(held);
   const alone = held.filter((vertex) => !model.graph.near[vertex].some((next) => set.has(next)));
-  const rows = alone.length > MOST ? [] : alone;
+  const rows = alone.length > MAX_ROWS ? [] : alone;
   room.hidden = !rows.length;
   room.replaceChildren(
     ...rows.map((vertex, number) => {
@@ -23,7 +23,7 @@ export function showColumns(room, model, held, change) {
       const [x, y] = (model.ground ?? model.vertices)[vertex];
       words.textContent = `Support at ${readable(x)}, ${readable(y)}`;
       const height = model.heights[vertex] ?? 0;
-      Object.assign(field, { type: 'number', step: 'any', value: height || '', placeholder: '0', ariaLabel: `Height of support ${number + 1}`, title: 'Height over where it was drawn' });
+      Object.assign(field, { type: 'number', step: 'any', value: height || '', placeholder: '0', ariaLabel: `Height of support ${number + 1}`, title: 'Height above the drawn position' });
       field.addEventListener('change', () => change([vertex], Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : 0));
       label.append(words, field);
       row.append(label);

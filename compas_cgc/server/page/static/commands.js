@@ -1,4 +1,4 @@
-/** What buttons, keys and the browser tell the studio. */
+/** Events of buttons, keys and the browser. */
 
 /** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);
@@ -35,7 +35,7 @@ export function listen(studio) {
   });
   window.addEventListener('pagehide', ({ persisted }) => {
     studio.keep.hide();
-    // A page that may come back keeps its result.
+    // A page in the back/forward cache keeps its result.
     if (persisted) solving.solver.stop();
     else solving.solver.reset();
   });
@@ -48,7 +48,7 @@ export function listen(studio) {
   });
 }
 
-/** Return the step that a key asks for; nothing while somebody types, who would rather have letters back. */
+/** Return 'undo' or 'redo' for a key event, null while the user edits a field. */
 function wayOf(event) {
   const typing = event.target.matches?.('input[type="text"], input[type="number"]') && event.target.value !== event.target.defaultValue;
   const key = event.key.toLowerCase();

@@ -1,4 +1,4 @@
-/** A handle on the highest point: dragged, or moved by keys, it sets the rise. */
+/** A handle on the highest point, moved by pointer or keys, that sets the rise. */
 
 /** The handle. */
 export class Crown {
@@ -35,7 +35,7 @@ export class Crown {
   }
 
   /**
-   * Take note of a surface.
+   * Update the handle for a surface.
    * @param {import('./model.js').Model} model
    * @param {ArrayLike<number>} xyz
    * @param {number[]} held
@@ -51,7 +51,7 @@ export class Crown {
     this.handle.ariaValueMax = this.reach.toPrecision(3);
   }
 
-  /** Stand on the highest point. */
+  /** Move the handle to the highest point. */
   place() {
     const { surface } = this.scene;
     this.handle.hidden = !(this.on && surface && this.model === surface.model);

@@ -1,4 +1,4 @@
-/** Dots on vertices: supports, and places to look at. */
+/** Dots on vertices: supports and rough places. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
@@ -24,7 +24,7 @@ export class Dots {
    */
   put(vertices, xyz) {
     this.vertices = vertices;
-    // Many of them stand close.
+    // Smaller dots if there are many.
     const size = Math.max(7, 13 * Math.min(1, Math.sqrt(40 / Math.max(1, vertices.length))));
     this.points.material.size = size * Math.min(2, window.devicePixelRatio);
     this.points.geometry.dispose();

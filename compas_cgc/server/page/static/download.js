@@ -3,7 +3,7 @@
 const SUFFIXES = { compas: 'json' };
 
 /**
- * Hand a file to the browser.
+ * Save a file with the browser.
  * @param {Blob} blob
  * @param {string} name
  */
@@ -16,11 +16,11 @@ export function hand(blob, name) {
 }
 
 /**
- * Fetch a result and hand it to the browser as a file; a plain link could not send the key.
+ * Fetch a result and save it as a file; a plain link could not send the key.
  * @param {import('./api.js').Api} api
  * @param {string} id of the job
  * @param {string} format
- * @param {import('./model.js').Model} model whose .3dm keeps all that is in it
+ * @param {import('./model.js').Model} model its .3dm file is the one into which the result is merged
  */
 export async function download(api, id, format, model) {
   hand(await api.download(id, format, format === '3dm' ? model.file : null), `${model.name} K.${SUFFIXES[format] ?? format}`);

@@ -1,7 +1,7 @@
-/** Asks for the edge length of a mesh that is made of curves or surfaces. */
+/** Dialog for the edge length of the mesh of curves or surfaces. */
 
 /**
- * Make a function that asks.
+ * Return a function that opens the dialog.
  * @param {HTMLDialogElement} dialog
  * @returns {(text: string) => Promise<?number>} null where there shall be none
  */

@@ -1,4 +1,4 @@
-/** The fields of the goals: rise, limits of height, free edges, rooms to keep clear. */
+/** Fields of the goals: rise, height limits, free edges, clear volumes. */
 
 const SIDES = [
   ['x0', 'from x'],
@@ -8,7 +8,7 @@ const SIDES = [
   ['height', 'clear up to'],
 ];
 
-/** The section of the panel that asks for more than K. */
+/** The goals section of the panel. */
 export class Goals {
   /**
    * @param {HTMLFormElement} panel
@@ -22,7 +22,7 @@ export class Goals {
     for (const name of ['rise', 'above', 'below']) {
       this.fields[name].addEventListener('change', ({ target }) => {
         const value = Number.isFinite(target.valueAsNumber) ? target.valueAsNumber : null;
-        // Who types the first rise wants it whatever K is.
+        // Entering the first rise makes K unknown.
         const found = name === 'rise' && this.goals.rise === undefined && value !== null ? { found: true } : {};
         change({ [name]: value, ...found }, name);
       });
@@ -32,7 +32,7 @@ export class Goals {
   }
 
   /**
-   * Show what is asked.
+   * Show the goals.
    * @param {import('./types.js').Goals} goals
    * @param {import('./model.js').Model} model
    */
@@ -47,7 +47,7 @@ export class Goals {
     this.list.replaceChildren(...boxes.map((box, number) => this.row(box, number)));
   }
 
-  /** Add a room in the middle of the plan. */
+  /** Add a clear volume in the middle of the plan. */
   add() {
     const { low, high } = this.model.bounds;
     const at = (axis, share) => Number((low[axis] + share * (high[axis] - low[axis])).toPrecision(3));
@@ -64,7 +64,7 @@ export class Goals {
     const row = document.createElement('li');
     const fields = SIDES.map(([name, words]) => {
       const [label, field] = ['label', 'input'].map((tag) => document.createElement(tag));
-      Object.assign(field, { type: 'number', step: 'any', value: box[name], ariaLabel: `Room ${number + 1} ${words}` });
+      Object.assign(field, { type: 'number', step: 'any', value: box[name], ariaLabel: `Clear volume ${number + 1} ${words}` });
       field.addEventListener('change', () => {
         if (!Number.isFinite(field.valueAsNumber)) field.value = box[name];
         else this.change({ boxes: this.goals.boxes.map((own, k) => (k === number ? { ...own, [name]: field.valueAsNumber } : own)) }, `box ${number} ${name}`);

@@ -1,17 +1,17 @@
-/** Asks for the server's key. */
+/** Dialog for the key of the server. */
 
 /**
- * Make a function that asks for the key.
+ * Return a function that opens the dialog.
  * @param {HTMLDialogElement} dialog
  * @returns {(again: boolean) => Promise<string>}
  */
 export function keyDialog(dialog) {
   const field = dialog.querySelector('input');
   const text = dialog.querySelector('p');
-  // Without a key nothing works, so there is nothing to go back to.
+  // The dialog cannot be cancelled, as nothing works without a key.
   dialog.addEventListener('cancel', (event) => event.preventDefault());
   return (again) => {
-    text.textContent = again ? 'That was not it. Try once more.' : 'It was given when the server was started.';
+    text.textContent = again ? 'The key is wrong. Try again.' : 'The key was set when the server was started.';
     field.value = '';
     dialog.showModal();
     return new Promise((resolve) => {

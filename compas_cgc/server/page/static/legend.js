@@ -1,4 +1,4 @@
-/** What the colours mean. */
+/** Legend of the colours. */
 
 import { SIGNED } from './colours.js';
 import { readable } from './numbers.js';
@@ -15,7 +15,7 @@ export class Legend {
    * Show the bar.
    * @param {string} what
    * @param {number} limit value of the darkest colours
-   * @param {boolean} gaps whether some of the surface has no value
+   * @param {boolean} gaps whether the value is undefined at some vertices
    * @param {number} [middle] value of white
    */
   show(what, limit, gaps, middle = 0) {

@@ -1,8 +1,8 @@
-/** The largest K that the supports carry, looked for by the server and marked on the sliders. */
+/** The largest feasible K for the supports, computed by the server and marked on the sliders. */
 
 import { capital } from './words.js';
 
-const CLOSE = 0.05; // of the limit that is looked for; a mark on a slider is no finer
+const TOLERANCE = 0.05; // relative accuracy of the limit, comparable to the resolution of a slider
 
 /** One search at a time. */
 export class Limit {
@@ -10,7 +10,7 @@ export class Limit {
    * @param {HTMLElement} said
    * @param {import('./api.js').Api} api
    * @param {import('./regions.js').Regions} regions
-   * @param {() => any} request what a solve would ask for, with the goals of the model alone
+   * @param {() => any} request returns the request of a solve, with the goals of the model only
    */
   constructor(said, api, regions, request) {
     this.said = said;
@@ -21,7 +21,7 @@ export class Limit {
     this.search = null;
   }
 
-  /** Forget what was found, as the supports are others. */
+  /** Clear the result when the supports change. */
   clear() {
     this.search?.abort();
     this.regions.mark(null);
@@ -32,11 +32,11 @@ export class Limit {
     this.clear();
     const search = new AbortController();
     this.search = search;
-    this.said.textContent = 'Looking for the largest K …';
+    this.said.textContent = 'Computing the largest feasible K …';
     this.said.hidden = false;
     try {
       const { unknown, method, settings, ...problem } = this.request();
-      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: CLOSE } }, search.signal);
+      const found = await this.api.build({ ...problem, task: 'limits', settings: { tolerance: TOLERANCE } }, search.signal);
       this.api.forget(found.id).catch(() => {});
       if (this.search !== search) return;
       this.regions.mark(found.status === 'found' ? this.regions.targets.map((K) => (K ? K * found.factor : null)) : null);

@@ -1,4 +1,4 @@
-/** The first page, and the way from it to a design. What draws and solves is loaded with the first design. */
+/** The start page. The modules for drawing and solving are loaded with the first design. */
 
 import { Api } from './api.js';
 import { Keep } from './design/keep.js';
@@ -24,18 +24,18 @@ const welcome = new Welcome($('welcome'), api, {
 /** @type {?Promise<import('./studio.js').Studio>} */
 let opened = null;
 
-/** Return the studio, which is set up once. */
+/** Return the studio, which is created once. */
 async function studio() {
   opened ??= import('./studio.js').then(({ Studio }) => new Studio(api, keep, { offer, say: (text) => welcome.say(text) }));
   try {
     return await opened;
   } catch (error) {
-    throw new Error(`The 3D view cannot start: ${error.message}. The page needs a browser with WebGL switched on.`);
+    throw new Error(`The 3D view cannot start: ${error.message}. Use a browser with WebGL enabled.`);
   }
 }
 
 /**
- * Begin with a design.
+ * Open a design.
  * @param {import('./types.js').State} state
  */
 async function begin(state) {
@@ -46,7 +46,7 @@ async function begin(state) {
   }
 }
 
-/** Offer the designs that are kept. */
+/** List the stored designs. */
 async function offer() {
   welcome.offer(await keep.all(), {
     take: (design) => {
@@ -58,7 +58,7 @@ async function offer() {
   });
 }
 
-/** Go on with what a link, or this tab, holds. */
+/** Open the design in the link or of this tab. */
 async function restore() {
   if (location.hash === '#new') {
     history.replaceState(null, '', location.pathname);

@@ -4,7 +4,7 @@ import { regionColour } from './colours.js';
 import { Graph } from './mesh/graph.js';
 import { pack } from './packed.js';
 
-/** A mesh with what is asked of it. */
+/** A mesh with its supports, targets and goals. */
 export class Model {
   /** @param {import('./types.js').Data} data answer of /api/v1/models, /api/v1/drawings or /api/v1/examples/NAME */
   constructor(data) {
@@ -31,7 +31,7 @@ export class Model {
     /** @type {?Graph} */
     this.edges = null;
     this.packed = null;
-    this.own = null; // what is of the drawing, while the surface has other faces
+    this.own = null; // data of the drawing, while the surface has other faces
     this.count = data.vertices.length;
     this.xyz = Float64Array.from(data.vertices.flat());
     this.faces = Uint32Array.from(data.faces.flat());
@@ -50,7 +50,7 @@ export class Model {
   }
 
   /**
-   * Take the faces of a surface some of whose edges were turned, or those of the drawing again; what is asked stays that of the drawing.
+   * Use the faces of a surface with flipped edges, or those of the drawing; supports and targets remain unchanged.
    * @param {?Int32Array} faces their corners, null for those of the drawing
    * @returns {boolean} whether they are others than before
    */
@@ -75,7 +75,7 @@ export class Model {
   }
 
   /**
-   * Return what a region is called.
+   * Return the name of a region.
    * @param {number} region
    * @returns {string}
    */
@@ -107,7 +107,7 @@ export class Model {
   }
 
   /**
-   * Return coordinates about the centre of the model at unit size, as the scene has them.
+   * Return coordinates in the frame of the scene: centred, at unit size.
    * @param {ArrayLike<number>} xyz
    * @returns {Float32Array}
    */
@@ -123,8 +123,8 @@ export class Model {
   }
 
   /**
-   * Return the largest |K| that the slider of a region offers: half that of a hemisphere over its area, or more where the
-   * file asks for more.
+   * Return the largest |K| on the slider of a region: half that of a hemisphere over its area, or more if the
+   * file has a larger target.
    * @param {number} region
    * @returns {number}
    */
@@ -134,7 +134,7 @@ export class Model {
 
   /**
    * Return the target of every vertex, null where none is set.
-   * @param {(?number)[]} targets per region, null for those of the file
+   * @param {(?number)[]} targets per region, null for the targets of the file
    * @returns {(?number)[]}
    */
   targetsOfVertices(targets) {
@@ -145,7 +145,7 @@ export class Model {
   }
 
   /**
-   * Return which vertices have K measured under other supports: what is neither held, nor on a crease, nor on a free edge.
+   * Return the vertices at which K is measured for given supports: all except supports, creases and free edges.
    * @param {number[]} supports
    * @returns {Uint8Array}
    */

@@ -1,9 +1,9 @@
-/** Numbers as people read them. */
+/** Formatting of numbers. */
 
 const SUPERSCRIPT = { '-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹' };
 
 /**
- * Return a number with some digits, with powers of ten where it is very small or large.
+ * Return a number with some digits, with a power of ten if it is very small or large.
  * @param {?number} value
  * @param {number} [digits]
  * @returns {string}
@@ -37,7 +37,7 @@ export function duration(seconds) {
 }
 
 /**
- * Return the smallest round number that is not below a size, as the package's pictures have at the ends of their legends.
+ * Return the smallest round number not below a value, for the ends of legends.
  * @param {number} size
  * @returns {number}
  */

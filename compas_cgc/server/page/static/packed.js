@@ -1,7 +1,7 @@
-/** Arrays of numbers as the server packs them: base64 of their bytes, which is a tenth of the work of lists. */
+/** Packed arrays of numbers in base64, ten times as fast as lists. */
 
 const TYPES = { f8: Float64Array, i4: Int32Array };
-const CHUNK = 8192; // bytes to a call
+const CHUNK = 8192; // bytes per call
 
 /**
  * Pack rows of numbers.

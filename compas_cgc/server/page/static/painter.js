@@ -1,15 +1,15 @@
-/** What is seen on the surface: regions, K and its error, other curvatures, heights, stripes, and the way from the solution before. */
+/** Colours of the surface: regions, K and its error, other curvatures, heights, stripes, and the change from the previous solution. */
 
 import { gaussianCurvature } from './curvature.js';
 import { quadricCurvatures } from './mesh/quadrics.js';
 import { roundAbove } from './numbers.js';
 
-const ROOM = 1.5; // the darkest colours are for a K so much larger than any, or a surface of one K would be all dark
-const FINE = 1e-6; // errors below this part of the target are shown as none
-const ALIKE = 1e-4; // heights that differ by less, against the size of the surface, are shown as the same
-const MOST = 0.98; // of the values are within the colours of a fit, whose largest stand alone
+const ROOM = 1.5; // upper end of the colour scale relative to the largest K, so that a surface of constant K is not uniformly dark
+const FINE = 1e-6; // errors below this fraction of the target are shown as zero
+const ALIKE = 1e-4; // height differences below this fraction of the size are shown as zero
+const QUANTILE = 0.98; // of the fitted values, upper end of their colour scale, as the largest are outliers
 
-/** Knows K and its targets, and colours by them. */
+/** Stores K and its targets, and colours the surface. */
 export class Painter {
   /**
    * @param {import('./scene.js').Scene} scene
@@ -23,7 +23,7 @@ export class Painter {
   }
 
   /**
-   * Begin with a model.
+   * Switch to a model.
    * @param {import('./model.js').Model} model
    */
   show(model) {
@@ -31,10 +31,10 @@ export class Painter {
   }
 
   /**
-   * Take note of K on a surface.
+   * Update K of a surface.
    * @param {ArrayLike<number>} xyz
    * @param {number[]} held vertices
-   * @param {?Float64Array} [K] where the server has measured it
+   * @param {?Float64Array} [K] K measured by the server
    */
   measure(xyz, held, K = null) {
     this.held = new Set(held);
@@ -45,7 +45,7 @@ export class Painter {
   }
 
   /**
-   * Take note of what is asked.
+   * Update the targets.
    * @param {(?number)[]} targets per region
    */
   want(targets) {
@@ -53,7 +53,7 @@ export class Painter {
   }
 
   /**
-   * Tell about a vertex.
+   * Return the data of a vertex.
    * @param {number} vertex
    * @returns {{K: number, target: ?number, held: boolean, height: number, unit: string}}
    */
@@ -68,7 +68,7 @@ export class Painter {
     return this.fitted;
   }
 
-  /** Colour by what is chosen. */
+  /** Colour by the selected quantity. */
   paint() {
     const { surface } = this.scene;
     surface.stripes(this.by === 'zebra');
@@ -86,7 +86,7 @@ export class Painter {
     this.scene.draw();
   }
 
-  /** Return values with their words and limits, null where regions are coloured. */
+  /** Return the values with label and limits, null for colours of regions. */
   shown() {
     const { curvatureUnit, unit } = this.model;
     const length = unit ? ` in ${unit}` : '';
@@ -114,7 +114,7 @@ export class Painter {
       case 'before': {
         if (!this.before) return null;
         const values = Float64Array.from(this.targets, (_, vertex) => this.xyz[3 * vertex + 2] - this.before[3 * vertex + 2]);
-        return { values, limit: roundAbove(Math.max(largest(values), ALIKE * largest(this.xyz))), what: `Higher than the solution before${length}` };
+        return { values, limit: roundAbove(Math.max(largest(values), ALIKE * largest(this.xyz))), what: `Height above the previous solution${length}` };
       }
       default:
         return null;
@@ -130,5 +130,5 @@ function most(values) {
   const sizes = Array.from(values, Math.abs)
     .filter(Number.isFinite)
     .sort((a, b) => a - b);
-  return sizes[Math.floor(MOST * (sizes.length - 1))] ?? 0;
+  return sizes[Math.floor(QUANTILE * (sizes.length - 1))] ?? 0;
 }

@@ -1,4 +1,4 @@
-/** How far a solve is. */
+/** Progress of a solve. */
 
 import { duration, readable } from './numbers.js';
 
@@ -8,7 +8,7 @@ import { duration, readable } from './numbers.js';
  * @param {import('./types.js').Status} status of the job
  */
 export function showProgress(room, status) {
-  const parts = [status.state === 'queued' ? 'Waiting for its turn' : `Step ${status.iteration}`];
+  const parts = [status.state === 'queued' ? 'Waiting in the queue' : `Step ${status.iteration}`];
   if (status.error !== null) parts.push(`error ${readable(status.error, 2)}`, `energy ${readable(status.energy, 4)}`);
   if (status.elapsed !== null) parts.push(duration(status.elapsed));
   const shown = parts.map((text, i) => {

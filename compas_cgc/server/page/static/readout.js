@@ -52,7 +52,7 @@ export class Readout {
           [readable(target), 'target'],
           [target === null ? '–' : readable(K - target, 2), 'error'],
         ]
-      : [['', held ? 'a support' : 'K is not asked here']];
+      : [['', held ? 'a support' : 'K is not prescribed here']];
     rows.push([`${readable(height)}${unit ? ` ${unit}` : ''}`, 'height']);
     this.room.replaceChildren(head, ...rows.flatMap((row) => row.map(cell)));
     this.room.hidden = false;

@@ -1,10 +1,10 @@
-/** One slider and one number per region; many regions are grouped by what is asked of them. */
+/** One slider and one number per region; many regions are grouped by their targets. */
 
 import { readable, roundAbove } from './numbers.js';
 
-const STEPS = 200; // of a slider to each side of zero
-const SNAP = 5; // steps around zero that are zero under a pointer
-const MANY = 12; // regions above which they are grouped
+const STEPS = 200; // steps of a slider on each side of zero
+const SNAP = 5; // steps around zero that snap to zero under a pointer
+const MANY = 12; // number of regions above which they are grouped
 
 /** The rows of the regions, and one for all of them together. */
 export class Regions {
@@ -18,12 +18,12 @@ export class Regions {
     this.rows = [];
     this.targets = [];
     this.limit = null;
-    /** What the slider of several regions has given last, and in which proportion: at zero nothing else tells it. */
+    /** Last value and proportions of a slider for several regions, which are needed when it is at zero. */
     this.led = { regions: [], shares: [], given: '' };
   }
 
   /**
-   * Offer the regions of a model.
+   * Show the regions of a model.
    * @param {import('./model.js').Model} model
    */
   show(model) {
@@ -50,7 +50,7 @@ export class Regions {
         box.dataset.group = String(group[0]);
         box.open = open.has(box.dataset.group);
         const more = document.createElement('summary');
-        more.textContent = 'One by one';
+        more.textContent = 'Individual regions';
         const head = add(this.row(`${group.length} regions`, Math.max(...group.map((region) => model.reach(region))), model.colourOf(group[0]), group));
         box.append(more, ...group.map((region) => add(single(region))));
         parts.push(head, box);
@@ -60,7 +60,7 @@ export class Regions {
     this.refresh();
   }
 
-  /** Return regions that are alike together: of the same K and nearly the same size, or else of the same K, or else all. */
+  /** Return groups of regions: by K and approximate area, or else by K, or else one group. */
   groups() {
     const { areas } = this.model;
     const keys = [(K, region) => `${K} ${areas[region].toPrecision(2)}`, (K) => String(K), () => ''];
@@ -73,7 +73,7 @@ export class Regions {
   }
 
   /**
-   * Take targets without telling anybody.
+   * Set the targets without notifying the listener.
    * @param {(?number)[]} targets
    */
   set(targets) {
@@ -82,8 +82,8 @@ export class Regions {
   }
 
   /**
-   * Mark what the supports carry.
-   * @param {?(?number)[]} targets per region, null to take the marks away
+   * Mark the largest feasible K.
+   * @param {?(?number)[]} targets per region, null to remove the marks
    */
   mark(targets) {
     this.limit = targets;
@@ -91,7 +91,7 @@ export class Regions {
   }
 
   /**
-   * Let K be given, or follow from the goals.
+   * Set whether K is given or unknown.
    * @param {boolean} follows
    */
   follow(follows) {
@@ -101,7 +101,7 @@ export class Regions {
   }
 
   /**
-   * Bring the slider of a region into sight.
+   * Scroll to the slider of a region.
    * @param {number} region
    */
   focus(region) {
@@ -132,7 +132,7 @@ export class Regions {
       const place = pointed && Math.abs(slider.value) < SNAP ? 0 : Number(slider.value);
       this.lead(regions, (place * reach) / STEPS);
     });
-    // Let go where it was taken up, it has not changed.
+    // A slider released at its initial value has not changed.
     for (const event of ['change', 'pointerup', 'pointercancel']) slider.addEventListener(event, () => this.listener.release());
     number.addEventListener('change', () => {
       if (number.value !== '' && Number.isFinite(number.valueAsNumber)) this.give(regions, number.valueAsNumber);
@@ -162,13 +162,13 @@ export class Regions {
     return field;
   }
 
-  /** Give all of them the same K. */
+  /** Set the same K for all regions. */
   give(regions, K) {
     for (const region of regions) this.targets[region] = K;
     this.tell(regions);
   }
 
-  /** Give regions K in the proportion that they have: the one that curves most gets this one, and what unrolls flat still does. */
+  /** Scale the K of regions: the region with the largest |K| gets this value; regions with K = 0 remain flat. */
   lead(regions, K) {
     if (this.led.regions !== regions || this.led.given !== String(this.targets)) this.led = { regions, shares: proportion(regions.map((region) => this.targets[region])), given: '' };
     regions.forEach((region, k) => {
@@ -190,7 +190,7 @@ export class Regions {
       const first = leading(regions.map((region) => this.targets[region]));
       const K = this.targets[regions[first]];
       const same = values.size === 1 && K !== null;
-      // K that was found has more digits than there is room for.
+      // A computed K has more digits than fit in the field.
       number.value = !same ? '' : number.disabled ? Number(K.toPrecision(3)) : K;
       number.placeholder = same ? '' : 'various';
       slider.value = Math.round(((K ?? 0) / reach) * STEPS);
@@ -200,7 +200,7 @@ export class Regions {
       const place = 0.5 + (0.5 * (most ?? 2 * reach)) / reach;
       mark.hidden = !(place > 0 && place < 1);
       mark.style.left = `calc(9px + ${place} * (100% - 18px))`;
-      mark.title = most ? `The supports carry up to ${readable(most)}` : '';
+      mark.title = most ? `Largest feasible K: ${readable(most)}` : '';
     }
   }
 }
@@ -219,19 +219,19 @@ function plainTitle(name) {
   return title;
 }
 
-/** Return the place of the K that is largest, of either sign. */
+/** Return the index of the largest |K|. */
 function leading(targets) {
   return targets.reduce((best, K, k) => (Math.abs(K ?? 0) > Math.abs(targets[best] ?? 0) ? k : best), 0);
 }
 
-/** Return each K against the largest, null where none is given; where there is none to compare with all are the same. */
+/** Return each K relative to the largest, null if not given; all equal if the largest is zero. */
 function proportion(targets) {
   const most = targets[leading(targets)];
   return targets.map((K) => (most ? K && K / most : 1));
 }
 
 function shape(K, unit) {
-  if (K === 0) return 'unrolls flat';
+  if (K === 0) return 'developable';
   const radius = `${readable(1 / Math.sqrt(Math.abs(K)))}${unit ? ` ${unit}` : ''}`;
   return K > 0 ? `sphere, radius ${radius}` : `saddle, radii ± ${radius}`;
 }

@@ -1,8 +1,8 @@
-/** When to solve while a slider moves. */
+/** Scheduling of solves while a slider moves. */
 
-const PATIENCE = 700; // milliseconds after which a running solve is dropped for a newer one
+const MAX_WAIT = 700; // time after which a running solve is cancelled for a newer one [ms]
 
-/** Begins solves, not more often than they can be done. */
+/** Starts solves, at most one at a time. */
 export class Rhythm {
   /**
    * @param {import('./solver.js').Solver} solver
@@ -15,17 +15,17 @@ export class Rhythm {
     this.waiting = false;
   }
 
-  /** Something has changed, maybe with others at once. A change does not put off the solve of the one before: the surface shall follow a slider that moves. */
+  /** Called at every change. A change does not delay the solve of the previous one, so that the surface follows a moving slider. */
   changed() {
     if (!this.timer) this.timer = setTimeout(() => this.soon());
   }
 
-  /** A solve is over: go on with what has waited for it. */
+  /** A solve has ended: start the pending one. */
   over() {
     if (this.waiting) this.now();
   }
 
-  /** Drop what waits. */
+  /** Discard the pending solve. */
   settle() {
     clearTimeout(this.timer);
     this.timer = 0;
@@ -33,8 +33,8 @@ export class Rhythm {
   }
 
   soon() {
-    this.waiting = this.solver.busy && this.solver.age < PATIENCE;
-    if (this.waiting) this.timer = setTimeout(() => this.now(), PATIENCE - this.solver.age);
+    this.waiting = this.solver.busy && this.solver.age < MAX_WAIT;
+    if (this.waiting) this.timer = setTimeout(() => this.now(), MAX_WAIT - this.solver.age);
     else this.now();
   }
 

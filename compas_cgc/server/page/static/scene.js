@@ -1,4 +1,4 @@
-/** The 3D view: camera, light, and drawing when something has changed. */
+/** The 3D view: camera, lights, and drawing on demand. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
@@ -8,18 +8,18 @@ import { Pace } from './see/pace.js';
 import { Sharpness } from './see/sharpness.js';
 import { DETAIL, Surface } from './surface.js';
 
-const SETTLE = 90; // milliseconds in which the surface comes about two thirds nearer to where it goes
-const REACH = 1.6; // from the middle, as far as the sun throws shadows
-const RIM = 0.1; // of ground around the surface: its shadow is no wider, and more of it would be drawn in vain
-const MARGIN = 1.04; // around a surface that is shown whole
-const PASSING = ['canvas', 'crown', 'readout', 'progress']; // what is no hindrance to the view
+const SETTLE = 90; // time constant of the motion of the surface [ms]
+const REACH = 1.6; // distance from the centre within which shadows are drawn
+const RIM = 0.1; // width of the ground around the surface, limited to the extent of its shadow
+const MARGIN = 1.04; // factor for the margin around a surface that fills the view
+const PASSING = ['canvas', 'crown', 'readout', 'progress']; // elements that do not count as obstructing the view
 const FROM = new THREE.Vector3(-0.62, -1, 0.72).normalize();
 
 /** A view of one model. */
 export class Scene {
   /**
    * @param {HTMLCanvasElement} canvas
-   * @throws {Error} where the browser has no WebGL
+   * @throws {Error} if the browser has no WebGL
    */
   constructor(canvas) {
     this.canvas = canvas;
@@ -56,7 +56,7 @@ export class Scene {
     const lamp = new THREE.DirectionalLight(0xfff6e8, 2.1);
     lamp.position.set(-2.2, -1.2, 3.4);
     this.world.add(lamp);
-    // What throws the shadow stands nearly overhead, so that the shadow says where the surface is.
+    // The light is nearly overhead, so that the shadow shows the position of the surface.
     this.sun = new THREE.DirectionalLight(0xffffff, 0.25);
     this.sun.position.set(0.4, -0.3, 4);
     this.sun.castShadow = true;
@@ -71,7 +71,7 @@ export class Scene {
   }
 
   /**
-   * Show a model in the place of the one before.
+   * Show a model instead of the previous one.
    * @param {import('./model.js').Model} model
    * @param {boolean} [keep] the view
    */
@@ -89,9 +89,9 @@ export class Scene {
   }
 
   /**
-   * Let the surface move to where it shall be.
+   * Move the surface to new positions.
    * @param {Float32Array} xyz in the scene's frame
-   * @param {boolean} [glide] or jump
+   * @param {boolean} [glide] whether to animate the motion
    */
   moveTo(xyz, glide = true) {
     if (!glide || this.still.matches) {
@@ -105,13 +105,13 @@ export class Scene {
   }
 
   /**
-   * Look at all of the surface, in what the tools leave free.
-   * @param {boolean} [keep] the direction of view
+   * Fit the surface into the area not covered by the tools.
+   * @param {boolean} [keep] whether to keep the direction of view
    */
   fit(keep = true) {
     if (!this.surface) return;
     this.framed = true;
-    // The observer tells of a new size only later.
+    // The resize observer reports a new size only later.
     this.measure();
     const back = keep ? this.camera.position.clone().sub(this.controls.target).normalize() : FROM;
     const right = this.camera.up.clone().cross(back).normalize();
@@ -123,7 +123,7 @@ export class Scene {
     this.draw();
   }
 
-  /** Put the middle of the view into the middle of what is free, and return the tangents of half of the angles seen there. */
+  /** Centre the view in the free area, and return the tangents of half of its angles of view. */
   tangents() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     const { left, top, right, bottom } = this.free();
@@ -142,7 +142,7 @@ export class Scene {
     );
   }
 
-  /** Take the colours from the style sheet, which knows light and dark. */
+  /** Update the colours from the style sheet, for the light and dark theme. */
   dress() {
     const style = getComputedStyle(document.documentElement);
     const theme = { line: style.getPropertyValue('--line3d').trim(), crease: style.getPropertyValue('--crease3d').trim() };
@@ -152,7 +152,7 @@ export class Scene {
   }
 
   /**
-   * Return the vertex and region under a place on the screen, null where there is none.
+   * Return the vertex and region at a screen position, null if there is none.
    * @param {number} x
    * @param {number} y
    * @returns {?{vertex: number, region: number}}
@@ -172,7 +172,7 @@ export class Scene {
   }
 
   /**
-   * Return the place on the ground under a place on the screen, in the model's frame; null where there is none.
+   * Return the point on the ground at a screen position, in the frame of the model; null if there is none.
    * @param {number} x
    * @param {number} y
    * @returns {?number[]}
@@ -190,8 +190,8 @@ export class Scene {
   }
 
   /**
-   * Return where a vertex is on the canvas, and how many pixels a length of the scene is there.
-   * @param {ArrayLike<number>} xyz in the scene's frame
+   * Return the position of a vertex on the canvas, and the number of pixels per unit of length there.
+   * @param {ArrayLike<number>} xyz in the frame of the scene
    * @param {number} vertex
    * @returns {number[]} x, y, pixels
    */
@@ -222,14 +222,14 @@ export class Scene {
    * @returns {Promise<Blob>}
    */
   picture() {
-    // No tools lie over a picture.
+    // A picture uses the whole area, as it contains no tools.
     const { framed } = this;
     this.framed = false;
     this.camera.clearViewOffset();
     this.refine(true);
     this.renderer.setPixelRatio(this.sharpness.ofPictures);
     this.resize();
-    // What is drawn is gone after this, so it is taken now.
+    // Copy the canvas now, as it is cleared after this frame.
     const taken = this.sharpness.picture(this.canvas);
     this.framed = framed;
     this.renderer.setPixelRatio(this.sharpness.fine);
@@ -256,7 +256,7 @@ export class Scene {
     if (this.measure()) this.render();
   }
 
-  /** Take the size that the canvas has by now, and tell whether it has one. */
+  /** Update the size of the canvas, and return whether it is not zero. */
   measure() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return false;
@@ -267,19 +267,19 @@ export class Scene {
     return true;
   }
 
-  /** Draw soon. */
+  /** Schedule a frame. */
   draw() {
     if (!this.frame) this.frame = requestAnimationFrame((now) => this.tick(now));
   }
 
-  /** Draw now what would be drawn soon, where frames are slow: the frame is under way while the page writes its words. */
+  /** Draw a scheduled frame immediately if frames are slow, in parallel with the update of the texts. */
   flush() {
     if (!this.frame || !this.pace.coarse) return;
     cancelAnimationFrame(this.frame);
     this.tick(performance.now());
   }
 
-  /** A surface is on its way: be ready to draw it quickly, as it takes time to change the number of pixels. */
+  /** A surface is expected: switch to quick frames in advance, as changing the resolution takes time. */
   expect() {
     if (!this.pace.slow) return;
     this.pace.resting = false;
@@ -295,7 +295,7 @@ export class Scene {
     this.render();
   }
 
-  /** Draw all there is with all pixels, or what is needed to see a surface move. */
+  /** Draw a full frame, or a quick frame of a moving surface. */
   refine(fine) {
     const ratio = fine ? this.sharpness.fine : this.sharpness.coarse;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
@@ -310,7 +310,7 @@ export class Scene {
     this.after();
   }
 
-  /** Lay the ground under the surface and its shadow. */
+  /** Place the ground below the surface and its shadow. */
   lay() {
     const { min, max } = new THREE.Box3().setFromArray(this.surface.xyz);
     const level = min.z - 0.02;

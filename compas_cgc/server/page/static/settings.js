@@ -2,12 +2,12 @@
 
 import { capitalised } from './words.js';
 
-/** The fields of the panel besides the regions. */
+/** Fields of the panel except the regions. */
 export class Settings {
   /**
    * @param {HTMLFormElement} panel
-   * @param {import('./api.js').Api} api tells which methods there are
-   * @param {{change: (key: string) => void, hold: (choice: string) => void}} listener `hold` is called when the supports are others
+   * @param {import('./api.js').Api} api provides the methods
+   * @param {{change: (key: string) => void, hold: (choice: string) => void}} listener `hold` is called when the supports change
    */
   constructor(panel, api, listener) {
     this.panel = panel;
@@ -39,7 +39,7 @@ export class Settings {
   }
 
   /**
-   * Take the settings that a model comes with.
+   * Use the settings of a model.
    * @param {import('./model.js').Model} model
    */
   show(model) {
@@ -53,7 +53,7 @@ export class Settings {
     this.describe();
   }
 
-  /** Whether all fields hold what they may; if not, the browser says so. */
+  /** Whether all fields are valid; if not, the browser reports the error. */
   get valid() {
     return this.panel.reportValidity();
   }
@@ -72,7 +72,7 @@ export class Settings {
     return { supports: this.supports, method: this.fields.method.value || undefined, settings };
   }
 
-  /** Show what the method does, and a field for each of its options. */
+  /** Show the description of the method and a field per option. */
   describe() {
     const method = this.methods[this.fields.method.selectedIndex];
     if (!method) return;
@@ -84,7 +84,7 @@ export class Settings {
 }
 
 /**
- * Return the field of an option, empty where the method shall take its own value.
+ * Return the field of an option; an empty field selects the default of the method.
  * @param {import('./types.js').Option} option its JSON schema, with a name and a description
  * @param {any} [value]
  * @returns {HTMLLabelElement}
@@ -127,7 +127,7 @@ function numberField(option) {
 }
 
 /**
- * Return what a field holds, as JSON has it.
+ * Return the JSON value of a field.
  * @param {HTMLInputElement | HTMLSelectElement} field
  * @returns {number | string | boolean}
  */

@@ -1,10 +1,10 @@
-/** The design as a file, as a link, and the view as a picture. */
+/** Saving of the design as a file or link, and of the view as a picture. */
 
 import { asFragment, asText } from './design/packing.js';
 import { hand } from './download.js';
 
 /**
- * Fill the menu.
+ * Connect the menu.
  * @param {HTMLDetailsElement} menu
  * @param {{state: () => import('./types.js').State, picture: () => Promise<?Blob>}} source
  */
@@ -21,18 +21,18 @@ export function shareMenu(menu, source) {
   };
   act('#save-file', (state) => {
     hand(new Blob([asText(state)], { type: 'application/json' }), `${state.name || 'Roof'}.json`);
-    return 'Saved. Drop the file on the page to go on with it.';
+    return 'Saved. Drop the file on this page to open it again.';
   });
   act('#save-link', async (state) => {
     const address = `${location.origin}${location.pathname}#design=${await asFragment(state)}`;
     try {
       await navigator.clipboard.writeText(address);
     } catch {
-      // Without leave to copy it stands in the address bar.
+      // Without permission to copy, put the link into the address bar.
       history.replaceState(null, '', address);
-      return 'The link is in the address bar. It holds the whole design.';
+      return 'The link is in the address bar. It contains the whole design.';
     }
-    return `Copied, ${Math.ceil(address.length / 1000)} thousand signs. It holds the whole design; nothing is stored elsewhere.`;
+    return `Link copied (${Math.ceil(address.length / 1000)},000 characters). It contains the whole design; nothing is stored elsewhere.`;
   });
   act('#save-picture', async (state) => {
     const picture = await source.picture();

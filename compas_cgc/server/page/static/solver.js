@@ -1,21 +1,21 @@
-/** One solve at a time: a new one takes the place of the one before. */
+/** One solve at a time: a new solve replaces the running one. */
 
 import { Refusal } from './api.js';
 
-const LIVE_AFTER = 1000; // milliseconds: what is solved sooner is drawn once
+const LIVE_AFTER = 1000; // duration of a solve above which its steps are drawn [ms]
 const POLL = 200; // milliseconds
 
 /**
  * @typedef {object} Listener what is told about a solve
  * @property {(status: import('./types.js').Status) => void} progress
  * @property {(xyz: Float32Array) => void} surface
- * @property {(xyz: Float64Array) => void} arrived as asked, while it is judged
- * @property {(said: import('./types.js').Judged) => void} judged of what has arrived, while it is measured
+ * @property {(xyz: Float64Array) => void} arrived the solved surface, before its verdict
+ * @property {(said: import('./types.js').Judged) => void} judged its verdict, before it is measured
  * @property {(result: ?import('./types.js').Result, status: import('./types.js').Status) => void} done
  * @property {(message: string) => void} failed
  */
 
-/** Runs solves on the server and tells how they are doing. */
+/** Runs solves on the server and reports their progress. */
 export class Solver {
   /**
    * @param {import('./api.js').Api} api
@@ -39,7 +39,7 @@ export class Solver {
   }
 
   /**
-   * Solve; the job of the last solve is forgotten when this one is done.
+   * Solve; the job of the last solve is deleted when this one has ended.
    * @param {object} request
    */
   async solve(request) {
@@ -61,7 +61,7 @@ export class Solver {
     }
   }
 
-  /** Ask the running solve to end with what it has. */
+  /** Stop the running solve, keeping its surface. */
   async cancel() {
     if (!this.run) return;
     try {
@@ -71,7 +71,7 @@ export class Solver {
     }
   }
 
-  /** Drop the running solve. */
+  /** Cancel the running solve. */
   stop() {
     if (!this.run) return;
     const { id, abort } = this.run;
@@ -80,7 +80,7 @@ export class Solver {
     this.forget(id);
   }
 
-  /** Drop everything. */
+  /** Cancel and delete all jobs. */
   reset() {
     this.stop();
     if (this.finished) this.forget(this.finished);
@@ -88,11 +88,11 @@ export class Solver {
   }
 
   forget(id) {
-    // It may never have arrived, or be gone: both are as wanted.
+    // Ignore errors: the job may not exist.
     this.api.forget(id).catch(() => {});
   }
 
-  /** Follow a job to its end, and return how it ended and its surface. */
+  /** Follow a job to its end, and return its status and surface. */
   async follow(run, request) {
     let [status, result] = [null, null];
     for await (const told of this.api.solving(request, run.abort.signal)) {
@@ -102,7 +102,7 @@ export class Solver {
       if (told.arrived && this.run === run) this.listener.arrived(told.arrived);
       if (told.judged && this.run === run) this.listener.judged(told.judged);
     }
-    // No stream was free, or it was cut.
+    // No stream was free, or it was interrupted.
     while (!isOver(status)) {
       if (status) await new Promise((resolve) => setTimeout(resolve, POLL));
       status = await this.api.status(run.id, run.abort.signal);
@@ -125,7 +125,7 @@ export class Solver {
       const xyz = await this.api.surface(run.id, run.abort.signal);
       if (xyz && this.run === run) this.listener.surface(xyz);
     } catch (error) {
-      // The job can be gone by now.
+      // The job may have been deleted.
       if (!(error instanceof Refusal) && error.name !== 'AbortError') throw error;
     } finally {
       run.fetching = false;

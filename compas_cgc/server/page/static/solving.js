@@ -1,4 +1,4 @@
-/** A solve: what is asked for, how far it is, and what is shown of its surface. */
+/** A solve: its request, progress and displayed surface. */
 
 import { Charts } from './charts.js';
 import { asked } from './design/goals.js';
@@ -9,21 +9,21 @@ import { Rhythm } from './rhythm.js';
 import { Solver } from './solver.js';
 import { Verdict } from './verdict.js';
 
-const WORTH = 200; // milliseconds; what is over sooner needs no word
-const COARSE = 1e-5; // tolerance while a slider is held: no eye sees what is left
-const QUICK = 0.3; // seconds; a surface that follows a slider so soon is near the one before, and need not glide there
+const PROGRESS_DELAY = 200; // duration of a solve above which progress is shown [ms]
+const COARSE = 1e-5; // tolerance while a slider moves; the remaining error is invisible
+const QUICK = 0.3; // duration of a solve below which the motion of the surface is not animated [s]
 
 /** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);
 
-/** Asks for surfaces, and puts them into the views. */
+/** Requests surfaces and shows them in the views. */
 export class Solving {
   /** @param {import('./studio.js').Studio} studio whose design is solved */
   constructor(studio) {
     this.studio = studio;
     /** @type {?import('./types.js').Result} */
     this.result = null;
-    /** @type {any} the request that is being solved */
+    /** @type {any} the running request */
     this.asking = null;
     /** @type {any} the request of the result */
     this.solved = null;
@@ -31,15 +31,15 @@ export class Solving {
     this.drawn = null;
     this.patience = 0;
     this.stale = false;
-    this.held = false; // a slider is
-    this.coarse = false; // the last solve was for one
+    this.held = false; // whether a slider is held
+    this.coarse = false; // whether the last solve used the coarse tolerance
     this.charts = new Charts($('chart-error'), $('chart-energy'));
     this.verdict = new Verdict($('verdict'));
     this.solver = new Solver(studio.api, this);
     this.rhythm = new Rhythm(this.solver, () => this.begin());
   }
 
-  /** Forget all, as the mesh is another. */
+  /** Reset everything for another mesh. */
   clear() {
     this.solver.reset();
     this.rhythm.settle();
@@ -54,14 +54,14 @@ export class Solving {
   }
 
   /**
-   * Something else is asked for.
-   * @param {boolean} held by a slider that will be let go
+   * The request has changed.
+   * @param {boolean} held whether a slider is being moved
    */
   changed(held = false) {
     const { painter, regions } = this.studio;
     this.held = held;
     painter.want(regions.targets);
-    // The other colours do not know of targets, and to draw takes time that the solve waits for.
+    // Other colours do not depend on targets, and drawing would delay the solve.
     if (painter.by === 'error') painter.paint();
     this.stale = true;
     if ($('drag').checked) {
@@ -70,22 +70,22 @@ export class Solving {
     } else this.verdict.outdate();
   }
 
-  /** The slider is let go: what has followed it is found to the last digit. */
+  /** The slider was released: solve again with the full tolerance. */
   release() {
     this.held = false;
     if (this.coarse) this.rhythm.changed();
   }
 
-  /** Somebody waits for a surface: tell so where it takes a while, as words that come and go with every move of a slider are not read. */
+  /** A solve has started: show progress after a delay, to avoid flicker while a slider moves. */
   wait() {
     $('outcome').ariaBusy = 'true';
     this.patience ||= setTimeout(() => {
       if (this.stale) this.verdict.outdate();
       $('cancel').hidden = !this.solver.busy;
-    }, WORTH);
+    }, PROGRESS_DELAY);
   }
 
-  /** Nobody waits any more. */
+  /** Hide the progress. */
   settle() {
     clearTimeout(this.patience);
     this.patience = 0;
@@ -106,7 +106,7 @@ export class Solving {
     };
   }
 
-  /** Return the last surface as a field of a request where targets alone are others: the solve goes on from it. */
+  /** Return the last surface as an initial guess, if the request differs only by its targets. */
   last(request) {
     const { result, solved } = this;
     const leads = result?.method === 'projection' && result.report.verdict?.fair && !result.faces && !solved.unknown;
@@ -134,11 +134,11 @@ export class Solving {
   /** Called by the solver while it runs. */
   progress(status) {
     showProgress($('progress'), status);
-    $('progress').hidden = this.solver.age < WORTH;
+    $('progress').hidden = this.solver.age < PROGRESS_DELAY;
     if (this.charts.add(status)) $('course').hidden = false;
   }
 
-  /** Called by the solver with a surface on its way. */
+  /** Called by the solver with the surface of a step. */
   surface(xyz) {
     const { studio } = this;
     studio.mark([]);
@@ -147,21 +147,21 @@ export class Solving {
     studio.painter.paint();
   }
 
-  /** Called by the solver with what will be the result, unless it is found wanting: it is drawn while it is judged. */
+  /** Called by the solver with the solved surface, which is drawn before its verdict. */
   arrived(xyz) {
     const { studio } = this;
     studio.mark([]);
-    studio.place(xyz, null, this.result !== null && this.solver.age < WORTH);
+    studio.place(xyz, null, this.result !== null && this.solver.age < PROGRESS_DELAY);
     studio.scene.flush();
     this.drawn = xyz;
   }
 
-  /** Called by the solver with what is said of the surface that is drawn: while a slider is held, the words need not wait for the figures. */
+  /** Called by the solver with the verdict, so that the text is updated before the surface is measured. */
   judged(said) {
     if (this.drawn && this.coarse) this.verdict.judge(said);
   }
 
-  /** Called by the solver in the end. */
+  /** Called by the solver at the end. */
   done(result, status) {
     if (!result) {
       this.failed(status.message ?? 'The solve ended without a result', status.state === 'cancelled');
@@ -197,7 +197,7 @@ export class Solving {
     this.heard();
   }
 
-  /** Bring bad news into sight: on a narrow screen they may be far from the button that was pressed. */
+  /** Scroll to an error, which can be far from the pressed button on a narrow screen. */
   heard() {
     $('verdict').scrollIntoView({ block: 'nearest' });
   }
@@ -222,12 +222,12 @@ function isSame(one, other) {
   return one.length === other.length && one.every((value, k) => value === other[k]);
 }
 
-/** Return whether two requests differ by their targets at most; a mesh is packed once, so another is another object. */
+/** Check whether two requests differ only by their targets. A mesh is packed once, so equal meshes are the same object. */
 function isSameBut({ vertices, faces, targets, ...one }, { vertices: places, faces: corners, targets: before, ...other }) {
   return vertices === places && faces === corners && JSON.stringify(one) === JSON.stringify(other);
 }
 
-/** Return targets with the K that was found for the goals. */
+/** Return targets with the K solved for the goals. */
 function found(targets, result) {
   return targets.map((own, region) => {
     const K = result.report.regions?.find((each) => each.region === region)?.target ?? own;

@@ -1,4 +1,4 @@
-/** Where a roof is drawn, posed, solved and built: all but the first page, put together. */
+/** The studio: drawing, problem, solve and builds. */
 
 import { showNotes, showTitle } from './about.js';
 import { showColumns } from './columns.js';
@@ -24,7 +24,7 @@ import { Settings } from './settings.js';
 import { shareMenu } from './share.js';
 import { Solving } from './solving.js';
 
-const SMALL = 3000; // vertices up to which a solve keeps up with a slider
+const SMALL = 3000; // number of vertices up to which solves follow a slider
 
 /** @type {(id: string) => any} the elements are those of index.html */
 const $ = (id) => document.getElementById(id);
@@ -34,7 +34,7 @@ export class Studio {
   /**
    * @param {import('./api.js').Api} api
    * @param {import('./design/keep.js').Keep} keep
-   * @param {{offer: () => void, say: (text: string) => void}} welcome the first page
+   * @param {{offer: () => void, say: (text: string) => void}} welcome the start page
    */
   constructor(api, keep, welcome) {
     this.model = null;
@@ -89,7 +89,7 @@ export class Studio {
 
   // ---------------------------------------------------------- the design
 
-  /** Begin with a design. */
+  /** Open a design. */
   begin({ stage, name, plan, data, solved = false }) {
     this.solving.solver.reset();
     this.toggleWelcome(false);
@@ -117,7 +117,7 @@ export class Studio {
     if (state.stage === 'shape') this.solving.changed();
   }
 
-  /** The history has another state. */
+  /** The state in the history has changed. */
   stepped() {
     $('undo').disabled = !this.history.canUndo;
     $('redo').disabled = !this.history.canRedo;
@@ -132,13 +132,13 @@ export class Studio {
     this.show(state);
   }
 
-  /** Change what is asked. */
+  /** Change supports, targets or goals. */
   edit(data, key) {
     this.dress(data, key);
     this.solving.changed();
   }
 
-  /** Change names and colours, which no surface depends on. */
+  /** Change names and colours, which do not affect the surface. */
   dress(data, key) {
     this.history.push({ ...this.history.now, data }, key);
     this.present(data);
@@ -161,7 +161,7 @@ export class Studio {
     $('redraw').hidden = !plan;
   }
 
-  /** Have the drawing meshed. */
+  /** Mesh the drawing. */
   async mesh() {
     const state = this.history.now;
     const trouble = $('desk-trouble');
@@ -171,7 +171,7 @@ export class Studio {
     $('plan-count').textContent = 'Making the mesh …';
     try {
       this.draw({ stage: 'shape', data: await meshed(this.api, state) });
-      // What is seen first is a roof, and not its plan.
+      // Show the roof in perspective first, not in plan.
       if ($('drag').checked) this.solving.begin();
     } catch (error) {
       trouble.textContent = error.message;
@@ -183,7 +183,7 @@ export class Studio {
     }
   }
 
-  /** Show a model, or what has changed of it. */
+  /** Show a model, or its changes. */
   present(data) {
     const { data: old } = this;
     const mesh = !old || old.faces !== data.faces;
@@ -206,7 +206,7 @@ export class Studio {
     if (shape) {
       this.scene.show(model, !mesh);
       this.hand.show(model.graph, new Set(data.supports.corners));
-      // Once solved, the surface goes on from where it is.
+      // A solved surface continues from its current position.
       this.place(kept ?? model.xyz, null, Boolean(kept));
       this.mark([]);
     } else {
@@ -232,7 +232,7 @@ export class Studio {
     this.paint();
   }
 
-  /** Show the mesh with the faces that a solve has turned, or with its own. */
+  /** Show the mesh with the flipped faces of a result, or with its own faces. */
   turn(faces) {
     if (!this.model.turn(faces)) return;
     this.painter.show(this.model);
@@ -247,20 +247,20 @@ export class Studio {
     return (wishes?.boxes ?? []).map(({ x0, y0, x1, y1, height }) => [...model.toScene([x0, y0, floor]), ...model.toScene([x1, y1, height])]);
   }
 
-  /** Take note of the surface that is shown. */
+  /** Update everything that depends on the displayed surface. */
   know(xyz, measured) {
     this.shown = xyz;
     this.measured = measured;
   }
 
-  /** Show the surface at some places. */
+  /** Show the surface with given coordinates. */
   place(xyz, measured = null, jump = false) {
     this.know(xyz, measured);
     this.scene.moveTo(this.model.toScene(xyz), !jump);
     this.section.show(this.model, xyz);
   }
 
-  /** Go back to the model as it came. */
+  /** Reset to the original model. */
   reset() {
     const first = this.history.states.find(({ data }) => data && data.faces === this.data.faces) ?? this.history.now;
     this.data = null;
@@ -290,7 +290,7 @@ export class Studio {
     this.painter.paint();
   }
 
-  /** Mark the places where the surface is rough. */
+  /** Mark rough places of the surface. */
   mark(places) {
     this.scene.surface.mark(places);
     $('rough-mark').hidden = !places.length;
@@ -301,7 +301,7 @@ export class Studio {
     this.scene.draw();
   }
 
-  /** Show what was built on the surface. */
+  /** Show a build on the surface. */
   showBuilt(drawn) {
     const { surface } = this.scene;
     if (!surface || !(drawn || this.built)) return;
@@ -311,9 +311,9 @@ export class Studio {
     surface.mesh.visible = surface.edges.visible = !faces;
     this.scene.draw();
   }
-  // ---------------------------------------------------------- what is asked
+  // ---------------------------------------------------------- targets and settings
 
-  /** A slider or a setting is another. */
+  /** A slider or a setting has changed. */
   given(key, held = false) {
     const { method, settings } = this.settings.asked;
     const data = { ...this.data, targets: this.regions.targets.slice(), method, settings };
@@ -323,7 +323,7 @@ export class Studio {
     this.solving.changed(held);
   }
 
-  /** Take K that was found for the goals: no step of the history, as nobody has chosen it. */
+  /** Show the K solved for the goals, without a step in the history. */
   takeTargets(targets) {
     this.data = { ...this.data, targets };
     this.history.now.data = this.data;

@@ -1,4 +1,4 @@
-/** The drawn model: surface, edges, creases and supports. */
+/** The model in the scene: surface, edges, creases and supports. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from './vendor/three/three.module.min.js';
@@ -11,9 +11,9 @@ import { Extras } from './see/extras.js';
 import { withZebra } from './see/zebra.js';
 import { Wedges } from './wedges.js';
 
-export const DETAIL = 1; // layer of what a quick frame leaves out
+export const DETAIL = 1; // layer of objects that quick frames omit
 
-/** Everything of one model in the scene. */
+/** All scene objects of a model. */
 export class Surface {
   /** @param {import('./model.js').Model} model */
   constructor(model) {
@@ -30,7 +30,7 @@ export class Surface {
       this.geometry.setAttribute(name, attribute.setUsage(THREE.DynamicDrawUsage));
     }
     this.geometry.setIndex(new THREE.BufferAttribute(this.wedges.index, 1));
-    // A matt material looks the same under these lights as one with a faint gloss, in a third of the time.
+    // A matt material looks the same under these lights and is drawn in a third of the time.
     const material = new THREE.MeshLambertMaterial({
       vertexColors: true,
       side: THREE.DoubleSide,
@@ -47,7 +47,7 @@ export class Surface {
     lines.setIndex(new THREE.BufferAttribute(this.wedges.edges, 1));
     this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial({ transparent: true }));
     this.edges.layers.set(DETAIL);
-    // Of a fine mesh they would hide the surface.
+    // The edges of a fine mesh would hide the surface.
     this.edges.material.opacity = 0.2 * Math.min(1, Math.sqrt(6000 / model.regions.length));
 
     this.creaseEnds = model.creases.flatMap((path) => path.slice(1).flatMap((vertex, i) => [path[i], vertex]));
@@ -69,7 +69,7 @@ export class Surface {
 
   /**
    * Move the vertices.
-   * @param {Float32Array} xyz three per vertex, in the scene's frame
+   * @param {Float32Array} xyz three per vertex, in the frame of the scene
    */
   place(xyz) {
     this.xyz = xyz;
@@ -106,14 +106,14 @@ export class Surface {
   }
 
   /**
-   * Take the colours of the regions anew.
+   * Update the colours of the regions.
    * @param {import('./model.js').Model} model
    */
   tint(model) {
     this.tints = model.targets.map((_, region) => parse(model.colourOf(region)));
   }
 
-  /** @param {boolean} on whether stripes are mirrored in the surface */
+  /** @param {boolean} on whether zebra stripes are shown */
   stripes(on) {
     this.zebra.value = on ? 1 : 0;
   }
@@ -132,8 +132,8 @@ export class Surface {
   }
 
   /**
-   * Show regions in a stronger light.
-   * @param {number[]} regions none for all alike
+   * Highlight regions.
+   * @param {number[]} regions empty for no highlight
    */
   highlight(regions) {
     if (!regions.length && !this.lit) return;
@@ -142,7 +142,7 @@ export class Surface {
   }
 
   /**
-   * Take the colours of lines from the theme.
+   * Set the colours of lines from the theme.
    * @param {{line: string, crease: string}} theme
    */
   dress({ line, crease }) {
@@ -161,7 +161,7 @@ export class Surface {
     colour.needsUpdate = true;
   }
 
-  /** Give back what the graphics card holds. */
+  /** Free the memory of the graphics card. */
   dispose() {
     this.extras.dispose();
     for (const part of this.group.children) {

@@ -1,4 +1,4 @@
-/** What the page and the server tell each other, for `tsc --checkJs`; no browser reads this. */
+/** Types of the data between page and server, for `tsc --checkJs` only. */
 
 export interface Box {
   x0: number;
@@ -17,7 +17,7 @@ export interface Goals {
   boxes?: Box[];
 }
 
-/** A mesh with what is asked of it: what /api/v1/models tells, and what is added on the page. */
+/** A mesh with supports, targets and goals: the response of /api/v1/models, with additions of the page. */
 export interface Data {
   name: string;
   unit: string;
@@ -53,7 +53,7 @@ export interface State {
   time?: number;
 }
 
-/** How a job is doing. */
+/** Status of a job. */
 export interface Status {
   id: string;
   state: string;
@@ -74,9 +74,9 @@ export interface Result {
   max_error: number;
   method: string;
   xyz: Float64Array;
-  /** how many faces are not those that were sent */
+  /** number of faces that differ from the request */
   turned: number;
-  /** corners of all faces, where some were turned */
+  /** corners of all faces, if edges were flipped */
   faces?: Int32Array;
   targets: Float64Array;
   curvature: Float64Array;
@@ -84,7 +84,7 @@ export interface Result {
   report: any;
 }
 
-/** What is said of a surface before all of its figures are known. */
+/** Verdict of a surface before it is measured. */
 export interface Judged {
   status: string;
   message: string;
@@ -113,7 +113,7 @@ export interface Method {
   formats?: string[];
 }
 
-// What the elements of index.html are is not told again: these are fields that some of them have.
+// Properties of various elements of index.html.
 declare global {
   interface EventTarget {
     value: any;

@@ -1,19 +1,19 @@
-/** What came out, in words. */
+/** Description of a result. */
 
 import { duration, readable } from './numbers.js';
 import { capital } from './words.js';
 
 const HEADS = {
-  converged: ['good', 'As asked'],
-  step_limit: ['warn', 'Not there yet'],
-  stalled: ['warn', 'Not reached'],
-  diverged: ['bad', 'It ran away'],
-  infeasible: ['bad', 'No such surface'],
+  converged: ['good', 'Target reached'],
+  step_limit: ['warn', 'Step limit reached'],
+  stalled: ['warn', 'Stalled'],
+  diverged: ['bad', 'Diverged'],
+  infeasible: ['bad', 'No surface exists'],
   cancelled: ['warn', 'Stopped'],
 };
-const ROUGH = 'K is met at every vertex, but the surface is not one to build.';
+const ROUGH = 'K equals its target at every vertex, but the surface is too rough to build.';
 const QUADRICS =
-  'A second measure: the median K of quadrics fitted to the mesh, in the region where it differs most from its target';
+  'Second measure: median K of quadrics fitted to the mesh, in the region with the largest deviation from its target';
 
 /** The words on a result. */
 export class Verdict {
@@ -23,7 +23,7 @@ export class Verdict {
   }
 
   /**
-   * Tell of a result.
+   * Show a result.
    * @param {import('./types.js').Result} result
    * @param {import('./model.js').Model} model
    */
@@ -38,7 +38,7 @@ export class Verdict {
   }
 
   /**
-   * Tell of a surface whose figures are not known yet; those of the one before stay until they are.
+   * Show the verdict of a surface before it is measured; the figures of the previous surface remain until then.
    * @param {import('./types.js').Judged} said
    */
   judge({ fair, reasons, ...said }) {
@@ -47,24 +47,24 @@ export class Verdict {
   }
 
   /**
-   * Tell that there is no result.
+   * Show an error.
    * @param {string} message
-   * @param {boolean} [shown] whether the one before is still to be seen
-   * @param {boolean} [stopped] whether that was wanted
+   * @param {boolean} [shown] whether the previous surface is still displayed
+   * @param {boolean} [stopped] whether the user stopped the solve
    */
   fail(message, shown = false, stopped = false) {
     const parts = [element('h2', stopped ? 'Stopped' : 'Not solved'), element('p', capital(message))];
-    if (shown) parts.push(old('The surface shown is the one before.'));
+    if (shown) parts.push(old('The previous surface is shown.'));
     this.fill(stopped ? 'warn' : 'bad', parts);
   }
 
-  /** Say nothing. */
+  /** Clear the verdict. */
   clear() {
     this.room.className = 'verdict';
     this.room.hidden = true;
   }
 
-  /** Say that the result belongs to other settings than those that are shown. */
+  /** Mark the result as out of date. */
   outdate() {
     if (this.room.classList.contains('good') && !this.room.querySelector('.old')) {
       this.room.querySelector('h2').after(old('Settings have changed since. Solve again to see what they give.'));
@@ -91,7 +91,7 @@ function first(result) {
   return [element('h2', head(result).text), ...lead(result)];
 }
 
-/** Return what is said first: what came out, and of a rough surface what would mend it and why it is not one to build. */
+/** Return the first sentences: the outcome and, for a rough surface, the remedy and the reasons. */
 function lead(result) {
   if (result.status !== 'converged') return [element('p', capital(result.message))];
   const { verdict } = result.report;
@@ -105,7 +105,7 @@ function lead(result) {
   return [element('p', ROUGH), ...(mend ? [element('p', capital(mend))] : []), why, element('p', capital(heights))];
 }
 
-/** Return what the ending says would mend a surface, and how the steps ended. */
+/** Split the ending into the remedy and the outcome of the steps. */
 function parted(ending) {
   const at = ending.search(/\bconverged in\b/);
   return at > 0 ? { mend: ending.slice(0, at).replace(/; $/, ''), end: ending.slice(at) } : { mend: '', end: ending };
@@ -124,17 +124,17 @@ function figures(result, model) {
     const sign = off < 0 ? '−' : '+';
     rows.push(['By fitted quadrics', `${sign}${readable(100 * Math.abs(off), 2)} %`, QUADRICS]);
   }
-  if (moved !== null && moved !== undefined) rows.push(['Moved by at most', `${readable(moved)}${unit}`]);
-  if (result.turned) rows.push(['Faces turned', String(result.turned), 'Edges of triangles too stretched for K < 0; the vertices are those of the drawing.']);
+  if (moved !== null && moved !== undefined) rows.push(['Largest displacement', `${readable(moved)}${unit}`]);
+  if (result.turned) rows.push(['Faces changed', String(result.turned), 'Edges of overstretched triangles were flipped for K < 0; the vertices are those of the drawing.']);
   rows.push(['Time', duration(result.seconds)]);
   return rows;
 }
 
 function details(result) {
   const box = document.createElement('details');
-  const how = `By the method ${result.method}, in ${result.iterations === 1 ? 'one step' : `${result.iterations} steps`}.`;
-  box.append(element('summary', 'What the solver says'));
-  // Where the solve has chosen it, the sentence itself ends with the method.
+  const how = `Method ${result.method}, in ${result.iterations === 1 ? 'one step' : `${result.iterations} steps`}.`;
+  box.append(element('summary', 'Solver details'));
+  // If the method was chosen automatically, the ending already names it.
   if (!result.ending.includes('by the method')) box.append(element('p', how));
   box.append(element('p', capital(isRough(result) ? parted(result.ending).end : result.ending)));
   for (const note of result.report.notes ?? []) box.append(element('p', capital(note)));

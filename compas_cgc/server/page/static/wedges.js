@@ -26,7 +26,7 @@ export class Wedges {
   }
 
   /**
-   * Put the places of the vertices on the wedges.
+   * Copy the coordinates of the vertices to the wedges.
    * @param {Float32Array} xyz three per vertex
    * @param {Float32Array} out three per wedge
    */
@@ -40,8 +40,8 @@ export class Wedges {
   }
 
   /**
-   * Put unit normals on the wedges: the mean of the faces' normals, weighted by their areas.
-   * @param {Float32Array} at places, three per wedge
+   * Compute unit normals of the wedges: the area-weighted mean of the face normals.
+   * @param {Float32Array} at coordinates, three per wedge
    * @param {Float32Array} out three per wedge
    */
   normals(at, out) {
@@ -67,13 +67,13 @@ export class Wedges {
   }
 
   /**
-   * Spread values of vertices over the wedges; one without a value takes the mean of its neighbours in its region.
-   * @param {ArrayLike<number>} values per vertex, NaN where there is none
+   * Copy values of vertices to the wedges; a missing value is replaced by the mean of the neighbours in its region.
+   * @param {ArrayLike<number>} values per vertex, NaN if missing
    * @returns {Float64Array} per wedge
    */
   spread(values) {
     let own = Float64Array.from(this.vertexOf, (vertex) => values[vertex]);
-    // Twice, as in the corner between two creases no neighbour has a value.
+    // Twice, as at the corner of two creases no neighbour has a value.
     for (let round = 0; round < 2; round++) own = this.filled(own);
     return own;
   }

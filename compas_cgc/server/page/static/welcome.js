@@ -1,11 +1,11 @@
-/** How a model comes in: drawn, dropped, chosen, kept from before, or one of the examples. */
+/** Opening of a model: drawn, dropped, chosen, stored, or an example. */
 
 import { fromText } from './design/packing.js';
 
 const DESIGN = 'json';
 const LARGEST = 64 * 2 ** 20; // bytes
 
-/** The first page, and files dropped anywhere. */
+/** The start page, and files dropped anywhere. */
 export class Welcome {
   /**
    * @param {HTMLElement} room
@@ -25,7 +25,7 @@ export class Welcome {
     input.addEventListener('change', () => {
       const [file] = input.files;
       if (file) this.file(file);
-      // The same file again is a change too.
+      // Choosing the same file again must trigger a change event.
       input.value = '';
     });
     room.querySelector('#begin').addEventListener('click', () => listener.draw(null, ''));
@@ -74,7 +74,7 @@ export class Welcome {
   }
 
   /**
-   * Offer what was kept.
+   * List the stored designs.
    * @param {import('./types.js').State[]} designs
    * @param {{take: (design: import('./types.js').State) => void, drop: (design: import('./types.js').State) => void}} act
    */
@@ -87,7 +87,7 @@ export class Welcome {
       when.textContent = new Date(design.time).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
       open.append(head, when);
       open.addEventListener('click', () => act.take(design));
-      Object.assign(drop, { type: 'button', className: 'small', textContent: '×', title: 'Forget', ariaLabel: `Forget ${head.textContent}` });
+      Object.assign(drop, { type: 'button', className: 'small', textContent: '×', title: 'Delete', ariaLabel: `Delete ${head.textContent}` });
       drop.addEventListener('click', () => {
         act.drop(design);
         row.remove();
@@ -104,14 +104,14 @@ export class Welcome {
   file(file) {
     const kind = file.name.split('.').pop().toLowerCase();
     const size = file.size > 1e6 ? `, ${(file.size / 1e6).toFixed(1)} MB` : '';
-    if (file.size > LARGEST) this.say(`“${file.name}” is larger than 64 MB, the most that the server takes. Save the mesh, its supports and folds as a file of their own.`);
+    if (file.size > LARGEST) this.say(`“${file.name}” is larger than 64 MB, the limit of the server. Save only the mesh, its supports and creases to a file.`);
     else if (this.meshes.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
     else if (this.plans.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
     else if (kind === DESIGN) this.load(`Opening “${file.name}”${size}`, async () => this.listener.state(fromText(await file.text())));
     else this.say(`“${file.name}” cannot be opened. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
   }
 
-  /** Put the curves of a file on the drawing board. */
+  /** Open the curves of a file on the drawing board. */
   async plan(file, kind) {
     this.draw(await this.api.plan(file, kind), file);
   }
@@ -121,15 +121,15 @@ export class Welcome {
     this.listener.draw(plan, file.name.replace(/\.[^.]*$/, ''));
   }
 
-  /** Return the drawing in a file without a mesh; null where its layers already state a problem, or no curve is closed. */
+  /** Return the drawing in a file without a mesh; null if its layers already define a problem, or no curve is closed. */
   async drawing(file, kind) {
     const plan = await this.api.plan(file, kind).catch(() => null);
     return plan?.lines.some(({ closed }) => closed) && !plan.lines.some(({ layer }) => layer.startsWith('CGC')) ? plan : null;
   }
 
-  /** Open a file; where it holds curves or surfaces but no mesh, with an edge length that is asked for. */
+  /** Open a file; if it holds curves or surfaces but no mesh, ask for an edge length. */
   async model(file, kind, edge = null) {
-    // A .3dm is kept: the result goes back into it.
+    // Keep a .3dm file: the result is merged into it.
     const kept = kind === '3dm' ? file : null;
     try {
       const data = await this.api.model(file, kind, edge);
@@ -139,13 +139,13 @@ export class Welcome {
       if (edge || kind !== '3dm' || !/no mesh/.test(error.message)) throw error;
       const drawing = await this.drawing(file, kind);
       if (drawing) this.draw(drawing, file);
-      else await this.again(file, kind, 'There is no mesh in the file. One can be made within its closed curve, or on its surfaces.');
+      else await this.again(file, kind, 'The file has no mesh. A mesh can be generated inside its closed curve, or on its surfaces.');
     }
   }
 
-  async again(file, kind, text = 'The mesh can be made anew on the surfaces of the file, with even triangles.') {
+  async again(file, kind, text = 'An even mesh can be generated on the surfaces of the file.') {
     const edge = await this.listener.edge(text);
-    if (edge) await this.load(`Making the mesh of “${file.name}”`, () => this.model(file, kind, edge));
+    if (edge) await this.load(`Meshing “${file.name}”`, () => this.model(file, kind, edge));
   }
 
   async load(words, read) {

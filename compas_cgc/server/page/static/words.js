@@ -1,6 +1,6 @@
 /** Sentences. */
 
-// What says a thing for scripts, in the words of the page.
+// Replacements of terms for scripts by labels of the page.
 /** @type {[RegExp, string][]} */
 const SAID = [
   [/ ?\((?:mesh\.|--|CGCMesh|compas)[^()]*(?:\([^()]*\)[^()]*)*\)/g, ''],
@@ -9,11 +9,11 @@ const SAID = [
   [/a list of vertices as supports/g, 'with the tools Point and Side'],
   [/\(goals=\[Above\([^()]*\)\] prevents this\)/g, '(“Nothing lower than” prevents this)'],
   [/, as targets\b/g, ' with the sliders'],
-  [/; install it: pip install '[^']*'/g, '; whoever runs the server can install it'],
+  [/; install it: pip install '[^']*'/g, '; the administrator of the server can install it'],
 ];
 
 /**
- * Return a sentence without words for scripts and command lines.
+ * Return a message without terms for scripts and command lines.
  * @param {string} text
  * @returns {string}
  */
@@ -22,7 +22,7 @@ export function plain(text) {
 }
 
 /**
- * Return a text with a capital.
+ * Return a text with an initial capital.
  * @param {string} text
  * @returns {string}
  */
@@ -31,7 +31,7 @@ export function capitalised(text) {
 }
 
 /**
- * Return a sentence with a capital and a full stop, in the words of the page.
+ * Return a message with an initial capital and a full stop, in the terms of the page.
  * @param {string} text
  * @returns {string}
  */

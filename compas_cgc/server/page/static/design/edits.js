@@ -1,4 +1,4 @@
-/** Changes of a design: each returns a new one and leaves the old as it was. */
+/** Changes of a design: each function returns a new design and does not modify the old one. */
 
 /** @typedef {import('../types.js').Data} Data */
 
@@ -6,7 +6,7 @@ import { lifted } from '../mesh/lift.js';
 import { regionsOf } from '../mesh/graph.js';
 
 /**
- * Return what is held.
+ * Return the supported vertices.
  * @param {Data} data
  * @returns {number[]} vertices
  */
@@ -15,7 +15,7 @@ export function heldIn(data) {
 }
 
 /**
- * Hold some vertices, or let them go.
+ * Support or release vertices.
  * @param {Data} data
  * @param {number[]} vertices
  * @param {boolean} hold
@@ -33,7 +33,7 @@ export function withHeld(data, vertices, hold) {
 }
 
 /**
- * Take one of the choices of supports.
+ * Select one of the choices of supports.
  * @param {Data} data
  * @param {string} choice
  * @returns {Data}
@@ -45,7 +45,7 @@ export function withChoice(data, choice) {
 }
 
 /**
- * Put supports at a height over where they were drawn.
+ * Set the height of supports above their drawn position.
  * @param {Data} data
  * @param {number[]} vertices
  * @param {number} height
@@ -78,7 +78,7 @@ export function withCrease(data, path) {
 }
 
 /**
- * Take a crease away.
+ * Remove a crease.
  * @param {Data} data
  * @param {number} vertex on it
  * @returns {Data}
@@ -90,7 +90,7 @@ export function withoutCrease(data, vertex) {
   );
 }
 
-/** Number the regions anew; each keeps K, name and colour of where most of it was. */
+/** Renumber the regions; each keeps K, name and colour of the old region with the largest overlap. */
 function divided(data, creases) {
   const regions = regionsOf(Uint32Array.from(data.faces.flat()), creases, data.vertices.length);
   const count = Math.max(...regions) + 1;
@@ -100,7 +100,7 @@ function divided(data, creases) {
     shares[region].set(old, (shares[region].get(old) ?? 0) + 1);
   });
   const from = shares.map((share) => [...share].sort((a, b) => b[1] - a[1])[0][0]);
-  // Of a region that is divided the largest part keeps the name.
+  // The largest part of a divided region keeps the name.
   const heir = from.map((old, region) => regions.length && from.every((other, k) => other !== old || size(shares, k, old) <= size(shares, region, old)));
   const kept = (list) => from.map((old, region) => (heir[region] ? (list?.[old] ?? null) : null));
   return {
@@ -141,7 +141,7 @@ export function withColour(data, region, colour) {
 }
 
 /**
- * Change what is asked besides K.
+ * Change the goals.
  * @param {Data} data
  * @param {import('../types.js').Goals} goals some of rise, found, edge, above, below, boxes
  * @returns {Data}

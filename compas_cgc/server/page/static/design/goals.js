@@ -1,9 +1,9 @@
-/** Goals of a design as the server takes them. */
+/** Goals of a design in the format of the server. */
 
 /**
- * Return the fields of a request that ask for goals.
- * @param {object[]} held goals that came with the model
- * @param {import('../types.js').Goals} [goals] rise, above, below [L]; found: K follows; edge: free edges keep their plan; boxes to keep clear
+ * Return the fields of a request for the goals.
+ * @param {object[]} held goals of the model
+ * @param {import('../types.js').Goals} [goals] rise, above, below [L]; found: K is unknown; edge: free edges stay on their lines in plan; boxes to keep clear
  * @returns {{goals?: object[], unknown?: string}}
  */
 export function asked(held, { rise = null, above = null, below = null, found = false, edge = false, boxes = [] } = {}) {

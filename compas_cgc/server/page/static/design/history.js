@@ -1,11 +1,11 @@
-/** Undo and redo: the states that a design has had. */
+/** Undo and redo: the earlier states of a design. */
 
-const TOGETHER = 900; // milliseconds within which changes of the same thing are one
-const MOST = 200; // states
+const MERGE_TIME = 900; // time within which changes of the same value are merged [ms]
+const MAX_STATES = 200;
 
-/** The states of a design; each is plain data that nobody changes. */
+/** The states of a design, as immutable plain data. */
 export class History {
-  /** @param {() => void} changed called whenever undo or redo become possible or impossible */
+  /** @param {() => void} changed called whenever undo or redo becomes possible or impossible */
   constructor(changed) {
     this.changed = changed;
     /** @type {import('../types.js').State[]} */
@@ -30,7 +30,7 @@ export class History {
   }
 
   /**
-   * Begin anew.
+   * Reset the history.
    * @param {import('../types.js').State} state
    */
   begin(state) {
@@ -43,15 +43,15 @@ export class History {
   /**
    * Add a state.
    * @param {import('../types.js').State} state
-   * @param {string} [key] what has changed; changes of the same thing in a row are one
+   * @param {string} [key] what has changed; consecutive changes with the same key are merged
    */
   push(state, key = '') {
     const time = performance.now();
-    const same = key && key === this.last.key && time - this.last.time < TOGETHER && this.at > 0;
+    const same = key && key === this.last.key && time - this.last.time < MERGE_TIME && this.at > 0;
     this.states.length = this.at + 1;
     if (same) this.states[this.at] = state;
     else this.states.push(state);
-    if (this.states.length > MOST) this.states.shift();
+    if (this.states.length > MAX_STATES) this.states.shift();
     this.at = this.states.length - 1;
     this.last = { key, time };
     this.changed();

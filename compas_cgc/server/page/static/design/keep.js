@@ -1,10 +1,10 @@
-/** Designs kept in the browser, over a reload and from one day to the next. */
+/** Storage of designs in the browser. */
 
 const NAME = 'compas_cgc';
 const STORE = 'designs';
 const TAB = 'compas_cgc.design';
 const WAITS = 'compas_cgc.waits';
-const MOST = 12; // designs
+const MAX_DESIGNS = 12;
 
 /** @returns {Promise<IDBDatabase>} */
 function opened() {
@@ -17,7 +17,7 @@ function opened() {
 }
 
 /**
- * Do something in the store.
+ * Run a request on the store.
  * @param {IDBTransactionMode} mode
  * @param {(store: IDBObjectStore) => IDBRequest} act
  * @returns {Promise<any>}
@@ -35,7 +35,7 @@ async function inStore(mode, act) {
   }
 }
 
-/** What a tab shows is kept under a name of its own. A browser that keeps nothing (a private window) is no fault. */
+/** Each tab stores its design under a separate id. Browsers without storage (private windows) are not an error. */
 export class Keep {
   constructor() {
     this.timer = 0;
@@ -43,7 +43,7 @@ export class Keep {
   }
 
   /**
-   * Keep a state soon.
+   * Store a state after a short delay.
    * @param {import('../types.js').State} state
    */
   put(state) {
@@ -53,7 +53,7 @@ export class Keep {
     this.timer = setTimeout(() => this.now(), 250);
   }
 
-  /** Keep what waits. */
+  /** Store the pending state. */
   async now() {
     clearTimeout(this.timer);
     const { latest } = this;
@@ -62,14 +62,14 @@ export class Keep {
     if (this.latest === latest) this.latest = null;
   }
 
-  /** The page is being left, which nothing can put off: what is not in the store by now waits beside it. */
+  /** The page is closing, so asynchronous storage may not finish: store the pending state in the session storage. */
   hide() {
     sessionStorage.removeItem(WAITS);
     if (!this.latest) return;
     try {
       sessionStorage.setItem(WAITS, JSON.stringify(this.latest, (name, value) => (value instanceof File ? undefined : value)));
     } catch {
-      // It is too large for that; the store may still get it.
+      // The state is too large for that; the store may still finish.
     }
     this.now();
   }
@@ -96,8 +96,8 @@ export class Keep {
   /** @returns {Promise<import('../types.js').State[]>} all that is kept, the newest first; the oldest of too many are let go */
   async all() {
     const found = (await inStore('readonly', (store) => store.getAll()).catch(() => [])).sort((a, b) => b.time - a.time);
-    for (const { id } of found.slice(MOST)) this.drop(id);
-    return found.slice(0, MOST);
+    for (const { id } of found.slice(MAX_DESIGNS)) this.drop(id);
+    return found.slice(0, MAX_DESIGNS);
   }
 
   /** @param {string} id */
@@ -105,14 +105,14 @@ export class Keep {
     await inStore('readwrite', (store) => store.delete(id)).catch(() => {});
   }
 
-  /** From now on something else is shown. */
+  /** Another design is shown from now on. */
   leave() {
     this.now();
     this.id = null;
     sessionStorage.removeItem(TAB);
   }
 
-  /** @param {string} id of what this tab goes on with */
+  /** @param {string} id of the design that this tab continues */
   take(id) {
     this.id = id;
     sessionStorage.setItem(TAB, id);

@@ -5,22 +5,22 @@ import { boundsOf, circle, rolesOf, segmentsOf, tidy, withLength } from './plan.
 import { snapped } from './snap.js';
 import { typedPoint } from './typed.js';
 
-const STILL = 5; // pixels that a click may move
+const CLICK_TOLERANCE = 5; // pointer movement during a click [pixel]
 const HINTS = {
-  line: ['Click where the roof begins, or type a place such as 0, 0.', 'Click the next point, or type a length; Enter closes the line.'],
+  line: ['Click the first point of the outline, or type coordinates such as 0, 0.', 'Click the next point, or type a length. Enter closes the line.'],
   rectangle: ['Click a corner.', 'Click the opposite corner, or type both sides: 12, 8.'],
-  circle: ['Click the centre.', 'Click the rim, or type the radius.'],
-  column: ['Click where a column stands, or type its place.', ''],
-  hold: ['Click the sides that are held. Without any the whole edge is.', ''],
-  move: ['Drag points and columns; click a dimension to change it.', ''],
+  circle: ['Click the centre.', 'Click a point on the circle, or type the radius.'],
+  column: ['Click the position of a column, or type its coordinates.', ''],
+  hold: ['Click the supported sides. If there are none, the whole edge is supported.', ''],
+  move: ['Drag points and columns. Click a dimension to change it.', ''],
 };
 
 const ON = [
-  'The outline is closed: make the surface, or click where a fold or a hole begins.',
-  'Click the next point, or type a length. The first point closes a hole; Enter ends a fold.',
+  'The outline is closed: make the surface, or click the first point of a crease or a hole.',
+  'Click the next point, or type a length. Click the first point to close a hole. Enter ends a crease.',
 ];
-const UNREAD = ['Type a place such as 3, 4.', 'Type a length such as 5, one with its angle as in 5 < 30, or how far to go, as in 3, 4.'];
-const TWICE = 'There is a point already.';
+const UNREAD = ['Type coordinates such as 3, 4.', 'Type a length such as 5, a length and an angle such as 5 < 30, or an offset such as 3, 4.'];
+const DUPLICATE = 'There is already a point here.';
 
 /** The board. */
 export class Board {
@@ -58,7 +58,7 @@ export class Board {
     this.hot = null;
     this.press = null;
     this.asking = null;
-    this.trouble = ''; // with what was typed
+    this.trouble = ''; // error in the typed text
     this.typing.field.value = '';
   }
 
@@ -70,19 +70,19 @@ export class Board {
 
   /** @param {string} tool */
   choose(tool) {
-    // What was drawn with the tool before is not lost.
+    // Keep what was drawn with the previous tool.
     this.finish();
     this.reset(tool);
     this.draw();
   }
 
-  /** Leave what is being drawn. */
+  /** Discard the current line. */
   leave() {
     this.reset(this.tool);
     this.draw();
   }
 
-  /** Show all that is drawn. */
+  /** Draw everything. */
   fit() {
     this.ink.fit(boundsOf(this.plan));
     this.draw();
@@ -105,7 +105,7 @@ export class Board {
     const [begin, next] = tool === 'line' && this.hasOutline() ? ON : HINTS[tool];
     this.typing.hint.textContent = this.trouble || (this.asking ? 'Type the new length.' : draft.length ? next : begin);
     const places = !draft.length && !this.asking;
-    this.typing.label.textContent = this.asking ? 'Length' : places ? 'Place' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
+    this.typing.label.textContent = this.asking ? 'Length' : places ? 'Position' : tool === 'rectangle' ? 'Sides' : tool === 'circle' ? 'Radius' : 'Length';
     this.typing.field.parentElement.hidden = (tool === 'move' || tool === 'hold') && !this.asking;
   }
 
@@ -113,7 +113,7 @@ export class Board {
     return rolesOf(this.plan).includes('outline');
   }
 
-  /** Return the corners of the rectangle or circle that is being drawn. */
+  /** Return the corners of the current rectangle or circle. */
   shape(at) {
     const [from] = this.draft;
     if (!from || !at) return null;
@@ -154,7 +154,7 @@ export class Board {
       return;
     }
     const at = this.place(event);
-    if (press && Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > STILL) press.moved = true;
+    if (press && Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > CLICK_TOLERANCE) press.moved = true;
     if (press?.moved && press.drag) this.drag(event);
     else if (press?.moved && (press.pan || this.tool === 'move' || this.tool === 'hold')) {
       const { x, y, scale } = press.view;
@@ -177,7 +177,7 @@ export class Board {
     if (this.tool === 'hold') this.hold(this.under(event));
     else if (this.tool === 'move') this.ask(event);
     else this.put(this.snap(event).at);
-    // So that a length can be typed at once.
+    // Focus the field so that a length can be typed immediately.
     if (event.pointerType !== 'touch' && !this.typing.field.parentElement.hidden) this.typing.field.focus({ preventScroll: true });
   }
 
@@ -202,7 +202,7 @@ export class Board {
     this.zoomTo(this.ink.toPlan(...at), at, Math.exp(-0.0012 * event.deltaY));
   }
 
-  /** Zoom so that a place of the plan comes to lie under a place on the screen. */
+  /** Zoom so that a point of the plan lies at a given point on the screen. */
   zoomTo(held, at, factor) {
     this.ink.view.scale = Math.max(1e-6, Math.min(1e6, this.ink.view.scale * factor));
     const there = this.ink.toPlan(at[0], at[1]);
@@ -211,7 +211,7 @@ export class Board {
     this.draw();
   }
 
-  /** Return what lies under the pointer: a point, a column, a segment or a dimension. */
+  /** Return the point, column, segment or dimension under the pointer. */
   under(event) {
     const at = this.place(event);
     const reach = event.pointerType === 'touch' ? 22 : 11;
@@ -240,7 +240,7 @@ export class Board {
 
   // ---------------------------------------------------------- drawing
 
-  /** Put the next point; tell whether it was put. */
+  /** Add the next point; return whether it was added. */
   put(at) {
     const point = at.map(tidy);
     const { draft, tool } = this;
@@ -262,7 +262,7 @@ export class Board {
     return true;
   }
 
-  /** End a line: a fold, or the outline as long as there is none. */
+  /** End a line: the outline if there is none yet, else a crease. */
   finish() {
     const { draft, tool } = this;
     if (tool === 'line' && draft.length > 1) this.add({ points: draft, closed: draft.length > 2 && !this.hasOutline(), held: [] });
@@ -305,7 +305,7 @@ export class Board {
     this.change({ ...this.plan, lines: this.plan.lines.map((own, k) => (k === found.line ? { ...own, held } : own)) });
   }
 
-  /** Ask for the length of a dimension. */
+  /** Ask for the new length of a dimension. */
   ask(event) {
     const found = this.under(event);
     this.asking = found?.label ? found : null;
@@ -316,7 +316,7 @@ export class Board {
     this.typing.field.select();
   }
 
-  /** Take what is typed. */
+  /** Apply the typed text. */
   take() {
     const { value } = this.typing.field;
     if (this.asking) {
@@ -337,11 +337,11 @@ export class Board {
     const point = typedPoint(value, this.draft.at(-1) ?? null, this.pointer?.at ?? null);
     const put = point && this.put(point);
     if (put) this.typing.field.value = '';
-    else this.trouble = point ? TWICE : UNREAD[this.draft.length ? 1 : 0];
+    else this.trouble = point ? DUPLICATE : UNREAD[this.draft.length ? 1 : 0];
     this.draw();
   }
 
-  /** Take back the last point; tell whether there was one. */
+  /** Remove the last point; return whether there was one. */
   back() {
     if (!this.draft.length) return false;
     this.draft = this.draft.slice(0, -1);

@@ -4,7 +4,7 @@ import { areaOf, boundsOf, rolesOf, segmentsOf, suggestedEdge } from './plan.js'
 import { readable } from '../numbers.js';
 import { capital } from '../words.js';
 
-const WORDS = { outline: 'Outline', hole: 'Hole', fold: 'Fold' };
+const WORDS = { outline: 'Outline', hole: 'Hole', fold: 'Crease' };
 
 /** The panel. */
 export class Desk {
@@ -50,18 +50,18 @@ export class Desk {
     this.fields.mesh.disabled = !outline;
     const used = plan.edge ?? edge;
     this.panel.querySelector('#plan-count').textContent = outline
-      ? `About ${readable(Math.round(areaOf(outline.points) / (0.866 * used ** 2)), 2)} vertices. Shorter edges are finer and slower.`
-      : 'Close a line to begin: it is the outline of the roof.';
+      ? `About ${readable(Math.round(areaOf(outline.points) / (0.866 * used ** 2)), 2)} vertices. Shorter edges give a finer mesh and slower solves.`
+      : 'Close a line to define the outline of the roof.';
     this.panel.querySelector('#plan-notes').textContent = (plan.notes ?? []).map(capital).join(' ');
     const rows = [...this.layers(plan), ...this.rows(plan)];
     const list = this.panel.querySelector('#plan-list');
-    // A field that is being typed into stays.
+    // Do not replace a field while the user types.
     if (list.contains(document.activeElement) && list.children.length === rows.length) return;
     list.replaceChildren(...rows);
     list.parentElement.hidden = !rows.length;
   }
 
-  /** Rows for the layers of a drawing that has several: each can be removed as a whole. */
+  /** Rows for the layers of a drawing with several layers; each layer can be removed. */
   layers(plan) {
     const names = [...new Set(plan.lines.map(({ layer }) => layer).filter(Boolean))];
     if (names.length < 2) return [];
@@ -80,7 +80,7 @@ export class Desk {
       const { x0, y0, x1, y1 } = boundsOf({ lines: [line], columns: [] });
       const length = segmentsOf(line).reduce((sum, [a, b]) => sum + Math.hypot(a[0] - b[0], a[1] - b[1]), 0);
       const size = role === 'fold' ? `${readable(length)}${unit}` : `${readable(x1 - x0)} × ${readable(y1 - y0)}${unit}`;
-      const words = `${WORDS[role]} ${size}${line.held.length ? ', held' : ''}`;
+      const words = `${WORDS[role]} ${size}${line.held.length ? ', supported' : ''}`;
       return row(role, words, [], () => this.listener.change({ ...plan, lines: plan.lines.filter((_, k) => k !== number) }));
     });
     const columns = plan.columns.map((column, number) => {

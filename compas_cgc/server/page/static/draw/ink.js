@@ -1,22 +1,22 @@
-/** How a plan is drawn. */
+/** Drawing of a plan. */
 
 import { readable } from '../numbers.js';
 import { roundStep } from './snap.js';
 import { rolesOf, segmentsOf } from './plan.js';
 
-const LABELS = 60; // segments, above which a line has no dimensions
+const LABELS = 60; // number of segments above which a line has no dimensions
 
 /** Draws a plan into an SVG. */
 export class Ink {
   /** @param {SVGSVGElement} svg */
   constructor(svg) {
     this.svg = svg;
-    this.view = { x: 0, y: 0, scale: 24 }; // plan at the middle of the view, pixels per unit of length
+    this.view = { x: 0, y: 0, scale: 24 }; // point of the plan at the centre of the view; pixels per unit of length
     this.frame = { width: 1, height: 1 };
   }
 
   /**
-   * Return where a place of the plan is on the screen.
+   * Return the screen position of a point in plan.
    * @param {number[]} point
    * @returns {[number, number]}
    */
@@ -26,7 +26,7 @@ export class Ink {
   }
 
   /**
-   * Return the place of the plan under a place on the screen.
+   * Return the point in plan at a screen position.
    * @param {number} left
    * @param {number} top
    * @returns {number[]}
@@ -48,7 +48,7 @@ export class Ink {
   fit(bounds) {
     const { x0, y0, x1, y1 } = bounds ?? { x0: -2, y0: -2, x1: 22, y1: 14 };
     const { width, height } = this.frame;
-    // Above are the tools; below, in up to two lines where it is narrow, what can be typed.
+    // Leave room for the tools at the top and the input field at the bottom (two lines on narrow screens).
     const [margin, top, floor] = [Math.min(90, 0.16 * width), 90, width < 600 ? 140 : 110];
     const fitting = Math.min((width - 2 * margin) / Math.max(x1 - x0, 1e-9), (height - top - floor) / Math.max(y1 - y0, 1e-9), 400 / Math.max(x1 - x0, y1 - y0, 1e-9) * 4);
     const scale = Math.max(1e-6, fitting);
@@ -86,7 +86,7 @@ export class Ink {
       this.make('path', { class: 'bold', d: path.bold }),
       this.make('path', { class: 'axis', d: `M${x} 0V${height}M0 ${y}H${width}` }),
     );
-    // Distances along the lower edge, at every bold line.
+    // Coordinates along the lower edge, at every bold line.
     const apart = times * step;
     const every = apart * this.view.scale < 48 ? 2 : 1;
     for (let k = Math.ceil(left / apart); k * apart <= right; k++) {
@@ -162,7 +162,7 @@ export class Ink {
   }
 
   /**
-   * Return the dimension of a segment, null where there is no room.
+   * Return the dimension of a segment, null if there is no room.
    * @param {number[][]} ends
    * @param {number} side 1 or -1
    * @returns {?Element}
@@ -200,7 +200,7 @@ export class Ink {
   }
 }
 
-/** Return 1 for points that turn anticlockwise, -1 for others, so that dimensions stand outside. */
+/** Return 1 for anticlockwise and -1 for clockwise points, so that dimensions are placed outside. */
 function turning(points) {
   const twice = points.reduce((sum, [x, y], k) => sum + x * points[(k + 1) % points.length][1] - points[(k + 1) % points.length][0] * y, 0);
   return twice >= 0 ? 1 : -1;

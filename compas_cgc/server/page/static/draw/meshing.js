@@ -1,18 +1,18 @@
-/** From a drawing to a mesh with what was asked of the one before. */
+/** Meshing of a drawing; the new mesh keeps targets and goals of the previous one. */
 
 import { withHeight } from '../design/edits.js';
 import { requestOf } from './plan.js';
 
 /**
- * Have a drawing meshed.
+ * Mesh a drawing.
  * @param {import('../api.js').Api} api
- * @param {import('../types.js').State} state its plan and name, and the mesh made of it before, where there is one
+ * @param {import('../types.js').State} state its plan and name, and its previous mesh if there is one
  * @returns {Promise<import('../types.js').Data>}
  */
 export async function meshed(api, { plan, name, data: old }) {
   let data = await api.drawing(requestOf(plan, name || 'Roof'));
   const outside = data.columns.filter((vertex) => vertex < 0).length;
-  if (outside) data.notes.push(`${outside} column${outside > 1 ? 's stand' : ' stands'} outside of the outline`);
+  if (outside) data.notes.push(`${outside} column${outside > 1 ? 's are' : ' is'} outside the outline`);
   for (const [k, vertex] of data.columns.entries()) if (vertex >= 0 && plan.columns[k].height) data = withHeight(data, [vertex], plan.columns[k].height);
   if (!old) return data;
   const alike = old.targets.length === data.targets.length;

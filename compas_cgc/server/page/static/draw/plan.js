@@ -1,23 +1,23 @@
-/** A drawing in plan: closed lines, folds and columns, as plain data. */
+/** A drawing in plan: closed lines, creases and columns, as plain data. */
 
 const ROUND = 72; // sides of a circle
-const NARROW = 18; // edges across a plan, to begin with
+const DEFAULT_EDGES = 18; // default number of edges across a plan
 
 /**
  * @typedef {object} Line
  * @property {number[][]} points [x, y]
  * @property {boolean} closed
- * @property {number[]} held segments, each by its first point
+ * @property {number[]} held supported segments, each by its first point
  * @property {{x: number, y: number, r: number}} [circle]
- * @property {string} [layer] of the file that it was read from
+ * @property {string} [layer] layer in the source file
  */
 /**
  * @typedef {object} Plan
  * @property {string} unit
- * @property {?number} edge length of the edges of its mesh, null for a suggestion
+ * @property {?number} edge edge length of its mesh, null for the default
  * @property {Line[]} lines
  * @property {{x: number, y: number, height: number}[]} columns
- * @property {string[]} [notes] on the file that it was read from
+ * @property {string[]} [notes] notes on the source file
  */
 
 /** @returns {Plan} */
@@ -48,7 +48,7 @@ export function areaOf(points) {
 }
 
 /**
- * Tell what each line is: the largest closed one is the outline, other closed ones are holes, open ones fold.
+ * Return the role of each line: the largest closed line is the outline, other closed lines are holes, open lines are creases.
  * @param {Plan} plan
  * @returns {string[]} outline, hole or fold
  */
@@ -80,23 +80,23 @@ export function boundsOf({ lines, columns }) {
 }
 
 /**
- * Return a round edge length that suits a plan.
+ * Return a rounded default edge length for a plan.
  * @param {Plan} plan
  * @returns {?number}
  */
 export function suggestedEdge(plan) {
   const outline = plan.lines[rolesOf(plan).indexOf('outline')];
   if (!outline) return null;
-  // Where the outline crosses itself its parts may cancel each other: that is told when it is meshed.
+  // Areas of a self-intersecting outline may cancel; meshing reports the error.
   const { x0, y0, x1, y1 } = boundsOf({ lines: [outline], columns: [] });
-  const length = (Math.sqrt(areaOf(outline.points)) || Math.hypot(x1 - x0, y1 - y0)) / NARROW;
+  const length = (Math.sqrt(areaOf(outline.points)) || Math.hypot(x1 - x0, y1 - y0)) / DEFAULT_EDGES;
   const decade = 10 ** Math.floor(Math.log10(length));
   const step = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find((each) => each * decade >= length * 0.93);
   return Number((step * decade).toPrecision(2));
 }
 
 /**
- * Return the request that has a plan meshed.
+ * Return the request for the mesh of a plan.
  * @param {Plan} plan
  * @param {string} name
  * @returns {object}
@@ -118,7 +118,7 @@ export function requestOf(plan, name) {
 }
 
 /**
- * Give a segment another length: what lies beyond moves along with its end.
+ * Change the length of a segment; the points beyond its end move along.
  * @param {Line} line
  * @param {number} k
  * @param {number} length
@@ -136,7 +136,7 @@ export function withLength(line, k, length) {
 }
 
 /**
- * Return a coordinate without the dust of arithmetic.
+ * Return a coordinate without rounding errors.
  * @param {number} value
  * @returns {number}
  */

@@ -1,9 +1,9 @@
-/** Where a pointer means to be: on a point, on a line, straight on from the last point, or on the grid. */
+/** Snapping of the pointer to points, lines, axis directions from the last point, or the grid. */
 
 import { segmentsOf } from './plan.js';
 
 /**
- * Return a grid step that is at least so large.
+ * Return the smallest grid step of at least a given size.
  * @param {number} size
  * @returns {number}
  */
@@ -13,11 +13,11 @@ export function roundStep(size) {
 }
 
 /**
- * Return the place that a pointer means.
+ * Return the snapped position of the pointer.
  * @param {number[]} at
  * @param {import('./plan.js').Plan} plan
- * @param {number[][]} draft points of the line that is being drawn
- * @param {{reach: number, step: number, skip?: number[]}} how reach of the pointer, step of the grid, a point that is left out
+ * @param {number[][]} draft points of the current line
+ * @param {{reach: number, step: number, skip?: number[]}} how snapping distance, grid step, and a point to exclude
  * @returns {{at: number[], on: string}} on: point, line, straight or grid
  */
 export function snapped(at, plan, draft, { reach, step, skip }) {
@@ -49,7 +49,7 @@ export function snapped(at, plan, draft, { reach, step, skip }) {
   return { at: straight, on: aligned ? 'straight' : 'grid' };
 }
 
-/** Return the place on a segment nearest to a point, at a round distance from its beginning. */
+/** Return the point on a segment nearest to a point, at a rounded distance from its start. */
 function foot(at, a, b, step) {
   const along = [b[0] - a[0], b[1] - a[1]];
   const length = Math.hypot(...along) || 1;

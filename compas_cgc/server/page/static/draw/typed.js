@@ -1,10 +1,10 @@
-/** What is typed while something is drawn: lengths, angles and places. */
+/** Parsing of typed lengths, angles and coordinates. */
 
 /**
- * Return the point that a text names.
- * @param {string} text a length; a length and an angle, 5 < 30; or a place, 3, 4, which is measured from the last point
+ * Return the point given by a text.
+ * @param {string} text a length; a length and an angle such as 5 < 30; or coordinates such as 3, 4, relative to the last point
  * @param {?number[]} last point
- * @param {?number[]} towards where the pointer is
+ * @param {?number[]} towards position of the pointer
  * @returns {?number[]} null where it says nothing
  */
 export function typedPoint(text, last, towards) {

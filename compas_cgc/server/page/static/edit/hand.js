@@ -1,16 +1,16 @@
-/** The pointer on the surface: what a click does is said by the tool. */
+/** Pointer events on the surface; the active tool determines the effect of a click. */
 
-const STILL = 5; // pixels that a click may move
+const CLICK_TOLERANCE = 5; // pointer movement during a click [pixel]
 
 /**
  * @typedef {object} Desk what the hand works on
- * @property {(vertices: number[]) => void} hold called with vertices to hold or to let go
+ * @property {(vertices: number[]) => void} hold called with vertices to support or release
  * @property {(path: number[]) => void} fold
  * @property {(vertex: number) => void} erase
  * @property {(region: number) => void} region
  * @property {(a: number, b: number) => void} section
  * @property {(a: number[], b: number[]) => void} box
- * @property {() => void} look called when the tool is put away
+ * @property {() => void} look called when the tool is deselected
  */
 
 /** Tools on the surface. */
@@ -30,7 +30,7 @@ export class Hand {
     const { canvas } = scene;
     canvas.addEventListener('pointerdown', (event) => (this.press = [event.clientX, event.clientY]));
     canvas.addEventListener('pointerup', (event) => {
-      const still = this.press && Math.hypot(event.clientX - this.press[0], event.clientY - this.press[1]) < STILL;
+      const still = this.press && Math.hypot(event.clientX - this.press[0], event.clientY - this.press[1]) < CLICK_TOLERANCE;
       this.press = null;
       if (still && event.button === 0) this.click(event.clientX, event.clientY);
     });
@@ -42,7 +42,7 @@ export class Hand {
   }
 
   /**
-   * Take a tool.
+   * Select a tool.
    * @param {string} tool look, point, side, fold, erase, section or box
    */
   choose(tool) {
@@ -53,7 +53,7 @@ export class Hand {
   }
 
   /**
-   * Begin with another mesh.
+   * Switch to another mesh.
    * @param {import('../mesh/graph.js').Graph} graph
    * @param {Set<number>} corners of its boundary
    */
@@ -63,7 +63,7 @@ export class Hand {
     this.drop();
   }
 
-  /** Drop what is half done. */
+  /** Discard an unfinished operation. */
   drop() {
     this.anchors = [];
     this.path = [];
@@ -82,7 +82,7 @@ export class Hand {
     });
   }
 
-  /** Show what a click on a vertex would do. */
+  /** Preview the effect of a click on a vertex. */
   point(vertex) {
     this.cursor = vertex;
     const { surface } = this.scene;
@@ -135,7 +135,7 @@ export class Hand {
     this.point(this.cursor);
   }
 
-  /** Go on to a vertex; a fold ends on the boundary, on another fold, and where a point is clicked twice. */
+  /** Continue to a vertex; a crease ends on the boundary, on another crease, or at a second click on the same vertex. */
   fold(vertex) {
     if (!this.anchors.length) {
       this.anchors = [vertex];
@@ -172,7 +172,7 @@ export class Hand {
     event.stopImmediatePropagation();
   }
 
-  /** Return the neighbour of the cursor in a direction of the screen. */
+  /** Return the neighbour of the cursor vertex in a direction on the screen. */
   next([right, up]) {
     const { surface } = this.scene;
     if (this.cursor < 0) return this.scene.central();

@@ -1,14 +1,14 @@
-/** What the tools in hand do to a design. */
+/** Effects of the tools on a design. */
 
 import { heldIn, withCrease, withHeld, withoutCrease } from '../design/edits.js';
 import { Hand } from './hand.js';
 
-const ROOM = 0.12; // of the size of the model, the height of a new room above its lowest point
+const ROOM = 0.12; // height of a new clear volume above the lowest point, relative to the size of the model
 
 /**
- * Put the tools over the view into somebody's hand.
+ * Connect the tools over the view to the design.
  * @param {import('../studio.js').Studio} studio
- * @param {HTMLElement} menu to choose one from
+ * @param {HTMLElement} menu menu of the tools
  * @returns {Hand & {take: (tool: string) => void}}
  */
 export function toolsOf(studio, menu) {
@@ -19,7 +19,7 @@ export function toolsOf(studio, menu) {
   };
   const tidy = (value) => Number(value.toPrecision(3));
   const hand = new Hand(scene, {
-    // They are let go where all are held.
+    // Release the vertices if all of them are supported.
     hold: (vertices) => {
       const held = new Set(heldIn(studio.data));
       studio.edit(withHeld(studio.data, vertices, !vertices.every((vertex) => held.has(vertex))));
@@ -34,7 +34,7 @@ export function toolsOf(studio, menu) {
       section.open(a, b);
       section.show(studio.model, studio.shown);
     },
-    // A room to be kept clear, between two places on the ground.
+    // A clear volume between two points on the ground.
     box: (a, b) => {
       const height = tidy(studio.model.bounds.low[2] + ROOM * studio.model.size);
       goals.put({ x0: tidy(a[0]), y0: tidy(a[1]), x1: tidy(b[0]), y1: tidy(b[1]), height });

@@ -1,11 +1,11 @@
-/** What was built, as things to draw on the surface. */
+/** Conversion of builds to objects drawn on the surface. */
 
 import { REGIONS } from '../colours.js';
 
 const TENSION = '#c8372d';
 const COMPRESSION = '#2b6fb0';
 const FAMILIES = ['#1f5d66', '#b4532a', '#6b5aa0'];
-const LABELS = 160; // more could not be read
+const LABELS = 160; // largest number of legible labels
 
 /**
  * @typedef {object} Drawn
@@ -16,9 +16,9 @@ const LABELS = 160; // more could not be read
  */
 
 /**
- * Return what a task has made, to be drawn in place.
+ * Return the objects of a task, in their final position.
  * @param {string} task
- * @param {any} told answer of the job
+ * @param {any} told result of the job
  * @returns {Drawn}
  */
 export function drawnOf(task, told) {
@@ -77,9 +77,9 @@ const DRAW = {
       })),
       labels: [],
       key: families.map((family, k) => {
-        // Regions of other K have curves of another kind.
+        // The kind of curves depends on K of the region.
         const kinds = [...new Set(curves.filter((own) => own.family === family).map((own) => own.kind))].join(', ');
-        const way = ['one way', 'the other way'][family];
+        const way = ['first family', 'second family'][family];
         return { colour: FAMILIES[k % FAMILIES.length], text: families.length > 1 ? `${kinds}, ${way}` : kinds };
       }),
     };

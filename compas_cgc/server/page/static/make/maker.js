@@ -1,4 +1,4 @@
-/** What is built of a solved surface: moulds, flat patterns, forces and nets, each a job of the server. */
+/** Builds from a solved surface: moulds, flat patterns, forces and nets, each a job of the server. */
 
 import { hand } from '../download.js';
 import { labelled, valueOf } from '../settings.js';
@@ -8,10 +8,10 @@ import { drawSheets } from './sheets.js';
 
 const NAMES = { mould: 'Moulds', unroll: 'Unroll', membrane: 'Forces', net: 'Net' };
 const LEFT = ['rough', 'regions', 'seams', 'through', 'nodes', 'along']; // options for scripts
-const FIRST = { pressure: 1 }; // forces are those of a load: one to begin with
+const DEFAULTS = { pressure: 1 }; // forces require a load
 const SUFFIXES = { arrays: 'json' };
 
-/** The section of the results that builds. */
+/** The build section of the results. */
 export class Maker {
   /**
    * @param {HTMLFormElement} room
@@ -71,10 +71,10 @@ export class Maker {
     this.clear();
     this.room.querySelector('#make-text').textContent = this.task.text;
     const shown = this.task.options.filter(({ name }) => !LEFT.includes(name));
-    this.room.querySelector('#make-options').replaceChildren(...shown.map((option) => labelled(option, FIRST[option.name])));
+    this.room.querySelector('#make-options').replaceChildren(...shown.map((option) => labelled(option, DEFAULTS[option.name])));
   }
 
-  /** Take away what is shown of the last. */
+  /** Clear the display of the last build. */
   clear() {
     this.abort?.abort();
     this.abort = null;
@@ -94,7 +94,7 @@ export class Maker {
     const abort = new AbortController();
     this.abort = abort;
     this.room.querySelector('#make').disabled = true;
-    this.said.textContent = 'Working …';
+    this.said.textContent = 'Computing …';
     /** @type {any[]} */
     const fields = Array.from(this.room.querySelectorAll('#make-options input, #make-options select'));
     const given = fields.filter((field) => field.value !== '');

@@ -3,7 +3,7 @@
 /**
  * Draw patterns into an SVG.
  * @param {SVGSVGElement} svg
- * @param {any} told answer of an unroll job
+ * @param {any} told result of an unroll job
  */
 export function drawSheets(svg, told) {
   const points = told.lines.flatMap((line) => line.points);

@@ -1,6 +1,6 @@
-/** The edges of a mesh: neighbours, boundary, and ways along them. */
+/** The edges of a mesh: neighbours, boundary, and paths along edges. */
 
-/** Neighbours of every vertex, and what lies on the boundary. */
+/** Neighbours of every vertex, and the boundary vertices. */
 export class Graph {
   /**
    * @param {Uint32Array} faces vertices, three per face
@@ -28,7 +28,7 @@ export class Graph {
   }
 
   /**
-   * Return the shortest way along edges that keeps near the straight line, empty where there is none.
+   * Return the shortest path along edges close to the straight line, empty if there is none.
    * @param {ArrayLike<number>} xyz
    * @param {number} from
    * @param {number} to
@@ -47,7 +47,7 @@ export class Graph {
       if (here === to) break;
       for (const next of this.near[here]) {
         const length = distance(xyz, here, next);
-        // What leaves the line is dearer, so that of many ways of one length the straightest is taken.
+        // Deviation from the line has a cost, so that the straightest of equally long paths is selected.
         const price = cost[here] + length + 0.6 * straight(next) * (length / (distance(xyz, from, to) || 1));
         if (price < cost[next]) {
           cost[next] = price;
@@ -62,7 +62,7 @@ export class Graph {
   }
 
   /**
-   * Return the run of the boundary from corner to corner that holds a vertex, empty away from the boundary.
+   * Return the boundary path between corners through a vertex, empty if the vertex is not on the boundary.
    * @param {number} vertex
    * @param {Set<number>} corners
    * @returns {number[]}
@@ -72,7 +72,7 @@ export class Graph {
     const run = [vertex];
     for (const [k, first] of this.rim[vertex].entries()) {
       let [last, here] = [vertex, first];
-      // A corner that is clicked begins the side that comes first.
+      // A corner selects the side that starts at it.
       if (k && corners.has(vertex)) break;
       while (here !== undefined && here !== vertex) {
         if (k) run.unshift(here);
@@ -88,7 +88,7 @@ export class Graph {
 }
 
 /**
- * Number the regions between creases in the order of their first faces, as the server does.
+ * Number the regions between creases in the order of their first faces, like the server.
  * @param {Uint32Array} faces
  * @param {number[][]} creases paths of vertices
  * @param {number} count of vertices
@@ -135,7 +135,7 @@ function distance(xyz, u, v) {
   return Math.hypot(xyz[3 * u] - xyz[3 * v], xyz[3 * u + 1] - xyz[3 * v + 1], xyz[3 * u + 2] - xyz[3 * v + 2]);
 }
 
-/** Return a function that tells how far vertices are from the straight line between two. */
+/** Return a function for the distance of vertices from the straight line between two vertices. */
 function direction(xyz, from, to) {
   const a = [0, 1, 2].map((k) => xyz[3 * from + k]);
   const b = [0, 1, 2].map((k) => xyz[3 * to + k] - a[k]);
@@ -147,7 +147,7 @@ function direction(xyz, from, to) {
   };
 }
 
-/** A queue of vertices, the cheapest first. */
+/** A priority queue of vertices by cost. */
 class Heap {
   constructor() {
     this.items = [];

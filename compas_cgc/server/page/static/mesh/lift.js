@@ -1,18 +1,18 @@
-/** Heights of supports carried to the whole mesh, smooth in between: a surface to begin with. */
+/** Smooth interpolation of support heights over the mesh: an initial guess. */
 
-const MOST = 400; // supports that the plate is laid through; more stand close
+const MAX_SUPPORTS = 400; // interpolated supports; more would be close together
 
 /**
- * Return vertices raised as a thin plate through the heights of some.
- * @param {number[][]} ground vertices as they were drawn
- * @param {number[]} held those that stay where they are
- * @param {Record<number, number>} heights of some of these over where they were drawn
+ * Return vertices on a thin-plate spline through given heights.
+ * @param {number[][]} ground drawn vertices
+ * @param {number[]} held supports
+ * @param {Record<number, number>} heights of some supports above their drawn position
  * @returns {number[][]}
  */
 export function lifted(ground, held, heights) {
   const known = held.map((vertex) => [vertex, heights[vertex] ?? 0]);
   if (!known.some(([, height]) => height)) return ground;
-  const every = Math.ceil(known.length / MOST);
+  const every = Math.ceil(known.length / MAX_SUPPORTS);
   const through = known.filter(([vertex], i) => i % every === 0 || heights[vertex]);
   const plate = thinPlate(
     through.map(([vertex]) => ground[vertex]),
@@ -23,7 +23,7 @@ export function lifted(ground, held, heights) {
   return raised;
 }
 
-/** Return a function of plan that has given values at given points, as a thin plate would. */
+/** Return the thin-plate spline in plan with given values at given points. */
 function thinPlate(points, values) {
   const size = Math.max(...points.flatMap((a) => points.map((b) => Math.hypot(a[0] - b[0], a[1] - b[1])))) || 1;
   const place = ([x, y]) => [(x - points[0][0]) / size, (y - points[0][1]) / size];
@@ -32,7 +32,7 @@ function thinPlate(points, values) {
   const rows = at.map((a, i) => [...at.map((b, j) => (i === j ? 1e-9 : bend(a, b))), 1, a[0], a[1], values[i]]);
   for (const row of [0, 1, 2]) {
     const last = at.map((a) => [1, a[0], a[1]][row]);
-    // Of supports in a row the slope across it is left at zero.
+    // For collinear supports, the slope across their line is zero.
     rows.push([...last, ...[0, 1, 2].map((k) => (k === row ? -1e-9 : 0)), 0]);
   }
   const weights = solved(rows);

@@ -1,11 +1,11 @@
 /** Curvatures of quadrics fitted to the two rings around each vertex (doi:10.1016/j.cagd.2004.09.004). */
 
 /**
- * Return K, H and both principal curvatures at every vertex where they are wanted, NaN elsewhere.
+ * Return K, H and both principal curvatures at the requested vertices, NaN elsewhere.
  * @param {ArrayLike<number>} xyz three per vertex
  * @param {ArrayLike<number>} faces
  * @param {number[][]} near neighbours of every vertex
- * @param {ArrayLike<number>} wanted 1 where they are, per vertex; a fit does not look across others
+ * @param {ArrayLike<number>} wanted 1 for requested vertices; fits do not extend across others
  * @returns {{K: Float64Array, H: Float64Array, largest: Float64Array, smallest: Float64Array}}
  */
 export function quadricCurvatures(xyz, faces, near, wanted) {
@@ -44,7 +44,7 @@ export function quadricCurvatures(xyz, faces, near, wanted) {
   return { K, H, largest, smallest };
 }
 
-/** Solve five normal equations; a lift keeps rings on a conic from failing. */
+/** Solve five normal equations; regularisation handles rings on a conic. */
 function solved(M) {
   const lift = 1e-14 * M.reduce((sum, line, k) => sum + line[k], 0);
   for (let k = 0; k < 5; k++) M[k][k] += lift;
@@ -63,7 +63,7 @@ function solved(M) {
   return x;
 }
 
-/** Return a unit vector across a normal. */
+/** Return a unit vector perpendicular to a normal. */
 function across(n) {
   const size = [0, 1, 2].map((k) => Math.abs(n[k]));
   const least = size.indexOf(Math.min(...size));

@@ -1,4 +1,4 @@
-/** Things that were built, in the scene: coloured faces, lines and labels. */
+/** Builds in the scene: coloured faces, lines and labels. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from '../vendor/three/three.module.min.js';
@@ -7,7 +7,7 @@ import { LineSegments2 } from '../vendor/three/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from '../vendor/three/lines/LineSegmentsGeometry.js';
 
 /**
- * Make what is drawn of a build.
+ * Return the scene objects of a build.
  * @param {import('../make/drawn.js').Drawn} drawn
  * @param {(point: number[]) => ArrayLike<number>} toScene
  * @returns {THREE.Group}

@@ -1,4 +1,4 @@
-/** What is drawn besides a surface: cursor, trail, rooms to keep clear, the line of a section, and the surface before. */
+/** Additional objects in the scene: cursor, path, clear volumes, section line, and the previous surface. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 import * as THREE from '../vendor/three/three.module.min.js';
@@ -46,7 +46,7 @@ export class Extras {
   }
 
   /**
-   * Draw a way along edges.
+   * Draw a path along edges.
    * @param {number[]} path
    * @param {Float32Array} xyz
    */
@@ -59,7 +59,7 @@ export class Extras {
 
   /**
    * Draw the line of a section.
-   * @param {number[]} ends six per segment, in the scene's frame
+   * @param {number[]} ends six numbers per segment, in the frame of the scene
    */
   section(ends) {
     this.set(this.cut, ends);
@@ -74,7 +74,7 @@ export class Extras {
   }
 
   /**
-   * Show rooms that are kept clear.
+   * Show clear volumes.
    * @param {number[][]} rooms x0, y0, z0, x1, y1, z1 in the scene's frame
    */
   rooms(rooms) {
@@ -92,7 +92,7 @@ export class Extras {
   }
 
   /**
-   * Show another surface of the same mesh beside this one, null for none.
+   * Show another surface of the same mesh, null for none.
    * @param {?Float32Array} xyz
    */
   beside(xyz) {
@@ -101,7 +101,7 @@ export class Extras {
   }
 
   /**
-   * Show what was built, null for nothing.
+   * Show a build, null for none.
    * @param {?import('../make/drawn.js').Drawn} drawn
    * @param {(point: number[]) => ArrayLike<number>} toScene
    */
@@ -123,7 +123,7 @@ export class Extras {
     }
   }
 
-  /** Give back what the graphics card holds. */
+  /** Free the memory of the graphics card. */
   dispose() {
     this.build(null, null);
     this.empty(this.boxes);

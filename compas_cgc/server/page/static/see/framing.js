@@ -1,6 +1,6 @@
-/** Where on the screen a surface is shown whole: what lies over the view leaves an area free, and the camera stands as near as that allows. */
+/** Fit of a surface into the area of the view that is not covered by other elements. */
 
-const GAP = 10; // pixels between the surface and what lies over the view
+const GAP = 10; // distance between the surface and elements over the view [pixel]
 
 /**
  * @typedef {object} Area a rectangle in pixels
@@ -11,7 +11,7 @@ const GAP = 10; // pixels between the surface and what lies over the view
  */
 
 /**
- * Return the area of a view that some boxes leave free: each takes the side away that costs least.
+ * Return the area of a view not covered by boxes: each box removes the side that reduces the area least.
  * @param {Area} view
  * @param {Area[]} boxes
  * @returns {Area} from the left and upper end of the view
@@ -39,14 +39,14 @@ function sizeOf({ left, top, right, bottom }) {
 }
 
 /**
- * Return where the camera looks, and from how far, to see all points as large as can be.
- * @param {ArrayLike<number>} xyz points, three after three
+ * Return target and distance of the camera for which all points fill the view.
+ * @param {ArrayLike<number>} xyz points, three numbers each
  * @param {{right: number[], up: number[], back: number[]}} axes of the camera
- * @param {{across: number, upward: number}} tangents of half of the angles it sees
+ * @param {{across: number, upward: number}} tangents of half of the angles of view
  * @returns {{target: number[], far: number}}
  */
 export function framing(xyz, { right, up, back }, { across, upward }) {
-  // Along each axis of the screen the outermost points of both sides set the distance, and the middle between them the target.
+  // Along each screen axis, the outermost points of both sides determine the distance, and their midpoint the target.
   const most = { right: -Infinity, left: -Infinity, top: -Infinity, bottom: -Infinity, back: -Infinity, front: Infinity };
   for (let k = 0; k < xyz.length; k += 3) {
     const along = (axis) => axis[0] * xyz[k] + axis[1] * xyz[k + 1] + axis[2] * xyz[k + 2];

@@ -1,13 +1,13 @@
-/** How finely frames are drawn: without a graphics card one takes a tenth of a second, and a surface that moves would wait for it. */
+/** Level of detail of frames: without a graphics card a full frame takes 0.1 s, which would delay a moving surface. */
 
-const SLOW = 40; // milliseconds; where frames take longer, quick ones are drawn while something moves
-const SEEN = 3; // frames, of which the quickest tells
-const REST = 250; // milliseconds without a new frame, after which the last one is drawn finely
-const LULL = 1000; // milliseconds, the same while a surface is expected
+const SLOW = 40; // duration of full frames above which quick frames are drawn during motion [ms]
+const SAMPLES = 3; // number of frames whose shortest duration counts
+const REST = 250; // time without a new frame after which a full frame is drawn [ms]
+const LULL = 1000; // the same while a surface is expected [ms]
 
-/** Decides whether a frame is drawn finely. */
+/** Decides between full and quick frames. */
 export class Pace {
-  /** @param {() => void} redraw called when all is still, to draw once more and finely */
+  /** @param {() => void} redraw called after motion, to draw a full frame */
   constructor(redraw) {
     this.redraw = redraw;
     /** @type {number[]} */
@@ -16,19 +16,19 @@ export class Pace {
     this.timer = 0;
   }
 
-  /** Whether fine frames take too long to be drawn while something moves. */
+  /** Whether full frames are too slow for motion. */
   get slow() {
-    return this.times.length === SEEN && Math.min(...this.times) > SLOW;
+    return this.times.length === SAMPLES && Math.min(...this.times) > SLOW;
   }
 
-  /** Whether the next frame is a quick one. */
+  /** Whether the next frame is quick. */
   get coarse() {
     return !this.resting && this.slow;
   }
 
   /**
-   * A frame is about to be drawn: note how long a fine one takes, and see to one after a quick one.
-   * @param {boolean} [expected] whether a surface is on its way, to be drawn after this frame
+   * Called before a frame: measures full frames, and schedules a full frame after a quick one.
+   * @param {boolean} [expected] whether a surface is expected after this frame
    */
   begin(expected = false) {
     const { coarse } = this;
@@ -43,9 +43,9 @@ export class Pace {
       return;
     }
     const started = performance.now();
-    // What the browser does with a frame is over when it gets to this.
+    // This task runs after the browser has finished the frame.
     setTimeout(() => {
-      this.times = [...this.times, performance.now() - started].slice(-SEEN);
+      this.times = [...this.times, performance.now() - started].slice(-SAMPLES);
     });
   }
 }

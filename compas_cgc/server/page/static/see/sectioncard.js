@@ -1,4 +1,4 @@
-/** The card with a section, which follows the surface. */
+/** The card with a section, updated with the surface. */
 
 import { cut, drawSection } from './section.js';
 
@@ -25,7 +25,7 @@ export class SectionCard {
     this.room.hidden = false;
   }
 
-  /** Show no section. */
+  /** Hide the section. */
   close() {
     this.ends = null;
     this.room.hidden = true;

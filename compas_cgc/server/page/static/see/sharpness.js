@@ -1,14 +1,14 @@
-/** How many pixels are drawn: without a graphics card smoothed edges take half of the time of a frame, and more pixels at rest smooth them as well. */
+/** Resolution of frames: without a graphics card, antialiasing takes half of the time of a frame, so it is replaced by more pixels at rest. */
 
-const COARSE = 0.5; // of the page's pixels, while something moves
-const FINER = 1.5; // of them, at rest and without a graphics card
-const PICTURE = 2; // of them, in pictures
-const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i; // what renders where there is no card
+const COARSE = 0.5; // pixel ratio during motion, relative to the page
+const FINER = 1.5; // pixel ratio at rest without a graphics card
+const PICTURE = 2; // pixel ratio of saved pictures
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i; // names of software renderers
 
-/** Ratios of the pixels that are drawn to those of the page. */
+/** Pixel ratios relative to the page. */
 export class Sharpness {
   constructor() {
-    /** Whether the graphics card smooths edges by itself. */
+    /** Whether antialiasing is enabled. */
     this.smoothed = hasCard();
   }
 
@@ -16,23 +16,23 @@ export class Sharpness {
     return Math.min(2, window.devicePixelRatio);
   }
 
-  /** At rest. */
+  /** Pixel ratio at rest. */
   get fine() {
     return this.smoothed ? this.ratio : Math.min(2, FINER * this.ratio);
   }
 
-  /** While something moves. */
+  /** Pixel ratio during motion. */
   get coarse() {
     return COARSE * this.ratio;
   }
 
-  /** Of what becomes a picture. */
+  /** Pixel ratio of saved pictures. */
   get ofPictures() {
     return this.smoothed ? PICTURE : 2 * PICTURE;
   }
 
   /**
-   * Return what a canvas shows now as a picture.
+   * Return the content of a canvas as a picture.
    * @param {HTMLCanvasElement} canvas
    * @returns {Promise<Blob>}
    */
@@ -47,12 +47,12 @@ export class Sharpness {
   }
 }
 
-/** Tell whether there is a graphics card, and not a processor that stands in for it. */
+/** Check whether rendering uses a graphics card. */
 function hasCard() {
   const probe = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
   if (!probe) return false;
   let name = probe.getParameter(probe.RENDERER);
-  // Chromium tells no more than this by the name; Firefox complains of who asks in this way.
+  // Chromium hides the name behind an extension, whose use is deprecated in Firefox.
   if (name === 'WebKit WebGL') name = probe.getParameter(probe.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? probe.RENDERER);
   probe.getExtension('WEBGL_lose_context')?.loseContext();
   return !SOFTWARE.test(name);

@@ -1,4 +1,4 @@
-/** Stripes mirrored in a surface: they are smooth where the surface is. */
+/** Zebra stripes reflected in a surface, which show its smoothness. */
 // @ts-nocheck: three.js and uPlot come without types.
 
 const STRIPES = `
@@ -12,7 +12,7 @@ const STRIPES = `
 `;
 
 /**
- * Let a material mirror stripes.
+ * Add stripes to a material.
  * @param {import('../vendor/three/three.module.min.js').Material} material
  * @returns {{value: number}} 1 while it does, 0 else
  */
