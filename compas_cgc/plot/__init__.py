@@ -1,8 +1,8 @@
 """Pictures of shapes, errors, histories and curves, as in the paper's Figures 4-30.
 
-``draw_...`` functions put one picture on given axes (or on a figure of their own) and return
-the axes; ``..._figure`` functions compose whole figures; :func:`save` writes them.
-Needs the extra ``plot``; matplotlib is imported when something is drawn, never before.
+``draw_...`` functions draw on given axes (or on a new figure) and return the axes;
+``..._figure`` functions return whole figures; :func:`save` writes them.
+Requires the extra ``plot``; matplotlib is imported lazily.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ SURFACE = "#ffffff"
 DUMMY_FACE = "#d4d4d4"
 DUMMY_EDGE = "#9a9a9a"
 SUPPORT = "#d62728"
-NOT_ASKED = "#b5b5b5"
+UNDEFINED = "#b5b5b5"
 PALETTE = ("#e8c48f", "#7fa6ad", "#cf8465", "#a7b58b", "#8d93b5", "#d9a5a0", "#b7a58f", "#6f8f86", "#e0d3b8")
 
 
@@ -38,7 +38,7 @@ def diverging_map() -> Colormap:
 
 
 def limit_above(values: FloatArray) -> float:
-    """Return a round number not below any ``|value|``, 1 where there is none but zero; NaN is passed over."""
+    """Return a round number not below any ``|value|``, or 1 if all values are zero; NaN is ignored."""
     size = np.abs(values[np.isfinite(values)])
     largest = float(size.max(initial=0.0))
     if largest == 0.0:
@@ -49,21 +49,21 @@ def limit_above(values: FloatArray) -> float:
 
 
 def brightness(normals: FloatArray, view: View, ambient: float) -> FloatArray:
-    """Return how bright faces are under a light over the viewer's left shoulder (Lambert's law), level ones being white.
+    """Return the brightness of faces under a light over the viewer's left shoulder (Lambert's law); horizontal faces are white.
 
     Parameters
     ----------
     normals
-        ``(m, 3)`` unit normals; both sides of a face are lit alike.
+        ``(m, 3)`` unit normals; both sides of a face are lit equally.
     view
-        Where one looks from.
+        Direction of view.
     ambient
         Brightness of a face turned away from the light.
 
     Returns
     -------
     (m,) float64
-        In ambient..1.
+        Brightness in ambient..1.
     """
     facing = np.where(normals @ view_axes(view)[2] < 0, -1.0, 1.0)
     light = light_direction(view)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Curve", "curve_figure", "draw_curve"]
 
-LONGEST = 0.12  # longest arrow, in widths of the curve
+MAX_ARROW = 0.12  # length of the longest arrow, relative to the width of the curve
 ARROW = "#2b7bba"
 
 
@@ -48,7 +48,7 @@ class Curve(NamedTuple):
     gradient
         (n, 2).
     fixed
-        Vertices that stay.
+        Fixed vertices.
     breaks
         Vertices of the internal boundary.
 
@@ -61,7 +61,7 @@ class Curve(NamedTuple):
     title: str  # caption, such as "S1 with s = 0.8"
     points: FloatArray  # (n, 2) [L]
     gradient: Optional[FloatArray] = None  # (n, 2)
-    fixed: Sequence[int] = (0, -1)  # vertices that stay
+    fixed: Sequence[int] = (0, -1)  # fixed vertices
     breaks: Sequence[int] = ()  # vertices of the internal boundary
 
 
@@ -75,7 +75,7 @@ def draw_curve(
     *,
     frame: Optional[Frame] = None,
 ) -> Axes:
-    """Draw a plane curve with arrows of the gradient, the largest of one length in every picture.
+    """Draw a plane curve with arrows of the gradient, scaled so that the largest has the same length in every picture.
 
     Parameters
     ----------
@@ -84,13 +84,13 @@ def draw_curve(
     gradient
         ``(n, 2)`` gradient of the energy at the vertices, in any unit.
     fixed
-        Vertices that stay: red dots.
+        Fixed vertices: red dots.
     breaks
         Vertices of the internal boundary: squares.
     ax
         Axes to draw on. Default: those of a new figure.
     frame
-        What to show of the plane. Default: all.
+        Visible part of the plane. Default: everything.
 
     Returns
     -------
@@ -117,7 +117,7 @@ def draw_curve(
     sheet: Axes = panels([[shown]], width=4.0, foot=0.0)[1][0][0] if ax is None else ax
     if ax is not None:
         show(sheet, shown)
-    long = np.linalg.norm(arrows, axis=1) > 0.02 * LONGEST * width_of(P)
+    long = np.linalg.norm(arrows, axis=1) > 0.02 * MAX_ARROW * width_of(P)
     if long.any():
         sheet.quiver(
             *P[long].T,
@@ -141,14 +141,14 @@ def draw_curve(
 
 @names_what_was_meant()
 def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
-    """Return curves side by side to one scale, with captions (a), (b), ...
+    """Return a figure of curves side by side at the same scale, with captions (a), (b), ...
 
     Parameters
     ----------
     curves
-        A :class:`Curve` or a tuple of its fields for every picture.
+        A :class:`Curve` or a tuple of its fields per picture.
     title
-        Written above.
+        Title of the figure.
     unit
         Unit of length for the scale bar.
 
@@ -171,7 +171,7 @@ def curve_figure(curves: Sequence[Union[Curve, tuple[Any, ...]]], title: Optiona
     """
     drawn = [curve if isinstance(curve, Curve) else Curve(*curve) for curve in curves]
     if not drawn:
-        raise ValueError("curve_figure needs at least one curve")
+        raise ValueError("curve_figure requires at least one curve")
     own = [curve_frame(*curve_arrays(curve.points, curve.gradient)) for curve in drawn]
     bottom, top = min(frame.bottom for frame in own), max(frame.top for frame in own)
     frames = [Frame(frame.left, frame.right, bottom, top) for frame in own]
@@ -194,14 +194,14 @@ def curve_arrays(points: ArrayLike, gradient: Optional[ArrayLike]) -> tuple[Floa
     if G.shape != P.shape:
         raise ValueError(f"gradient must be one vector per point {P.shape}, not of shape {G.shape}")
     largest = float(np.linalg.norm(G, axis=1).max())
-    return P, G * (LONGEST * width_of(P) / largest if largest > 0 else 0.0)
+    return P, G * (MAX_ARROW * width_of(P) / largest if largest > 0 else 0.0)
 
 
 def width_of(P: FloatArray) -> float:
-    """Return the larger side of the points' box [L]."""
+    """Return the larger side of the bounding box of points [L]."""
     return float(np.ptp(P, axis=0).max())
 
 
 def curve_frame(P: FloatArray, arrows: FloatArray) -> Frame:
-    """Return the frame about a curve and its arrows."""
+    """Return the frame around a curve and its arrows."""
     return frame_of(np.concatenate([P, P + arrows]), margin=0.05)

@@ -45,7 +45,7 @@ class Shape(NamedTuple):
     Parameters
     ----------
     title
-        Such as "Initial shape", or a caption.
+        Title or caption, such as "Initial shape".
     vertices
         (n, 3) [L].
     faces
@@ -65,7 +65,7 @@ class Shape(NamedTuple):
     'plan'
     """
 
-    title: str  # such as "Initial shape", or a caption
+    title: str  # title or caption, such as "Initial shape"
     vertices: Vertices  # (n, 3) [L]
     faces: Faces  # (m, 3)
     roles: IntArray  # (n,) index into ROLES
@@ -81,14 +81,14 @@ def shape_figure(
     unit: Optional[str] = None,
     dummies: bool = True,
 ) -> Figure:
-    """Return one row per shape, such as initial and final, in (a) diagonal and (b) plan view, all to one scale.
+    """Return a figure with one row per shape, in (a) diagonal and (b) plan view, all at the same scale.
 
     Parameters
     ----------
     shapes
-        A :class:`Shape` or a tuple of its fields for every row.
+        A :class:`Shape` or a tuple of its fields per row.
     views
-        Of every row.
+        Views in every row.
     unit
         Unit of length for the scale bar.
     dummies
@@ -121,7 +121,7 @@ def shape_figure(
     """
     shapes = checked(shapes, "shape_figure")
     if not views:
-        raise ArgumentError("shape_figure needs at least one view, such as 'diagonal' or 'plan'")
+        raise ArgumentError("shape_figure requires at least one view, such as 'diagonal' or 'plan'")
     rows = [[look(*shape[1:4], view, dummies).frame for view in views] for shape in shapes]
     figure, axes = panels(rows, head=HEAD, foot=0.42)
     for shape, row in zip(shapes, axes):
@@ -142,16 +142,16 @@ def comparison_figure(
     unit: Optional[str] = None,
     dummies: bool = True,
 ) -> Figure:
-    """Return shapes side by side from one view and to one scale, with captions (a), (b), ...
+    """Return a figure of shapes side by side in one view and at the same scale, with captions (a), (b), ...
 
     Parameters
     ----------
     shapes
-        A :class:`Shape` or a tuple of its fields for every picture; the title is the caption.
+        A :class:`Shape` or a tuple of its fields per picture; the title is the caption.
     view
-        Of all pictures.
+        View of all pictures.
     columns
-        Pictures in a row.
+        Number of pictures per row.
     unit
         Unit of length for the scale bar.
     dummies
@@ -201,18 +201,18 @@ def error_figure(
     unit: Optional[str] = None,
     label: Optional[str] = None,
 ) -> Figure:
-    """Return error maps side by side, such as (a) initial and (b) final, each with its own scale of colours.
+    """Return a figure of error maps side by side, such as (a) initial and (b) final, each with its own colour scale.
 
     Parameters
     ----------
     shapes
-        A :class:`Shape` with errors, or a tuple of its fields, for every picture.
+        A :class:`Shape` with errors, or a tuple of its fields, per picture.
     view
-        Of all pictures.
+        View of all pictures.
     unit
         Unit of length for the labels.
     label
-        Of the colour bars. Default: K - K̄ with its unit.
+        Label of the colour bars. Default: K - K̄ with its unit.
 
     Returns
     -------
@@ -251,23 +251,23 @@ def error_figure(
 
 
 def checked(shapes: Sequence[Union[Shape, tuple[Any, ...]]], name: str) -> list[Shape]:
-    """Return the shapes as such, or say that there is none."""
+    """Return the shapes as :class:`Shape`; raise an error if there are none."""
     if not all(isinstance(shape, Shape) or 4 <= len(shape) <= 6 for shape in shapes):
-        raise ArgumentError(f"{name} needs a Shape, or (title, vertices, faces, roles) and perhaps creases and errors, for every picture")
+        raise ArgumentError(f"{name} requires a Shape per picture, or (title, vertices, faces, roles) and optional creases, errors")
     result = [shape if isinstance(shape, Shape) else Shape(*shape) for shape in shapes]
     if not result:
-        raise ValueError(f"{name} needs at least one shape")
+        raise ValueError(f"{name} requires at least one shape")
     return result
 
 
 def given_errors(shape: Shape) -> PerVertex:
-    """Return the errors of a shape, or say that it has none."""
+    """Return the errors of a shape; raise an error if it has none."""
     if shape.errors is None:
-        raise ValueError(f"error_figure needs the errors of {shape.title!r}")
+        raise ValueError(f"error_figure requires errors, but {shape.title!r} has none")
     return shape.errors
 
 
 def largest(shape: Shape) -> str:
-    """Return the largest error of a shape in words."""
+    """Return a text with the largest error of a shape."""
     errors = np.abs(np.asarray(shape.errors, dtype=np.float64)[np.asarray(shape.roles) == INTERNAL])
-    return f"largest error {np.nanmax(errors):.3g}" if np.isfinite(errors).any() else "no error asked for"
+    return f"largest error {np.nanmax(errors):.3g}" if np.isfinite(errors).any() else "no K prescribed"

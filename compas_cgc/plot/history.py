@@ -1,4 +1,4 @@
-"""Convergence plots: (a) the energy and (b) the error norm over the steps."""
+"""Convergence plots: (a) energy and (b) error norm over the steps."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def draw_history(
 ) -> tuple[Axes, Axes]:
     """Draw the energy, and the error norm κ on a logarithmic axis, over the steps.
 
-    Values that are not finite, and a κ of exactly zero, leave a gap.
+    Values that are not finite, and κ = 0, are omitted.
 
     Parameters
     ----------
     history
-        Of a solve.
+        History of a solve.
     energy
         Label of the energy.
     axes
@@ -53,7 +53,7 @@ def draw_history(
     Returns
     -------
     (Axes, Axes)
-        Of the energy and of the error norm.
+        Axes of the energy and of the error norm.
 
     Raises
     ------
@@ -80,14 +80,14 @@ def draw_history(
 
 @names_what_was_meant()
 def history_figure(history: History, title: Optional[str] = None, *, unit: Optional[str] = None) -> Figure:
-    """Return the paper's figure of an iteration history, with captions.
+    """Return a figure of an iteration history with captions, as in the paper.
 
     Parameters
     ----------
     history
-        Of a solve.
+        History of a solve.
     title
-        Written above.
+        Title of the figure.
     unit
         Unit of length for the labels, such as ``"m"``.
 

@@ -1,4 +1,4 @@
-"""Panel layout: sheets of panels to one scale, sized by what they show so that nothing is cut off."""
+"""Panel layout: figures with panels at the same scale, sized by their content."""
 
 from __future__ import annotations
 
@@ -18,35 +18,35 @@ __all__ = ["SIZE", "caption", "heading", "letter", "panels", "points_per_length"
 
 GAP = 0.25  # between panels [in]
 EDGE = 0.12  # around the sheet [in]
-SIZE = 8.0  # of captions [pt]
-TALLEST = 1.4  # height of a sheet over its width
+SIZE = 8.0  # font size of captions [pt]
+MAX_ASPECT = 1.4  # largest ratio of height to width of a figure
 
 
 def panels(
     rows: list[list[Frame]], width: float = 7.0, head: float = 0.0, foot: float = 0.3, side: float = 0.0
 ) -> tuple[Figure, list[list[Axes]]]:
-    """Lay out frames in rows and columns, all to one scale.
+    """Lay out frames in rows and columns, all at the same scale.
 
     Parameters
     ----------
     rows
-        Frames of every row.
+        Frames by row.
     width
-        Of the sheet [in]; it is narrower where it would become too tall.
+        Width of the figure [in]; reduced if the figure would become too tall.
     head, foot, side
-        Room above, below, and on the right of every panel [in].
+        Space above, below, and to the right of every panel [in].
 
     Returns
     -------
     Figure, list of list of Axes
-        Axes without decoration that show the frames, grown to the cells they are in.
+        Axes without decoration that show the frames, enlarged to their cells.
     """
     columns = max(len(row) for row in rows)
     wide = [max(row[j].width for row in rows if j < len(row)) for j in range(columns)]
     tall = [max(frame.height for frame in row) for row in rows]
     extra_x = 2 * EDGE + (columns - 1) * GAP + columns * side
     extra_y = 2 * EDGE + len(rows) * (head + foot)
-    scale = min((width - extra_x) / sum(wide), (TALLEST * width - extra_y) / sum(tall))
+    scale = min((width - extra_x) / sum(wide), (MAX_ASPECT * width - extra_y) / sum(tall))
     figure_width, figure_height = max(extra_x + scale * sum(wide), 2.5), extra_y + scale * sum(tall)
     figure = new_figure(figure_width, figure_height)
     start = EDGE + (figure_width - extra_x - scale * sum(wide)) / 2
@@ -66,7 +66,7 @@ def panels(
 
 
 def show(ax: Axes, frame: Frame) -> None:
-    """Make axes show a frame to scale."""
+    """Set the limits of axes to a frame, at equal scale."""
     ax.set_axis_off()
     ax.set_xlim(frame.left, frame.right)
     ax.set_ylim(frame.bottom, frame.top)
@@ -74,7 +74,7 @@ def show(ax: Axes, frame: Frame) -> None:
 
 
 def shown(ax: Axes) -> Frame:
-    """Return what axes show."""
+    """Return the frame shown by axes."""
     return Frame(*ax.get_xlim(), *ax.get_ylim())
 
 
@@ -84,22 +84,22 @@ def letter(i: int) -> str:
 
 
 def caption(ax: Axes, text: str, below: float = 4.0) -> None:
-    """Write a caption some points below the middle of a panel."""
+    """Write a caption a number of points below the centre of a panel."""
     write(ax, text, (0.5, 0.0), (0.0, -below), ha="center", va="top", fontsize=SIZE)
 
 
 def heading(row: list[Axes], text: str) -> None:
-    """Write a title above the left of a row of panels."""
+    """Write a title above a row of panels, left-aligned."""
     write(row[0], text, (0.0, 1.0), (0.0, 5.0), ha="left", va="bottom", fontsize=SIZE + 1, fontweight="bold")
 
 
 def write(ax: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> None:
-    """Write a text at a place in parts of the axes, off by some points."""
+    """Write a text at a relative position in the axes, with an offset in points."""
     ax.annotate(text, at, xycoords="axes fraction", xytext=offset, textcoords="offset points", color=INK, annotation_clip=False, **style)
 
 
 def points_per_length(ax: Axes) -> float:
-    """Return how many points on paper one unit of length takes on axes drawn to scale."""
+    """Return the number of points on paper per unit of length."""
     box = ax.get_position()
     width, height = ax.figure.figure.get_size_inches()
     (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
@@ -107,7 +107,7 @@ def points_per_length(ax: Axes) -> float:
 
 
 def scale_bar(ax: Axes, unit: Optional[str] = None) -> None:
-    """Draw a bar of a round length below the left of a panel and its caption."""
+    """Draw a scale bar of a round length below the left of a panel."""
     left, right = ax.get_xlim()
     length = round_below((right - left) / 4)
     part = length / (right - left)
@@ -118,7 +118,7 @@ def scale_bar(ax: Axes, unit: Optional[str] = None) -> None:
 
 
 def round_below(length: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, the largest not above a positive length."""
+    """Return the largest number of the form 1, 2 or 5 times a power of ten not above a positive length."""
     mantissa, exponent = f"{length:e}".split("e")
     step = max(s for s in (1, 2, 5) if s <= float(mantissa))
     return float(f"{step}e{exponent}")

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["SIDE", "colour_bar", "per_area"]
 
-SIDE = 0.85  # room for a colour bar on the right of a panel [in]
+SIDE = 0.85  # space for a colour bar to the right of a panel [in]
 
 
 def colour_bar(ax: Axes, limit: float, label: str) -> None:
-    """Put the bar of the signed colours on the right of axes."""
+    """Add the colour bar to the right of axes."""
     norm = matplotlib_module("colors").Normalize(-limit, limit)
     mappable = matplotlib_module("cm").ScalarMappable(norm, diverging_map())
     width, height = ax.figure.figure.get_size_inches() * (ax.get_position().width, ax.get_position().height)
@@ -39,5 +39,5 @@ def colour_bar(ax: Axes, limit: float, label: str) -> None:
 
 
 def per_area(unit: Optional[str]) -> str:
-    """Return the unit of a curvature in brackets, nothing where the unit of length is not known."""
+    """Return the unit of curvature in brackets, empty if the unit of length is unknown."""
     return f" [1/{unit}²]" if unit else ""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..discrete.arrays import FloatArray
 from ..errors import names_what_was_meant
 from ..model.roles import INTERNAL
-from .colours import NOT_ASKED
+from .colours import UNDEFINED
 from .colours import brightness
 from .colours import diverging_map
 from .colours import limit_above
@@ -51,9 +51,9 @@ def draw_error(
     label: Optional[str] = None,
     frame: Optional[Frame] = None,
 ) -> Axes:
-    """Draw the error map: red where K is above its target, blue where below, grey where it is not asked for.
+    """Draw the error map: red where K is above its target, blue where below, grey where K is not prescribed.
 
-    Every vertex colours its share of the faces around it. Dummy faces are left out.
+    Every vertex colours a third of each adjacent face. Dummy faces are omitted.
 
     Parameters
     ----------
@@ -77,9 +77,9 @@ def draw_error(
     unit
         Unit of length for the label, such as ``"m"``.
     label
-        Of the colour bar. Default: K - K̄ with its unit.
+        Label of the colour bar. Default: K - K̄ with its unit.
     frame
-        What to show of the sheet. Default: all.
+        Visible part of the projection. Default: everything.
 
     Returns
     -------
@@ -185,7 +185,7 @@ def draw_values(
     ax = axes_for(ax, frame or seen.frame, SIDE)
     limit = limit or limit_above(values[seen.faces])
     colours = diverging_map()(np.clip(values / limit, -1.0, 1.0) / 2 + 0.5)
-    colours[~np.isfinite(values)] = rgba(NOT_ASKED)
+    colours[~np.isfinite(values)] = rgba(UNDEFINED)
     fill = colours[seen.faces]
     fill[..., :3] *= brightness(seen.normals, view, ambient=0.85)[:, None, None]
     fill = fill.reshape(-1, 4)
@@ -206,7 +206,7 @@ def corner_shares(corner: FloatArray) -> FloatArray:
 
 
 def vertex_values(values: ArrayLike, n: int, name: str) -> FloatArray:
-    """Return one float per vertex, or say that there are not as many."""
+    """Return an array with one float per vertex; raise an error for another shape."""
     result = np.asarray(values, dtype=np.float64)
     if result.shape != (n,):
         raise ValueError(f"{name} must be one per vertex ({n}), not of shape {result.shape}")

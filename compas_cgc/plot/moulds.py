@@ -1,4 +1,4 @@
-"""A page on moulds: the panels in plan with their moulds, all of them on each mould, how they miss it rigid, and what bending costs."""
+"""Page on moulds: panels in plan and on their moulds, deviation without bending, and bending stress."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ if TYPE_CHECKING:
 __all__ = ["moulds_figure"]
 
 PAGE = (11.7, 8.3)  # A4 [in]
-NAMED = 200  # panels up to which each is named
-LETTER = 0.65  # width of a letter, of its size
-SHOWN = 4  # moulds that are drawn
+NAMED = 200  # number of panels up to which they are labelled
+LETTER = 0.65  # width of a character, relative to the font size
+MAX_MOULDS = 4  # number of moulds that are drawn
 
 
 @names_what_was_meant()
 def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> Figure:
-    """Return the page.
+    """Return a page with figures of panels and moulds.
 
     Parameters
     ----------
     mesh
-        The surface that the report is on.
+        The solved surface.
     report
-        Of :func:`compas_cgc.fabrication.moulds`.
+        Report from :func:`compas_cgc.fabrication.moulds`.
     title
-        Above it all.
+        Title of the page.
 
     Returns
     -------
@@ -76,11 +76,11 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
     _draw_plan(plan, problem, report, colours=kinds)
     plan.set_title("panels, coloured by mould", fontsize=8)
     misses = figure.add_axes((0.35, 0.06, 0.30, 0.52))
-    _draw_values(figure, misses, problem, report, [fit.rigid for fit in report.panels], "not bent it misses its place by [mm]")
+    _draw_values(figure, misses, problem, report, [fit.rigid for fit in report.panels], "deviation without bending [mm]")
     stress = figure.add_axes((0.67, 0.06, 0.30, 0.52))
-    text = f"stress of bending, {report.thickness:g} mm {report.material.name} [MPa]"
+    text = f"bending stress, {report.thickness:g} mm {report.material.name} [MPa]"
     _draw_values(figure, stress, problem, report, [fit.stress for fit in report.panels], text)
-    shown = report.moulds[:SHOWN]
+    shown = report.moulds[:MAX_MOULDS]
     side = min(0.28, 0.5 / len(shown))
     for k, mould in enumerate(shown):
         ax = figure.add_axes((0.98 - (len(shown) - k) * side, 0.65, side - 0.01, 0.28))
@@ -89,7 +89,7 @@ def moulds_figure(mesh: PosesProblem, report: MouldReport, title: str = "") -> F
 
 
 def _wrapped(text: str) -> str:
-    """Return lines of at most so many letters that they fit beside the moulds."""
+    """Wrap lines to the width beside the moulds."""
     from textwrap import wrap
 
     lines = []
@@ -100,7 +100,7 @@ def _wrapped(text: str) -> str:
 
 
 def _sheet_of(problem: CGCProblem) -> FloatArray:
-    """Return the axes of a sheet across the side that the surface faces (2, 3)."""
+    """Return the axes of the projection plane perpendicular to the mean normal of the surface (2, 3)."""
     V, F = problem.vertices, problem.faces
     up = (face_areas(V, F)[:, None] * face_normals(V, F)).sum(axis=0)
     if abs(up[2]) >= 0.5 * np.linalg.norm(up):
@@ -125,7 +125,7 @@ def _draw_plan(ax: Axes, problem: CGCProblem, report: MouldReport, colours: list
 
 
 def _name_panels(ax: Axes, report: MouldReport, triangles: list[FloatArray], colours: list) -> None:
-    """Write every panel's name in its middle, as small as its width asks for, light on dark colours."""
+    """Write the name of every panel at its centre, fitted to its width, light on dark colours."""
     across = np.ptp(np.concatenate(triangles).reshape(-1, 2), axis=0)
     box = ax.get_window_extent()
     scale = 72.0 / ax.figure.dpi * float((np.array([box.width, box.height]) / np.maximum(1.04 * across, 1e-300)).min())  # points to a unit

@@ -29,7 +29,7 @@ FORMATS = {
 
 DETERMINISTIC = {"svg.hashsalt": "compas_cgc", "svg.fonttype": "path"}
 
-# matplotlib's settings are global, and a server saves from several threads.
+# The settings of matplotlib are global, and a server saves from several threads.
 _settings = Lock()
 
 
@@ -49,11 +49,11 @@ def matplotlib_module(name: str) -> ModuleType:
     try:
         return import_module(f"matplotlib.{name}")
     except ImportError as error:
-        raise CGCError('drawing needs matplotlib: pip install "compas_cgc[plot]"') from error
+        raise CGCError('drawing requires matplotlib: pip install "compas_cgc[plot]"') from error
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return an empty white figure of a size in inches, outside pyplot's state."""
+    """Return an empty white figure of a size in inches, independent of pyplot."""
     return matplotlib_module("figure").Figure(figsize=(width, height), dpi=DPI, facecolor="white")
 
 
@@ -61,13 +61,13 @@ def new_figure(width: float, height: float) -> Figure:
 def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     """Write a figure as PNG, SVG or PDF, by the suffix of the path.
 
-    The file is written beside its place and then put there, so that nobody reads half a
-    picture; the same figure gives the same bytes, as no date is written.
+    The file is written atomically and without a date, so that the same figure gives the same
+    bytes.
 
     Parameters
     ----------
     figure
-        What a ``..._figure`` function returned, or the ``figure`` of drawn axes.
+        Figure from a ``..._figure`` function, or the ``figure`` of axes.
     path
         File to write or to replace, with its folder, with a suffix in :data:`FORMATS`.
 
@@ -79,7 +79,7 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     Raises
     ------
     FileError
-        If the suffix is another, or the file cannot be written.
+        If the suffix is not supported, or the file cannot be written.
 
     Examples
     --------
@@ -95,12 +95,12 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
         with replacing(path) as beside, _settings, import_module("matplotlib").rc_context(DETERMINISTIC):
             figure.savefig(beside, format=kind[1:], dpi=figure.dpi, metadata=FORMATS[kind], facecolor="white")
     except OSError as error:
-        raise FileError(f"cannot write the picture {path}: {error.strerror or error}") from error
+        raise FileError(f"the picture {path} cannot be written ({error.strerror or error}); choose another path") from error
     return path
 
 
 def check_picture(path: Union[str, os.PathLike]) -> None:
-    """Refuse a picture that could not be drawn, before anybody waits for what it shall show."""
+    """Check that a picture can be written, before its content is computed."""
     _kind_of(Path(path))
     matplotlib_module("figure")
 

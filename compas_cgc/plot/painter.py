@@ -1,4 +1,4 @@
-"""Painter's algorithm: hidden surfaces by painting what is far first."""
+"""Painter's algorithm: hidden surface removal by painting the farthest polygons first."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ __all__ = ["Layer", "discs", "face_nearness", "layer", "paint", "segments"]
 
 
 Colours = Union[str, tuple[float, float, float, float], FloatArray]
-"""One colour by name or as red, green, blue and opacity, or ``(k, 4)`` one for every polygon."""
+"""One colour by name or as RGBA, or ``(k, 4)`` one RGBA colour per polygon."""
 
-PIECES = 4  # that an edge is cut into where it may be hidden in part
+PIECES = 4  # number of pieces of a partly hidden edge
 
 
 class Layer(NamedTuple):
-    """Polygons of one kind; of equally near ones, those of later layers are painted later."""
+    """Polygons of one kind; at equal depth, later layers are painted on top."""
 
-    polygons: FloatArray  # (k, c, 2) corners on the sheet [L]
+    polygons: FloatArray  # (k, c, 2) projected corners [L]
     nearness: FloatArray  # (k,) larger is nearer [L]
     fill: FloatArray  # (k, 4) colours
     edge: FloatArray  # (k, 4) colours
-    width: FloatArray  # (k,) of the edges [pt]
+    width: FloatArray  # (k,) line width of the edges [pt]
 
 
 def layer(polygons: FloatArray, nearness: FloatArray, fill: Colours, edge: Colours, width: float) -> Layer:
-    """Return a layer from colours that are given once or for every polygon."""
+    """Return a layer from one colour, or one colour per polygon."""
     k = len(polygons)
     fills, edges = (np.broadcast_to(rgba(colour) if isinstance(colour, str) else colour, (k, 4)) for colour in (fill, edge))
     return Layer(polygons, nearness, fills, edges, np.full(k, float(width)))
@@ -60,12 +60,12 @@ def paint(ax: Axes, layers: list[Layer]) -> None:
 
 
 def face_nearness(nearness: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the nearness of the middle of every face (m,)."""
+    """Return the nearness of the centre of every face (m,)."""
     return nearness[faces].mean(axis=1)
 
 
 def segments(corners: FloatArray, faces: IntArray, edges: IntArray, colour: str, width: float) -> Layer:
-    """Return what is in sight of edges ``(e, 2)`` between vertices ``(n, 3)`` on the sheet, as lines in front of everything."""
+    """Return the visible parts of edges ``(e, 2)`` between projected vertices ``(n, 3)``, as lines in front of everything."""
     steps = np.linspace(0.0, 1.0, PIECES + 1)[:, None]
     ends = corners[edges]
     cuts = ends[:, :1] * (1.0 - steps) + ends[:, 1:] * steps
@@ -75,7 +75,7 @@ def segments(corners: FloatArray, faces: IntArray, edges: IntArray, colour: str,
 
 
 def discs(corners: FloatArray, faces: IntArray, which: IntArray, radius: float, colour: str) -> Layer:
-    """Return discs of a radius [L] on those vertices that are in sight, in front of everything."""
+    """Return discs of a radius [L] at the visible vertices, in front of everything."""
     angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
     seen = which[in_sight(corners[which], corners, faces)]

@@ -1,4 +1,4 @@
-"""Projection of a mesh onto the sheet."""
+"""Projection of a mesh."""
 
 from __future__ import annotations
 
@@ -27,32 +27,32 @@ __all__ = ["Seen", "edge_array", "look", "real_faces"]
 
 
 class Seen(NamedTuple):
-    """A mesh as seen from somewhere."""
+    """A projected mesh."""
 
-    corners: FloatArray  # (n, 3) vertices on the sheet, and nearness [L]
-    faces: IntArray  # (m, 3) faces that are shown
-    real: NDArray[np.bool_]  # (m,) not a dummy face
+    corners: FloatArray  # (n, 3) projected vertices, and nearness [L]
+    faces: IntArray  # (m, 3) visible faces
+    real: NDArray[np.bool_]  # (m,) whether a face is not a dummy face
     normals: FloatArray  # (m, 3) unit normals
-    frame: Frame  # what is shown of the sheet
+    frame: Frame  # visible part of the projection
 
     @property
     def triangles(self) -> FloatArray:
-        """Faces on the sheet (m, 3, 2) [L]."""
+        """Projected faces (m, 3, 2) [L]."""
         return self.corners[self.faces, :2]
 
     @property
     def nearness(self) -> FloatArray:
-        """Nearness of the middle of every face (m,) [L]."""
+        """Nearness of the centre of every face (m,) [L]."""
         return self.corners[self.faces, 2].mean(axis=1)
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Vertices of the faces shown (n,)."""
+        """Mask of the vertices of visible faces (n,)."""
         return used_vertices(len(self.corners), self.faces)
 
 
 def look(vertices: ArrayLike, faces: ArrayLike, roles: ArrayLike, view: Union[str, View], dummies: bool = True) -> Seen:
-    """Look at a mesh.
+    """Return the projection of a mesh.
 
     Parameters
     ----------
@@ -84,13 +84,13 @@ def look(vertices: ArrayLike, faces: ArrayLike, roles: ArrayLike, view: Union[st
 
 
 def real_faces(faces: ArrayLike, roles: ArrayLike) -> NDArray[np.bool_]:
-    """Mark the faces without a dummy vertex (m,)."""
+    """Return a mask of the faces without a dummy vertex (m,)."""
     return ~(np.asarray(roles) == DUMMY)[np.asarray(faces)].any(axis=1)
 
 
 def edge_array(edges: Optional[ArrayLike], used: NDArray[np.bool_]) -> IntArray:
-    """Return edges as an array (e, 2), without those whose vertices are not used."""
+    """Return edges as an array (e, 2), without edges at unused vertices."""
     E = np.asarray([] if edges is None else edges, dtype=np.int64).reshape(-1, 2)
     if E.size and (E.min() < 0 or E.max() >= len(used)):
-        raise MeshError(f"a crease names a vertex that does not exist: {E.min()} to {E.max()} of {len(used)} vertices")
+        raise MeshError(f"a crease refers to a vertex that does not exist: {E.min()} to {E.max()} of {len(used)} vertices")
     return E[used[E].all(axis=1)]

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["axes_for", "draw_shape", "edge_width", "marks"]
 
-FINEST_EDGE = 1.6  # edges shorter than this on paper are not drawn: they would blacken the surface [pt]
+MIN_EDGE = 1.6  # length on paper below which edges are not drawn, as they would blacken the surface [pt]
 
 
 @names_what_was_meant()
@@ -73,7 +73,7 @@ def draw_shape(
     dummies
         Whether to show dummy faces.
     frame
-        What to show of the sheet. Default: all.
+        Visible part of the projection. Default: everything.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def draw_shape(
 
 
 def axes_for(ax: Optional[Axes], frame: Frame, side: float = 0.0) -> Axes:
-    """Return the axes given, or those of a new figure, showing a frame."""
+    """Return the given axes, or the axes of a new figure that shows a frame."""
     if ax is None:
         return panels([[frame]], width=5.0 + side, foot=0.0, side=side)[1][0][0]
     show(ax, frame)
@@ -126,9 +126,9 @@ def edge_length(ax: Axes, seen: Seen) -> float:
 
 
 def edge_width(ax: Axes, seen: Seen) -> float:
-    """Return the width for the edges of the mesh, zero if they are too short to be drawn [pt]."""
+    """Return the line width of the edges of the mesh [pt], zero if they are too short."""
     length = edge_length(ax, seen)
-    return 0.0 if length < FINEST_EDGE else float(np.clip(0.04 * length, 0.1, 0.4))
+    return 0.0 if length < MIN_EDGE else float(np.clip(0.04 * length, 0.1, 0.4))
 
 
 def marks(ax: Axes, seen: Seen, roles: ArrayLike, creases: Optional[ArrayLike]) -> list[Layer]:
@@ -139,6 +139,6 @@ def marks(ax: Axes, seen: Seen, roles: ArrayLike, creases: Optional[ArrayLike]) 
     radius = float(np.clip(0.2 * length, 1.0, 2.4)) / points_per_length(ax)
     return [
         segments(seen.corners, seen.faces, edge_array(creases, used), INK, float(np.clip(0.16 * length, 0.8, 1.6))),
-        # Dummies do not hide supports: they are no part of the roof.
+        # Dummy faces do not hide supports, as they are not part of the roof.
         discs(seen.corners, seen.faces[seen.real], fixed, radius, SUPPORT),
     ]

@@ -1,6 +1,6 @@
-"""Studio light: a surface smooth between its creases, under a sun and a sky, on a white floor.
+"""Studio light: rendering of a smooth surface with creases under sun and sky, on a white floor.
 
-Light is gathered by shadow maps (Williams, 1978): one for each of many directions of the sky, and some of the sun.
+Light is computed by shadow maps (Williams, 1978), one per direction of the sky and the sun.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ LINE = np.array([0.16, 0.17, 0.19])
 SUN = np.array([-0.55, 0.45, 0.70])  # to the right, up, to the eye
 SKIES = 60
 SUNS = 12
-SUN_ANGLE = 0.09  # half the angle that the sun fills, large for soft shadows [rad]
+SUN_ANGLE = 0.09  # half of the angular diameter of the sun, large for soft shadows [rad]
 SHADOW_PIXELS = 300
-FLOOR = 0.85  # half the width of the floor, in diagonals of the model
+FLOOR = 0.85  # half of the width of the floor, relative to the diagonal of the model
 
 
 class _Scene(NamedTuple):
@@ -74,7 +74,7 @@ def studio(
     width: int = 1600,
     colours: Sequence[str] = TONES,
 ) -> Figure:
-    """Return a lit picture of a surface: smooth between creases, with soft shadows.
+    """Return a rendering of a surface, smooth between creases, with soft shadows.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def studio(
     faces
         ``(m, 3)`` vertex indices.
     roles
-        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`; dummy faces are left out.
+        ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`; dummy faces are omitted.
     creases
         ``(e, 2)`` vertex indices of the edges along which the surface folds, drawn as lines.
     curvature
@@ -91,9 +91,9 @@ def studio(
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`; from above.
     width
-        Of the picture in pixels.
+        Width of the picture [pixel].
     colours
-        Tones of regions; neighbours get different ones.
+        Tones of regions; adjacent regions have different tones.
 
     Returns
     -------
@@ -134,7 +134,7 @@ def studio_image(
     colours: Sequence[str] = TONES,
     oversampling: int = 2,
 ) -> FloatArray:
-    """Return what :func:`studio` shows, as red, green and blue in 0..1 (h, w, 3).
+    """Return the picture of :func:`studio` as RGB values in 0..1 (h, w, 3).
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def studio_image(
     creases
         ``(e, 2)`` edges, as for :func:`studio`.
     curvature
-        ``(n,)`` K [1/L^2] to colour by.
+        ``(n,)`` K [1/L^2] for the colours.
     view, width, colours
         As for :func:`studio`.
     oversampling
@@ -180,7 +180,7 @@ def studio_image(
     count = len(scene.points)
     floor = np.broadcast_to([0.0, 0.0, 1.0], ground.shape)
     normals = np.concatenate([scene.normals, floor])
-    # The side of every face that is seen.
+    # Orient all normals towards the viewer.
     eye = view_axes(view)[2] if np.isinf(view.distance) else _towards(corners, view, about)
     normals = np.where((normals * eye).sum(axis=2, keepdims=True).mean(axis=1, keepdims=True) < 0, -normals, normals)
     light = _gathered(scene, corners, normals, sky, sun)
@@ -196,14 +196,14 @@ def _scene(V: FloatArray, F: IntArray, edges: IntArray, curvature: Optional[Floa
     regions = face_regions(F, edges)
     normal = face_normals(V, F)
     corner_angles = _corner_angles(V[F])
-    # One normal for a vertex in each region that it belongs to: smooth within, folded between.
+    # One normal per vertex and region: smooth within regions, folded between them.
     key, group = np.unique(regions[:, None] * len(V) + F, return_inverse=True)
     total = np.zeros((len(key), 3))
     np.add.at(total, group.reshape(-1), (corner_angles[:, :, None] * normal[:, None, :]).reshape(-1, 3))
     total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
     if curvature is None:
         if not len(colours):
-            raise ArgumentError("colours must name at least one tone, such as '#d8c3a5'")
+            raise ArgumentError("colours must contain at least one tone, such as '#d8c3a5'")
         palette = np.array([rgba(colour)[:3] for colour in colours])
         tone = palette[_tones(F, regions) % len(palette)]
     else:
@@ -242,7 +242,7 @@ def _corner_angles(points: FloatArray) -> FloatArray:
 
 
 def _ground(points: FloatArray, n: int) -> FloatArray:
-    """Return the triangles of the floor under a model (g, 3, 3), n squares along a side, as far as its shadow goes."""
+    """Return the triangles of the floor (g, 3, 3) within the shadow of a model, n squares per side."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
     t = FLOOR * reach * np.linspace(-1.0, 1.0, n + 1)
@@ -257,7 +257,7 @@ class _Camera(NamedTuple):
     about: FloatArray
     left: float
     top: float
-    scale: float  # pixels per length
+    scale: float  # pixels per unit of length
     height: int
     width: int
 
@@ -270,7 +270,7 @@ class _Camera(NamedTuple):
 
 def _camera(points: FloatArray, view: View, about: FloatArray, width: int) -> _Camera:
     frame = frame_of(project(points, view, about)[:, :2], margin=0.05)
-    # Room for the shadow.
+    # Leave space for the shadow.
     tall = frame.height + 0.05 * frame.width
     scale = width / frame.width
     height = 2 * (int(round(tall * scale)) // 2)
@@ -286,7 +286,7 @@ def _towards(corners: FloatArray, view: View, about: FloatArray) -> FloatArray:
 
 
 def _directions(view: View) -> tuple[FloatArray, FloatArray]:
-    """Return directions to the sky (k, 3), evenly over its half sphere (Fibonacci), and to the sun, its middle first."""
+    """Return directions to the sky (k, 3), uniform on its hemisphere (Fibonacci), and to the sun, its centre first."""
     i = np.arange(SKIES)
     z = (i + 0.5) / SKIES
     turn = np.pi * (3 - np.sqrt(5)) * i
@@ -319,7 +319,7 @@ def _gathered(scene: _Scene, corners: FloatArray, normals: FloatArray, sky: Floa
 
 
 def _faded(light: FloatArray, ground: FloatArray, sun: FloatArray) -> FloatArray:
-    """Return the light of the floor (g, 3, 2), led to that of an open floor at its rim."""
+    """Return the light of the floor (g, 3, 2), blended to that of an open floor at its edge."""
     middle = ground.reshape(-1, 3).mean(axis=0)
     half = np.ptp(ground[:, :, 0]) / 2
     away = np.linalg.norm(ground - middle, axis=2) / half
@@ -328,7 +328,7 @@ def _faded(light: FloatArray, ground: FloatArray, sun: FloatArray) -> FloatArray
 
 
 def _visible(triangles: FloatArray, points: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return how much of points (k, 3) a far light in a direction reaches, 0..1, by a shadow map with smooth edges."""
+    """Return the visibility (0..1) of a distant light from points (k, 3), by a shadow map with smooth edges."""
     axes = np.vstack([np.linalg.svd(direction[None])[2][1:], direction])
     flat = triangles @ axes.T
     low, high = flat[:, :, :2].reshape(-1, 2).min(axis=0), flat[:, :, :2].reshape(-1, 2).max(axis=0)
@@ -353,7 +353,7 @@ def _visible(triangles: FloatArray, points: FloatArray, direction: FloatArray) -
 def _developed(
     seen: Fragments, normals: FloatArray, light: FloatArray, albedo: FloatArray, eye: FloatArray, sun: FloatArray, count: int
 ) -> FloatArray:
-    """Return the picture: what the faces send back of sun and sky, with a little gloss."""
+    """Return the picture: light of sun and sky reflected by the faces, with some gloss."""
     shown = seen.face >= 0
     normal = seen.interpolated(normals)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
@@ -365,10 +365,10 @@ def _developed(
     gloss = np.where(face < count, 0.10 * np.clip((normal * half).sum(axis=1), 0, 1) ** 40, 0.0)
     colour = albedo[face]
     warm, cool = np.array([1.0, 0.965, 0.90]), np.array([0.93, 0.97, 1.02])
-    # What the floor throws back at what faces it.
+    # Light reflected from the floor.
     bounce = 0.05 + 0.17 * (1 - normal[:, 2:]) * (face < count)[:, None]
     sent = colour * (0.62 * both[:, 1:] * warm + 0.52 * both[:, :1] * cool + bounce) + (gloss * np.minimum(1.0, 2 * both[:, 1]))[:, None]
-    # The floor is white where nothing takes light from it.
+    # The floor is white where it is not in shadow.
     open_floor = 0.62 * sun[2] * warm + 0.52 * cool + 0.05
     part = np.clip(sent / (0.97 * open_floor), 0.0, 1.0)
     sent = np.where((face >= count)[:, None], 1.0 - 0.62 * (1.0 - part), sent)
@@ -380,7 +380,7 @@ def _developed(
 def _draw_lines(
     image: FloatArray, seen: Fragments, camera: _Camera, V: FloatArray, F: IntArray, edges: IntArray, size: float, oversampling: int
 ) -> None:
-    """Draw creases and open edges into a picture where nothing hides them."""
+    """Draw the visible parts of creases and open edges."""
     sides = edge_faces(F)
     open_edges = sides[sides[:, 3] < 0, :2]
     pixel = max(camera.width / oversampling / 1600, 0.7)
@@ -397,7 +397,7 @@ def _draw_lines(
 
 
 def _stamp(image: FloatArray, nearness: FloatArray, at: FloatArray, radius: float) -> None:
-    """Blacken discs about points (k, 3) in front of what is seen."""
+    """Draw black discs around points (k, 3) in front of the surface."""
     height, width = nearness.shape
     reach = int(np.ceil(radius))
     for dx in range(-reach, reach + 1):

@@ -1,4 +1,4 @@
-"""View projection: the paper's two views, and others."""
+"""View projection: the two views of the paper, and others."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ __all__ = ["VIEWS", "Frame", "View", "frame_of", "project", "used_vertices", "vi
 
 
 class View(NamedTuple):
-    """Where one looks from.
+    """Direction and distance of the viewer.
 
     Parameters
     ----------
     azimuth
-        Of the eye about z, from the x-axis [deg].
+        Angle of the viewer about z, from the x-axis [deg].
     elevation
-        Of the eye above the horizon [deg].
+        Angle of the viewer above the horizon [deg].
     distance
-        Of the eye from the middle, in diagonals of the model; infinite: orthographic.
+        Distance of the viewer from the centre, relative to the diagonal of the model; infinite: orthographic.
 
     Examples
     --------
@@ -33,13 +33,13 @@ class View(NamedTuple):
     inf
     """
 
-    azimuth: float  # of the eye about z, from the x-axis [deg]
-    elevation: float  # of the eye above the horizon [deg]
-    distance: float = math.inf  # of the eye from the middle, in diagonals of the model; infinite: orthographic
+    azimuth: float  # angle of the viewer about z, from the x-axis [deg]
+    elevation: float  # angle of the viewer above the horizon [deg]
+    distance: float = math.inf  # from the centre, relative to the diagonal of the model; infinite: orthographic
 
 
 class Frame(NamedTuple):
-    """What of the sheet is shown."""
+    """Visible part of the projection plane."""
 
     left: float  # [L]
     right: float  # [L]
@@ -57,7 +57,7 @@ class Frame(NamedTuple):
         return self.top - self.bottom
 
     def grown(self, width: float, height: float) -> Frame:
-        """Return a frame of another size about the same middle."""
+        """Return a frame of another size with the same centre."""
         x, y = (self.left + self.right) / 2, (self.bottom + self.top) / 2
         return Frame(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
 
@@ -66,12 +66,12 @@ VIEWS = {"diagonal": View(-60.0, 30.0), "plan": View(-90.0, 90.0)}
 
 
 def view_named(view: Union[str, View]) -> View:
-    """Return a view given by name or as it is.
+    """Return a view from its name or a :class:`View`.
 
     Raises
     ------
     ValueError
-        If there is no view of that name.
+        If the name is unknown.
     """
     if isinstance(view, str):
         if view not in VIEWS:
@@ -81,7 +81,7 @@ def view_named(view: Union[str, View]) -> View:
 
 
 def view_axes(view: View) -> FloatArray:
-    """Return the unit vectors to the right, up, and to the eye, as rows (3, 3)."""
+    """Return the unit vectors to the right, upwards, and to the viewer, as rows (3, 3)."""
     a, e = math.radians(view.azimuth), math.radians(view.elevation)
     eye = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
     right = np.array([-math.sin(a), math.cos(a), 0.0])
@@ -89,21 +89,21 @@ def view_axes(view: View) -> FloatArray:
 
 
 def project(points: FloatArray, view: View, about: FloatArray) -> FloatArray:
-    """Project points on the sheet; planes stay planes, in a perspective too.
+    """Project points; planes remain planes, also in perspective.
 
     Parameters
     ----------
     points
         ``(n, 3)`` coordinates [L].
     view
-        Where one looks from.
+        Direction and distance of the viewer.
     about
-        ``(k, 3)`` points of the model that a perspective is centred on [L].
+        ``(k, 3)`` points of the model, the centre of the perspective [L].
 
     Returns
     -------
     (n, 3) float64
-        Coordinates on the sheet, and nearness to the eye: larger is nearer [L].
+        Projected coordinates, and nearness to the viewer: larger is nearer [L].
     """
     axes = view_axes(view)
     if math.isinf(view.distance):
@@ -114,7 +114,7 @@ def project(points: FloatArray, view: View, about: FloatArray) -> FloatArray:
 
 
 def frame_of(sheet: FloatArray, margin: float = 0.03) -> Frame:
-    """Return the frame about points of the sheet ``(n, 2)``, with a margin in parts of its larger side."""
+    """Return the frame around projected points ``(n, 2)``, with a margin relative to its larger side."""
     if not len(sheet):
         return Frame(0.0, 1.0, 0.0, 1.0)
     low, high = sheet.min(axis=0), sheet.max(axis=0)
@@ -123,7 +123,7 @@ def frame_of(sheet: FloatArray, margin: float = 0.03) -> Frame:
 
 
 def used_vertices(n: int, faces: Faces) -> Mask:
-    """Mark the vertices of some faces (n,)."""
+    """Return a mask (n,) of the vertices of faces."""
     used = np.zeros(n, bool)
     used[faces.ravel()] = True
     return used

@@ -1,4 +1,4 @@
-"""Point visibility: which points of lines and marks no face hides."""
+"""Visibility of points of lines and marks."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from ..discrete.arrays import Mask
 
 __all__ = ["in_sight"]
 
-TOLERANCE = 2e-3  # a face this much nearer than a point does not hide it, in sizes of the model
+TOLERANCE = 2e-3  # depth difference below which a face does not hide a point, relative to the size of the model
 
 
 def in_sight(points: FloatArray, corners: FloatArray, faces: Faces) -> Mask:
-    """Mark the points that no face lies in front of.
+    """Return a mask of the points that no face hides.
 
     Parameters
     ----------
     points
-        ``(k, 3)`` coordinates on the sheet, and nearness [L].
+        ``(k, 3)`` projected coordinates, and nearness [L].
     corners
-        ``(n, 3)`` vertices, likewise [L].
+        ``(n, 3)`` projected vertices, and nearness [L].
     faces
         ``(m, 3)`` vertex indices.
 

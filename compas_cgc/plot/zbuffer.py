@@ -1,4 +1,4 @@
-"""Z-buffer: which triangle each pixel of a picture shows (Catmull, 1974)."""
+"""Z-buffer: the visible triangle in each pixel (Catmull, 1974)."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from ..discrete.arrays import IntArray
 
 __all__ = ["Fragments", "rasterise"]
 
-_SAMPLES = 4_000_000  # pixels that are looked at at once, so that memory stays small
+_SAMPLES = 4_000_000  # number of pixels per batch, to limit memory
 
 
 class Fragments(NamedTuple):
-    """What is nearest in every pixel."""
+    """Nearest face in every pixel."""
 
-    nearness: FloatArray  # (h, w) -inf where nothing is
-    face: IntArray  # (h, w) -1 where nothing is
+    nearness: FloatArray  # (h, w) -inf in empty pixels
+    face: IntArray  # (h, w) -1 in empty pixels
     weights: FloatArray  # (h, w, 3) barycentric coordinates within the face
 
     def interpolated(self, corners: FloatArray) -> FloatArray:
-        """Return values of the corners of faces (m, 3, k) at the pixels that show a face (p, k)."""
+        """Return values of corners of faces (m, 3, k), interpolated at the non-empty pixels (p, k)."""
         shown = self.face >= 0
         return np.einsum("pi,pik->pk", self.weights[shown], corners[self.face[shown]])
 
 
 def rasterise(triangles: FloatArray, height: int, width: int) -> Fragments:
-    """Find the nearest triangle in every pixel.
+    """Return the nearest triangle in every pixel.
 
     Parameters
     ----------
     triangles
-        ``(m, 3, 3)`` corners: column and row in pixels, and nearness to the eye.
+        ``(m, 3, 3)`` corners: column and row in pixels, and nearness to the viewer.
     height, width
-        Of the picture in pixels.
+        Size of the picture [pixel].
 
     Returns
     -------
@@ -57,7 +57,7 @@ def rasterise(triangles: FloatArray, height: int, width: int) -> Fragments:
     low = np.maximum(np.floor(triangles[:, :, :2].min(axis=1) - 0.5), 0).astype(np.int64)
     high = np.minimum(np.ceil(triangles[:, :, :2].max(axis=1) + 0.5), (width, height)).astype(np.int64)
     size = np.maximum((high - low).max(axis=1), 0)
-    # Triangles of one size at once, each in a square of so many pixels.
+    # Triangles of similar size are drawn together, each in a square of `side` pixels.
     step = np.exp2(np.maximum(np.floor(np.log2(np.maximum(size, 1))) - 2, 0)).astype(np.int64)
     side = np.where(((high - low) > 0).all(axis=1), -(-size // step) * step, 0)
     for s in np.unique(side[side > 0]).tolist():
@@ -75,7 +75,7 @@ def _draw(
     shape: tuple[int, int],
     seen: tuple[FloatArray, IntArray, FloatArray],
 ) -> None:
-    """Draw triangles whose boxes start at `low` (k, 2) and are at most `side` pixels wide."""
+    """Draw triangles whose bounding boxes start at `low` (k, 2) and are at most `side` pixels wide."""
     column = low[:, 0, None, None] + np.arange(side)[None, None, :] + np.zeros((1, side, 1), dtype=np.int64)
     row = low[:, 1, None, None] + np.arange(side)[None, :, None] + np.zeros((1, 1, side), dtype=np.int64)
     a, b, c = (triangles[:, k, :2] for k in range(3))

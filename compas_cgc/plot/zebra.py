@@ -1,4 +1,4 @@
-"""Zebra stripes: reflections of a striped sky, whose kinks show folds and whose fraying shows wrinkles."""
+"""Zebra stripes: reflections of a striped sky, whose kinks show folds and whose irregularities show wrinkles."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_zebra"]
 
-PIECES, MOST = 8, 120_000  # that every edge is cut into, along which normals turn evenly; pieces of all faces, nearly
+PIECES, MAX_PIECES = 8, 120_000  # pieces per edge for interpolated normals; approximate limit for all faces
 DARK = 0.14
-THIN = 0.6  # line around a mesh [pt], whose bright stripes would run into the sheet
+OUTLINE_WIDTH = 0.6  # line width of the outline [pt], which separates bright stripes from the background
 
 
 @names_what_was_meant()
@@ -54,7 +54,7 @@ def draw_zebra(
     stripes: float = 12.0,
     frame: Optional[Frame] = None,
 ) -> Axes:
-    """Draw a mesh as if it were polished, under a sky of stripes.
+    """Draw a mesh as a mirror under a striped sky.
 
     Parameters
     ----------
@@ -65,15 +65,15 @@ def draw_zebra(
     roles
         ``(n,)`` index into :data:`compas_cgc.model.roles.ROLES`.
     creases
-        ``(e, 2)`` vertex indices of edges across which the surface may fold.
+        ``(e, 2)`` vertex indices of edges along which the surface may fold.
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`.
     ax
         Axes to draw on. Default: those of a new figure.
     stripes
-        How many there are in half the sky.
+        Number of stripes in half of the sky.
     frame
-        What to show of the sheet. Default: all.
+        Visible part of the projection. Default: everything.
 
     Returns
     -------
@@ -106,15 +106,15 @@ def draw_zebra(
     grey = np.where(sky.mean(axis=1) > 0.0, 1.0, DARK) * brightness(middle, view, ambient=0.7)
     fill = np.column_stack([grey, grey, grey, np.ones(len(grey))])
     edges = edge_faces(F)
-    rim = segments(whole.corners, F, edges[edges[:, 3] < 0, :2], INK, THIN)
+    rim = segments(whole.corners, F, edges[edges[:, 3] < 0, :2], INK, OUTLINE_WIDTH)
     paint(ax, [layer(seen.triangles, seen.nearness, fill, fill, 0.2), rim, *marks(ax, whole, roles, creases)])
     return ax
 
 
 def _smooth_parts(V: FloatArray, F: IntArray, creases: IntArray) -> FloatArray:
-    """Return a normal for every corner of every face (m, 3, 3), of the smooth part that the face belongs to.
+    """Return a normal for every corner of every face (m, 3, 3), smooth within the region of the face.
 
-    Weighted so that those of points on a ball are its own, however irregular the mesh (Max, doi:10.1080/10867651.1999.10487501).
+    The weights give exact normals for vertices on a sphere, also on irregular meshes (Max, doi:10.1080/10867651.1999.10487501).
     """
     label = face_regions(F, creases)
     pairs, corner = np.unique(np.column_stack([F.ravel(), np.repeat(label, 3)]), axis=0, return_inverse=True)
@@ -127,8 +127,8 @@ def _smooth_parts(V: FloatArray, F: IntArray, creases: IntArray) -> FloatArray:
 
 
 def _refined(V: FloatArray, F: IntArray, N: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the corners (k, 3, 3) of pieces of all faces, and unit normals there (k, 3, 3), which turn evenly."""
-    pieces = int(np.clip(np.sqrt(MOST / max(len(F), 1)), 1, PIECES))
+    """Return the corners (k, 3, 3) of pieces of all faces, and interpolated unit normals there (k, 3, 3)."""
+    pieces = int(np.clip(np.sqrt(MAX_PIECES / max(len(F), 1)), 1, PIECES))
     place = {(i, j): i * (pieces + 1) - i * (i - 1) // 2 + j for i in range(pieces + 1) for j in range(pieces + 1 - i)}
     shares = np.array([[i, j, pieces - i - j] for i, j in place]) / pieces
     up = [[place[i, j], place[i + 1, j], place[i, j + 1]] for i in range(pieces) for j in range(pieces - i)]
@@ -140,13 +140,13 @@ def _refined(V: FloatArray, F: IntArray, N: FloatArray) -> tuple[FloatArray, Flo
 
 
 def _sky(normals: FloatArray, view: View, stripes: float) -> FloatArray:
-    """Return a wave across the sky (k, 3) that a surface with these normals (k, 3, 3) mirrors to the eye: above zero it is bright.
+    """Return the reflected value of the sky (k, 3) for normals (k, 3, 3): a wave that is bright where positive.
 
-    It rises and falls in straight lines, so that it is zero where lines between two normals say.
+    The wave is piecewise linear, so that its zeros are exact on linearly interpolated normals.
     """
     right, _, eye = view_axes(view)
     mirrored = 2.0 * (normals @ eye)[..., None] * normals - eye
-    # By planes across the sky: by angles around it all stripes would meet overhead, which is where roofs look.
+    # Stripes are planes across the sky; stripes by angle would all meet at the zenith, which roofs reflect.
     return np.arcsin(np.sin(np.pi * stripes * (mirrored @ right)))
 
 

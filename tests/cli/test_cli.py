@@ -117,7 +117,7 @@ def test_a_picture_is_drawn_beside_the_surface(dome, tmp_path, capsys):
     dark = drawn["zebra"].max(axis=2) < 80
     assert 0.05 < dark.mean() < 0.6 and np.count_nonzero(np.diff(dark[dark.shape[0] // 2].astype(int))) > 8, "there are stripes"
     assert call(*solving[:3], tmp_path / "none.json", "--picture", tmp_path / "roof.gif") == 2
-    assert "change the suffix" in capsys.readouterr().err and not (tmp_path / "none.json").exists()
+    assert "the suffix of a picture must be" in capsys.readouterr().err and not (tmp_path / "none.json").exists()
 
 
 def test_strategies_and_flip(tmp_path, capsys):

@@ -136,7 +136,7 @@ def test_a_cursor_stops_at_each_of_its_limits():
         cursor.count(9)
     with pytest.raises(ValueError, match="takes more than 0 s"):
         list(cursor.timed(range(5)))
-    with pytest.raises(ValueError, match="nested more than 3 deep"):
+    with pytest.raises(ValueError, match="nested more than 3 levels deep"):
         cursor.check_nesting([[[[]]]])
 
 

@@ -211,7 +211,7 @@ class TestWholeFigures:
 
     def test_a_figure_of_nothing_is_refused(self):
         for figure in (plot.shape_figure, plot.comparison_figure, plot.error_figure, plot.curve_figure):
-            with pytest.raises(ValueError, match=f"{figure.__name__} needs at least one"):
+            with pytest.raises(ValueError, match=f"{figure.__name__} requires at least one"):
                 figure([])
 
 
@@ -374,7 +374,7 @@ class TestSaving:
         with pytest.raises(FileError, match="as .png, .svg or .pdf, not as 'a.gif'"):
             plot.save(figure, tmp_path / "a.gif")
         (tmp_path / "file").write_text("no folder")
-        with pytest.raises(FileError, match="cannot write the picture"):
+        with pytest.raises(FileError, match="cannot be written"):
             plot.save(figure, tmp_path / "file" / "a.png")
 
 
@@ -384,7 +384,7 @@ class TestWhatIsRefused:
             plot.draw_shape(CORNERS * [1, 1, np.nan], SQUARE, np.zeros(4))
         with pytest.raises(MeshError, match=r"roles must be one per vertex \(4\)"):
             plot.draw_shape(CORNERS, SQUARE, np.zeros(3))
-        with pytest.raises(MeshError, match="a crease names a vertex that does not exist"):
+        with pytest.raises(MeshError, match="a crease refers to a vertex that does not exist"):
             plot.draw_shape(CORNERS, SQUARE, np.zeros(4), [[0, 9]])
 
     def test_an_empty_mesh_is_an_empty_picture(self):
