@@ -69,7 +69,7 @@ def save(figure: Figure, path: Union[str, os.PathLike]) -> Path:
     figure
         Figure from a ``..._figure`` function, or the ``figure`` of axes.
     path
-        File to write or to replace, with its folder, with a suffix in :data:`FORMATS`.
+        Output file with a suffix in :data:`FORMATS`; an existing file is replaced.
 
     Returns
     -------
@@ -108,5 +108,5 @@ def check_picture(path: Union[str, os.PathLike]) -> None:
 def _kind_of(path: Path) -> str:
     kind = path.suffix.lower()
     if kind not in FORMATS:
-        raise FileError(f"a picture is saved as {', '.join(FORMATS)}, not as {path.name!r}: change the suffix")
+        raise FileError(f"the suffix of a picture must be one of {', '.join(FORMATS)}, not that of {path.name!r}")
     return kind

@@ -87,7 +87,7 @@ def studio(
     creases
         ``(e, 2)`` vertex indices of the edges along which the surface folds, drawn as lines.
     curvature
-        ``(n,)`` K [1/L^2] of internal vertices to colour by: red positive, blue negative. Default: two tones by region.
+        ``(n,)`` K [1/L^2] of internal vertices for the colours: red positive, blue negative. Default: tones by region.
     view
         ``"diagonal"``, ``"plan"`` or a :class:`View`; from above.
     width

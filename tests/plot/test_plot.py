@@ -98,7 +98,7 @@ print("matplotlib" in sys.modules, "matplotlib.pyplot" in sys.modules)
         ):
             with pytest.raises(CGCError) as caught:
                 draw()
-            assert str(caught.value) == 'drawing needs matplotlib: pip install "compas_cgc[plot]"'
+            assert str(caught.value) == 'drawing requires matplotlib: pip install "compas_cgc[plot]"'
 
 
 class TestViews:
@@ -252,7 +252,7 @@ class TestMaps:
     def test_one_value_per_vertex(self):
         with pytest.raises(ValueError, match=r"errors must be one per vertex \(121\), not of shape \(3,\)"):
             plot.draw_error(*roof()[1:4], np.zeros(3))
-        with pytest.raises(ValueError, match="needs the errors of 'Roof'"):
+        with pytest.raises(ValueError, match="requires errors, but 'Roof' has none"):
             plot.error_figure([roof()])
 
     @pytest.mark.parametrize("largest, limit", [(0.0, 1.0), (0.93, 1.0), (1.0, 1.0), (-4.7e-7, 5e-7), (np.nan, 1.0), (1234.0, 1600.0)])

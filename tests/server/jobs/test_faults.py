@@ -161,7 +161,7 @@ def tidy(tight):
 def test_a_solve_that_takes_too_long_is_stopped_and_the_sentence_says_what_to_do(tidy):
     component = Hops(f"{tidy.url}/cgc/flow", key=KEY)
     started = time.monotonic()
-    told = ["the calculation was stopped after 3 s; use /cgc/submit and /cgc/fetch for long ones"]
+    told = ["the calculation was stopped after 3 s; use /cgc/submit and /cgc/fetch for long solves"]
 
     def stopped():
         status, outputs, errors, _ = component.post(endless_hops())

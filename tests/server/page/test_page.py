@@ -490,7 +490,7 @@ def test_a_file_goes_in_and_a_surface_of_the_right_curvature_comes_out(page, tmp
 
     page.load()
     page.one("#file").send_keys(str(file_of(CGCMesh.from_meshgrid(dx=9, nx=9), "off", tmp_path)))
-    assert "is not a .3dm, .obj or .dxf file" in page.seen("#trouble").text
+    assert "has an unsupported format" in page.seen("#trouble").text
     drawn = file_of(nine_regions(), "3dm", tmp_path)
     model = rhino3dm.File3dm.Read(str(drawn))
     model.Objects.AddTextDot("column by the neighbour", rhino3dm.Point3d(1, 2, 3))

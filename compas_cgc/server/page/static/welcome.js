@@ -108,7 +108,7 @@ export class Welcome {
     else if (this.meshes.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.model(file, kind));
     else if (this.plans.includes(kind)) this.load(`Opening “${file.name}”${size}`, () => this.plan(file, kind));
     else if (kind === DESIGN) this.load(`Opening “${file.name}”${size}`, async () => this.listener.state(fromText(await file.text())));
-    else this.say(`“${file.name}” cannot be opened. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
+    else this.say(`“${file.name}” has an unsupported format. Save the mesh or the curves as ${[...new Set([...this.meshes, ...this.plans])].map((own) => `.${own}`).join(', ')} and drop the file again.`);
   }
 
   /** Open the curves of a file on the drawing board. */
