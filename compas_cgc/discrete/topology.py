@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from numpy.typing import NDArray
 
+from .._compiled import kernel
 from ..errors import names_what_was_meant
 from ._memo import remembered
 from .arrays import Edges
@@ -27,6 +28,15 @@ def _scrambled(i: Indices) -> NDArray[np.uint64]:
     return z ^ (z >> np.uint64(31))
 
 
+@kernel()
+def _add_next_less_previous(F: Faces, image: NDArray[np.uint64], balance: NDArray[np.uint64]) -> None:
+    for f in range(F.shape[0]):
+        i, j, k = F[f, 0], F[f, 1], F[f, 2]
+        balance[i] += image[j] - image[k]
+        balance[j] += image[k] - image[i]
+        balance[k] += image[i] - image[j]
+
+
 @remembered
 def boundary_mask(n: int, F: Faces) -> Mask:
     """Mark the vertices whose fan of faces is not closed.
@@ -35,14 +45,9 @@ def boundary_mask(n: int, F: Faces) -> Mask:
     the sum over (next - previous) vanishes; around an open fan it is first - last.
     One pass over the faces, without sorting edges.
     """
-    image = _scrambled(np.arange(n))
-    # Halves of 32 bits, so that their sums are exact in floating point.
-    mask = np.zeros(n, bool)
-    for half in (image >> np.uint64(32), image & np.uint64(0xFFFFFFFF)):
-        h = half.astype(np.float64)[F]
-        balance = np.bincount(F.ravel(), (np.roll(h, -1, axis=1) - np.roll(h, 1, axis=1)).ravel(), minlength=n)
-        mask |= balance != 0.0
-    return mask
+    balance = np.zeros(n, np.uint64)
+    _add_next_less_previous(F, _scrambled(np.arange(n)), balance)
+    return balance != 0
 
 
 @names_what_was_meant()

@@ -24,10 +24,10 @@ event.register("numba:compile", Listener())
 import compas_cgc
 from compas_cgc._compiled import compile_seconds, watch_compilation
 seen = []
-mesh = compas_cgc.CGCMesh.from_meshgrid(dx=15, nx=15)
-mesh.set_supports(sys.argv[1])
-mesh.set_target(0.005)
 with watch_compilation(seen.append):
+    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=15, nx=15)
+    mesh.set_supports(sys.argv[1])
+    mesh.set_target(0.005)
     result = compas_cgc.solve(mesh)
 print(json.dumps({"status": result.status, "seconds": result.seconds, "compiling": compile_seconds(), "compiled": Listener.names,
                   "parts": [state.part for state in seen]}))
