@@ -10,11 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from numpy.typing import NDArray
 
-from ..discrete import face_areas
 from ..discrete import mesh_arrays
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
-from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
 from ..errors import names_what_was_meant
@@ -181,12 +179,6 @@ def _scaled(V: Vertices, F: Faces, plane: FloatArray) -> FloatArray:
     stretch = principal_strains(V, F, corners)[0] + 1.0
     scale = 2.0 / (stretch.max() + stretch.min())
     return (plane - plane.mean(axis=0)) * scale
-
-
-def area_change(vertices: Vertices, faces: Faces, corners: FloatArray) -> PerFace:
-    """Return the relative change of area of every face from space to the plane (m,), for plane corners (m, 3, 2)."""
-    ahead, back = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 0.5 * np.abs(ahead[:, 0] * back[:, 1] - ahead[:, 1] * back[:, 0]) / face_areas(vertices, faces) - 1.0
 
 
 def _flat_triangles(vertices: Vertices, faces: Faces) -> NDArray[np.complex128]:

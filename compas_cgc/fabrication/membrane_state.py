@@ -22,7 +22,6 @@ from ..discrete.arrays import Edges
 from ..discrete.arrays import Faces
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
-from ..discrete.arrays import PerFace
 from ..discrete.arrays import Vectors
 from ..discrete.arrays import Vertices
 from ..errors import CGCError
@@ -45,7 +44,7 @@ from .membrane_fields import stress_by_formula
 from .membrane_fields import stress_of_bars
 from .solved import solved_problem
 
-__all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane", "stress_at_vertices"]
+__all__ = ["EdgeLoads", "MembraneState", "forces_at_vertices", "membrane"]
 
 FLAT_CURVATURE = 1e-9  # K times area below which a region counts as K = 0
 BALANCE_TOLERANCE = 1e-9  # residual relative to the load above which no equilibrium state exists
@@ -378,18 +377,6 @@ def _remarks(loads: EdgeLoads, edge_beams: bool, correction: float) -> tuple[str
             "not affected; solve with the measure exact to reduce this"
         )
     return tuple(remarks)
-
-
-def stress_at_vertices(state: MembraneState) -> FloatArray:
-    """Return the stress tensor N at every vertex, the area-weighted mean of its faces (n, 3, 3) [F/L]."""
-    V, F = state.problem.vertices, state.problem.faces
-    areas: PerFace = face_areas(V, F)
-    tensors = np.einsum("mk,mki,mkj->mij", state.forces, state.directions, state.directions)
-    total, area = np.zeros((len(V), 3, 3)), np.zeros(len(V))
-    for k in range(3):
-        np.add.at(total, F[:, k], tensors * areas[:, None, None])
-        np.add.at(area, F[:, k], areas)
-    return total / np.maximum(area, np.finfo(float).tiny)[:, None, None]
 
 
 def forces_at_vertices(state: MembraneState) -> FloatArray:

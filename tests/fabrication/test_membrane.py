@@ -15,7 +15,6 @@ from compas_cgc.discrete import edge_faces
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import membrane
 from compas_cgc.fabrication.closing import closed
-from compas_cgc.fabrication.membrane_state import stress_at_vertices
 from compas_cgc.io.forces import write_forces
 from compas_cgc.model.verdict import verdict
 
@@ -26,6 +25,18 @@ from ..support.roofs import irregular_disk
 from ..support.roofs import obtuse_share
 from ..support.roofs import shaken_square
 from ..support.shapes import grid
+
+
+def stress_at_vertices(state) -> np.ndarray:
+    """Return the stress tensor N at every vertex, the area-weighted mean of its faces (n, 3, 3) [F/L]."""
+    V, F = state.problem.vertices, state.problem.faces
+    areas = face_areas(V, F)
+    tensors = np.einsum("mk,mki,mkj->mij", state.forces, state.directions, state.directions)
+    total, area = np.zeros((len(V), 3, 3)), np.zeros(len(V))
+    for k in range(3):
+        np.add.at(total, F[:, k], tensors * areas[:, None, None])
+        np.add.at(area, F[:, k], areas)
+    return total / np.maximum(area, np.finfo(float).tiny)[:, None, None]
 
 
 def patch(n, K) -> CGCProblem:

@@ -12,7 +12,7 @@ from .component_manifest import Bundle
 from .guids import COMPONENT_TYPES
 from .script import script_component
 
-__all__ = ["inner_archive", "is_ours", "user_object"]
+__all__ = ["is_ours", "user_object"]
 
 PREFIX = "COMPAS CGC: "
 
@@ -36,20 +36,6 @@ def user_object(bundle: Bundle) -> Chunk:
             item("SubCategory", "gh_string", bundle.subcategory),
         ],
     )
-
-
-def inner_archive(archive: Chunk) -> Chunk:
-    """Return the component in a user object.
-
-    Raises
-    ------
-    FileError
-        If the archive holds no component.
-    """
-    data = archive.get("Object")
-    if archive.name != "UserObject" or not isinstance(data, bytes):
-        raise FileError("the file does not hold a user object")
-    return from_bytes(data)
 
 
 def is_ours(data: bytes) -> bool:

@@ -21,7 +21,6 @@ from compas_cgc.grasshopper.build.component_manifest import sources_folder
 from compas_cgc.grasshopper.build.guids import HINTS
 from compas_cgc.grasshopper.build.placeholders import option_text
 from compas_cgc.grasshopper.build.placeholders import placeholders
-from compas_cgc.grasshopper.build.userobject import inner_archive
 from compas_cgc.grasshopper.build.userobject import is_ours
 from compas_cgc.grasshopper.build.userobject import user_object
 from compas_cgc.solvers import METHODS
@@ -34,6 +33,12 @@ from compas_cgc.solvers.settings import option
 
 BUNDLES = {bundle.key: bundle for bundle in read_bundles()}
 each = pytest.mark.parametrize("bundle", BUNDLES.values(), ids=BUNDLES)
+
+
+def inner_archive(archive):
+    """Return the component in a user object."""
+    assert archive.name == "UserObject"
+    return from_bytes(archive.get("Object"))
 
 
 @each
