@@ -33,6 +33,7 @@ from .model.goals.wholes import Rise as Rise
 from .model.goals.wholes import Unknown as Unknown
 from .model.goals.wholes import Volume as Volume
 from .model.problem import CGCProblem as CGCProblem
+from .rationalisation.run import rationalise as rationalise
 from .solvers.flow import FlowSettings as FlowSettings
 from .solvers.newton import NewtonSettings as NewtonSettings
 from .solvers.projection import ProjectionSettings as ProjectionSettings

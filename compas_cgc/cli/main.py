@@ -25,6 +25,7 @@ __all__ = ["build_parser", "main"]
 # Each command is a module in this folder. Only the module of the called command is imported.
 COMMANDS = {
     "solve": "solve a mesh file",
+    "rationalise": "find panels on few moulds for a freeform design",
     "study": "solve many variants of a drawing",
     "mould": "divide a solved surface into panels and lay them on moulds",
     "check": "list the contents of a file and the problems that prevent a solve",

@@ -22,7 +22,7 @@ LAYERS = [
     {"io", "plot"},
     {"_warm_up"},
     {"scene"},
-    {"paper", "study"},
+    {"paper", "rationalisation", "study"},
     {"server"},
     {"grasshopper", "rpc"},
     {"cli"},

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ...datastructures import SolveResult
 from ._types import Mesh
 
-__all__ = ["write_result"]
+__all__ = ["draw_result", "write_result"]
 
 AMBER = (230, 150, 20)
 
@@ -95,8 +95,17 @@ def write_result(
     archive = new_archive(problem) if source is None else read_archive(source)
     if version is None:
         version = 8 if source is not None and archive.ArchiveVersion >= 80 else 7
-    report = analysis or analyse(result)
     writer = LayerWriter(archive)
+    notes = draw_result(writer, result, analysis or analyse(result), None if source is None else Path(source).name, nurbs)
+    write_archive(archive, path, version)
+    return notes
+
+
+def draw_result(
+    writer: LayerWriter, result: SolveResult, report: SurfaceReport, source: Optional[str] = None, nurbs: bool = False
+) -> list[str]:
+    """Draw a result with its report in the place of an earlier one; return notes on the NURBS surfaces."""
+    problem, archive = result.problem, writer.archive
     for earlier in (RESULT, NURBS):
         writer.clear(earlier)
     whole = mesh_from_arrays(problem.vertices, problem.faces)
@@ -106,7 +115,7 @@ def write_result(
     _draw_rough_places(writer, problem, report)
     units = unit_name(archive.Settings.ModelUnitSystem)
     notes = draw_nurbs(writer, problem, unit_suffix(units)) if nurbs else []
-    text = _summary(result, report, None if source is None else Path(source).name, unit_suffix(units))
+    text = _summary(result, report, source, unit_suffix(units))
     _, high, size = _extent(problem.vertices)
     on_report = writer.layer(f"{RESULT}::Report", (60, 60, 60))
     writer.dot(text, high + [0.0, 0.1 * size, 0.0], writer.attributes(on_report, "report"))
@@ -119,7 +128,6 @@ def write_result(
             ("compas_cgc.report", text),
         ]
     )
-    write_archive(archive, path, version)
     return notes
 
 

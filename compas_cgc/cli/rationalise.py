@@ -1,0 +1,192 @@
+"""``compas-cgc rationalise``: from a freeform design to panels on a handful of moulds."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+from typing import Union
+
+from ..errors import CGCError
+from ..errors import FileError
+from .console import bar
+from .console import interruptible
+from .console import printer
+from .exits import DONE
+from .exits import INTERRUPTED
+from .exits import NOT_CONVERGED
+from .exits import ROUGH
+
+if TYPE_CHECKING:
+    from ..rationalisation import Rationalised
+    from ..rationalisation.run import Progress
+
+__all__ = ["add_arguments", "run"]
+
+_EPILOG = """\
+DESIGN is a .3dm with a NURBS surface, polysurface, SubD or mesh on a layer Design, or the only one in the file, with points or curves
+on a layer Supports; or a mesh file.
+
+OUT is a .3dm with the solved surface and the layers CGC Rationalised::Moulds, Seams and Distance. Every panel is a region of it:
+compas-cgc mould OUT -o moulds.3dm --count 1 lays the panels onto their moulds.
+
+exit codes: 0 done; 1 the distance of --within is exceeded, or the surface did not converge; 3 the surface is rough
+
+examples:
+  compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --moulds 4
+  compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --within 30mm --report panels.json
+  compas-cgc rationalise roof.3dm -o panels.3dm --panel 2.5 --radii 12 30 -25 inf
+"""
+
+# Lengths in metres of units of drawings, and of those that are written after a number.
+METRES = {"Millimeters": 1e-3, "Centimeters": 1e-2, "Meters": 1.0, "Feet": 0.3048, "Inches": 0.0254}
+SUFFIXES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "ft": 0.3048, "in": 0.0254}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Find the surface nearest to a freeform design whose panels come off few moulds."
+    parser.epilog = _EPILOG
+    parser.add_argument("input", metavar="DESIGN", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the file to write, a .3dm for panels, seams and distances")
+    parser.add_argument("--panel", metavar="L", help="width of the panels, such as 2.5 or 2500mm (default: a twelfth of the longer side)")
+    moulds = parser.add_mutually_exclusive_group()
+    moulds.add_argument("--moulds", type=int, metavar="N", help="number of moulds (default: 4, or with --within the fewest that keep it)")
+    moulds.add_argument(
+        "--radii", type=float, nargs="+", metavar="R", help="radii of existing moulds: spheres > 0, saddles < 0, inf for flat"
+    )
+    parser.add_argument("--within", metavar="D", help="largest distance from the design, such as 0.03 or 30mm")
+    parser.add_argument("--flat", action=argparse.BooleanOptionalAction, help="whether one mould is flat (default: whichever is nearer)")
+    parser.add_argument("--supports", choices=("corners", "boundary", "none"), help="what is held (default: that of the file, or corners)")
+    parser.add_argument("--edges", type=int, metavar="N", help="edges of the mesh along the side of a panel (default: 4 or more)")
+    parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
+    parser.add_argument("--report", metavar="JSON", help="write moulds, distances and folds as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..io import known_suffix
+    from ..rationalisation import rationalise
+    from ..rationalisation import read_design
+
+    known_suffix(arguments.output)
+    echo = printer(arguments.quiet)
+    design = read_design(arguments.input)
+    units = design.drawing.units
+    if arguments.tolerance is not None:
+        design = read_design(arguments.input, tolerance=length(arguments.tolerance, units, "--tolerance"))
+    for note in design.notes:
+        echo(f"{arguments.input}: {note}")
+    within = None if arguments.within is None else length(arguments.within, units, "--within")
+    moulds: Union[int, Sequence[float], None] = arguments.radii or arguments.moulds
+    if moulds is None and within is None:
+        moulds = 4
+    line = _Line(arguments.quiet)
+    with interruptible() as cancelled:
+
+        def watch(state: Progress) -> bool:
+            line(state)
+            return cancelled.is_set()
+
+        try:
+            found = rationalise(
+                design,
+                moulds=moulds,
+                panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
+                within=within,
+                flat=arguments.flat,
+                supports=arguments.supports,
+                edges=arguments.edges,
+                callback=watch,
+            )
+        finally:
+            line.close()
+    echo(found.summary)
+    for path in _write(arguments, found):
+        echo(f"wrote {path}")
+    if found.cancelled:
+        return INTERRUPTED
+    if not found.kept:
+        return NOT_CONVERGED
+    return DONE if found.result.verdict is None or found.result.verdict.fair else ROUGH
+
+
+def length(text: str, units: Union[str, None], name: str) -> float:
+    """Return a length in the units of a drawing, from a number with or without a unit.
+
+    Raises
+    ------
+    CGCError
+        If it is not understood.
+    """
+    body = text.strip()
+    suffix = body.lstrip("+-.0123456789eE").strip().casefold() if not body.casefold().endswith("inf") else "?"
+    number = body[: len(body) - len(suffix)] if suffix else body
+    try:
+        value = float(number)
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError
+    except ValueError:
+        raise CGCError(f"{name} must be a length above zero, such as 0.03 or 30mm, not {text!r}") from None
+    if not suffix:
+        return value
+    if suffix not in SUFFIXES:
+        raise CGCError(f"{name} has the unknown unit {suffix!r}; use {', '.join(SUFFIXES)}, or none for the units of the file")
+    return value * SUFFIXES[suffix] / METRES.get(units or "Meters", 1.0)
+
+
+def _write(arguments: argparse.Namespace, found: Rationalised) -> list[Path]:
+    """Write the surface and the report."""
+    from .._atomic_write import write_text
+    from .._version import __version__
+    from ..io import write
+
+    output = Path(arguments.output)
+    record = {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
+    if output.suffix.lower() == ".3dm":
+        from ..io.rhino.panel_layers import PanelClasses
+        from ..io.rhino.panel_layers import write_panels
+
+        source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
+        classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
+        write_panels(output, found.result, classes, {"compas_cgc.rationalised": json.dumps(record)}, source)
+    else:
+        write(output, found.result)
+    written = [output]
+    if arguments.report:
+        try:
+            write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+        except OSError as error:
+            raise FileError(f"{arguments.report} cannot be written ({error.strerror}); {output} was written") from None
+        written.append(Path(arguments.report))
+    return written
+
+
+class _Line:
+    """Progress on one line of a terminal."""
+
+    def __init__(self, quiet: bool):
+        self.quiet = quiet or not sys.stderr.isatty()
+        self.width = 0
+
+    def __call__(self, state: Progress) -> None:
+        """Show a state."""
+        if self.quiet:
+            return
+        text = f"{bar(state.done / max(state.rounds, 1))} round {state.done} of at most {state.rounds}, distance {state.distance:.3g}"
+        sys.stderr.write("\r" + text.ljust(self.width))
+        sys.stderr.flush()
+        self.width = len(text)
+
+    def close(self) -> None:
+        """Take the line away again."""
+        if self.width:
+            sys.stderr.write("\r" + " " * self.width + "\r")
+            sys.stderr.flush()
+            self.width = 0

@@ -1,0 +1,170 @@
+"""Finished designs of a .3dm file: one surface, its supports and its seams."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ...discrete.arrays import FloatArray
+from ...discrete.arrays import IntArray
+from ...errors import FileError
+from .archive import Item
+from .archive import list_items
+from .archive import read_archive
+from .archive import rhino3dm_module
+from .curves import curve_points
+from .meshes import has_mesh
+from .meshes import to_part
+from .parametric import ParametricSurface
+from .surfaces import surface_part
+from .units import unit_name
+
+__all__ = ["DrawnDesign", "DrawnSpline", "read_drawn_design"]
+
+LAYERS = ("design", "mesh", "surface")  # last names of layers that hold a design, the first that has a surface
+SUPPORTS, SEAMS = "supports", "seams"
+FINE = 100  # edges along the diagonal of a design that has to be meshed before it is fitted
+
+
+class DrawnSpline(NamedTuple):
+    """An untrimmed NURBS surface."""
+
+    control: FloatArray  # (a, b, 4) homogeneous control points [L]
+    knots: tuple[FloatArray, FloatArray]
+    degrees: tuple[int, int]
+
+
+class DrawnDesign(NamedTuple):
+    """A design as it is drawn."""
+
+    spline: Optional[DrawnSpline]  # None where the design is trimmed, or a mesh
+    vertices: FloatArray  # (n, 3) of its mesh, empty for a spline [L]
+    faces: IntArray  # (m, 4), triangles with the last corner twice
+    supports: list[FloatArray]  # (k, 3) points, or points along curves [L]
+    seams: list[FloatArray]  # (k, 3) points along curves [L]
+    units: Optional[str]
+    tolerance: float  # [L]
+    notes: list[str]
+
+
+def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None) -> DrawnDesign:
+    """Read a design from a .3dm file.
+
+    The design is on a layer ``Design``, ``Mesh`` or ``Surface``, else it is the only surface of the file. Points and curves on a
+    layer ``Supports`` are its supports, curves on a layer ``Seams`` its seams.
+
+    Parameters
+    ----------
+    path
+        The .3dm file.
+    seams
+        Another layer for the seams.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read or holds no surface.
+    """
+    archive = read_archive(path)
+    items = [item for item in list_items(archive) if not item.hidden]
+    tolerance = float(archive.Settings.ModelAbsoluteTolerance)
+    surfaces = _surfaces(items)
+    if not surfaces:
+        raise FileError(f"{path} holds no surface; put the design, a NURBS surface, polysurface, SubD or mesh, on a layer named Design")
+    on_seams = [item for item in items if _last(item.layer) == (seams or SEAMS).casefold()]
+    lines = [curve_points(item.geometry, tolerance) for item in on_seams if item.kind == "curve"]
+    if seams is not None and not lines:
+        raise FileError(f"{path}: there are no curves on the layer {seams!r}; draw the seams on it, or name another layer")
+    held = [_places(item, tolerance) for item in items if _last(item.layer) == SUPPORTS and item.kind in ("curve", "point", "point cloud")]
+    spline = _spline(surfaces[0].geometry) if len(surfaces) == 1 else None
+    units = unit_name(archive.Settings.ModelUnitSystem)
+    if spline is not None:
+        return DrawnDesign(spline, np.empty((0, 3)), np.empty((0, 4), np.int64), held, lines, units, tolerance, [])
+    parts, notes = zip(*(_meshed(item, surfaces, tolerance) for item in surfaces))
+    counts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    vertices = np.concatenate([part.vertices for part in parts])
+    faces = np.concatenate([part.faces + count for part, count in zip(parts, counts)])
+    return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [note for own in notes for note in own])
+
+
+def _last(layer: str) -> str:
+    return layer.rpartition("::")[2].casefold()
+
+
+def _surfaces(items: Sequence[Item]) -> list[Item]:
+    others = ("curve", "point", "point cloud", "text dot")
+    surfaces = [item for item in items if item.kind not in others]
+    for name in LAYERS:
+        named = [item for item in surfaces if _last(item.layer) == name]
+        if named:
+            return named
+    return surfaces
+
+
+def _places(item: Item, tolerance: float) -> FloatArray:
+    if item.kind == "curve":
+        return curve_points(item.geometry, tolerance)
+    if item.kind == "point":
+        place = item.geometry.Location
+        return np.array([[place.X, place.Y, place.Z]])
+    return np.array([(p.X, p.Y, p.Z) for p in item.geometry.GetPoints()]).reshape(-1, 3)
+
+
+def _meshed(item: Item, surfaces: Sequence[Item], tolerance: float) -> tuple[Any, list[str]]:
+    if item.kind == "mesh":
+        return to_part(item)
+    try:
+        boxes = [other.geometry.GetBoundingBox() for other in surfaces]
+        low = np.min([(box.Min.X, box.Min.Y, box.Min.Z) for box in boxes], axis=0)
+        high = np.max([(box.Max.X, box.Max.Y, box.Max.Z) for box in boxes], axis=0)
+        made = surface_part(item, float(np.linalg.norm(high - low)) / FINE, tolerance)
+        return made.part, made.notes
+    except FileError:
+        if not has_mesh(item):
+            raise
+        return to_part(item)
+
+
+def _spline(geometry: Any) -> Optional[DrawnSpline]:
+    """Return the NURBS form of an untrimmed surface, None for others."""
+    rhino3dm = rhino3dm_module()
+    if isinstance(geometry, rhino3dm.Extrusion):
+        geometry = geometry.ToBrep(True)
+    if isinstance(geometry, rhino3dm.Brep):
+        if len(geometry.Faces) != 1 or not _untrimmed(geometry):
+            return None
+        geometry = geometry.Faces[0].UnderlyingSurface()
+    if not isinstance(geometry, rhino3dm.Surface):
+        return None
+    nurbs = geometry.ToNurbsSurface()
+    if nurbs is None:
+        return None
+    net = [[nurbs.Points[i, j] for j in range(nurbs.Points.CountV)] for i in range(nurbs.Points.CountU)]
+    control = np.array([[(p.X, p.Y, p.Z, p.W) for p in row] for row in net])
+    # openNURBS leaves out the first and the last knot.
+    own = [np.array([knots[k] for k in range(len(knots))]) for knots in (nurbs.KnotsU, nurbs.KnotsV)]
+    u, v = (np.concatenate([knots[:1], knots, knots[-1:]]) for knots in own)
+    return DrawnSpline(control, (u, v), (nurbs.Degree(0), nurbs.Degree(1)))
+
+
+def _untrimmed(brep: Any) -> bool:
+    """Return whether the only loop of a face runs around its whole surface."""
+    face = brep.Faces[0]
+    if len(face.Loops) != 1:
+        return False
+    surface = ParametricSurface(face.UnderlyingSurface())
+    span = np.ptp(surface.domain, axis=1)
+    box = brep.GetBoundingBox()
+    reach = 1e-6 * float(np.linalg.norm([box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z]))
+    for edge in brep.Edges:
+        uv = surface.pulled_back(curve_points(edge, reach), reach)
+        sides = (np.abs(uv[:, :, None] - surface.domain) <= 1e-6 * span[:, None]).all(axis=0)
+        if not sides.any():
+            return False
+    return True

@@ -1,0 +1,160 @@
+"""Assignment of panels to moulds by the distance itself: linearise, move few panels, accept on the true distance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from .clusters import clusterings
+from .clusters import nearest_values
+from .linear_search import Assignment
+from .linear_search import best_values
+from .linear_search import distance_norm
+from .linear_search import search
+from .normal_moves import NormalMoves
+
+__all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
+
+STEPS = 3  # of Newton's method after K has changed
+FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
+ROUNDS = 10  # linearisations from every start
+STARTS = 2  # clusterings that are improved, the nearest to the design
+TRUST = 0.15  # part of the panels that may change their mould in one round, at first
+ENOUGH = 0.97  # of the norm, from which a round is not worth another
+
+Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
+
+
+class Placed(NamedTuple):
+    """An assignment with its surface."""
+
+    assigned: Assignment
+    moves: FloatArray  # (c,) along the normals of the design [L]
+    norm: float  # of the distances [L]
+
+    @property
+    def distance(self) -> float:
+        """Largest distance [L]."""
+        return float(np.abs(self.moves).max(initial=0.0))
+
+
+class Moulds(NamedTuple):
+    """What is given of the moulds."""
+
+    number: int
+    values: Optional[FloatArray] = None  # K of moulds that exist already [1/L^2]
+    flat: Optional[bool] = None  # whether one mould is flat
+    locked: Optional[IntArray] = None  # (p,) mould of panels that are locked, -1 elsewhere; needs values
+
+
+def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) -> Placed:
+    """Return the best assignment found of panels to moulds, with its surface.
+
+    From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
+    and fit the K of the moulds on that model, solve the surface, and accept it if its true distance is less; else move fewer panels.
+    """
+    design = moves.mean_curvatures(np.zeros(len(moves.columns)))
+    starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)[:STARTS]
+    best, done, total = starts[0], 0, ROUNDS * len(starts)
+    if watch is not None and watch(done, total, best.distance):
+        return best
+    for number, start in enumerate(starts):
+        here, trust = start, max(1, round(TRUST * moves.panels))
+        for taken in range(ROUNDS):
+            linear = moves.linearised(here.moves, here.assigned.K)
+            tried = search(linear, moves.mass, here.assigned, trust)
+            there = _solved(moves, tried, linear.at(tried.K))
+            gain = there.norm / here.norm
+            if gain < 1.0:
+                here = there
+            else:
+                trust //= 3
+            best = here if here.norm < best.norm else best
+            if watch is not None and watch(number * ROUNDS + taken + 1, total, best.distance):
+                return best
+            if trust < 1 or ENOUGH < gain < 1.0:
+                break
+    return best
+
+
+def nearest_surface(moves: NormalMoves) -> FloatArray:
+    """Return the K (p,) of the panels of the surface nearest to the design where every panel has its own [1/L^2]."""
+    K = moves.mean_curvatures(np.zeros(len(moves.columns)))
+    linear = moves.linearised(np.zeros(len(moves.columns)), K)
+    weighted = linear.by_panel * np.sqrt(moves.mass)[:, None]
+    return np.linalg.lstsq(weighted, -np.sqrt(moves.mass) * linear.constant, rcond=1e-6)[0]
+
+
+def finished(moves: NormalMoves, placed: Placed) -> Placed:
+    """Return an assignment with its surface solved to rounding."""
+    here = placed.moves
+    for _ in range(FINISHING):
+        if moves.error(here, placed.assigned.K) <= DONE:
+            break
+        here = moves.step(here, placed.assigned.K)
+    return Placed(placed.assigned, here, float(distance_norm(here, moves.mass)))
+
+
+def refitted(moves: NormalMoves, assigned: Assignment, rounds: int = 3) -> Placed:
+    """Return an assignment of panels on another mesh, with the K of its moulds fitted there."""
+    here = _solved(moves, assigned, np.zeros(len(moves.columns)))
+    used = np.unique(assigned.classes)
+    groups = np.searchsorted(used, assigned.classes)
+    for _ in range(rounds):
+        linear = moves.linearised(here.moves, here.assigned.K, groups)
+        own = Assignment(here.assigned.values[used], np.arange(len(used)), assigned.kept[used], np.ones(len(used), bool))
+        values = here.assigned.values.copy()
+        values[used] = best_values(linear, moves.mass, own).values
+        tried = replace(here.assigned, values=values)
+        there = _solved(moves, tried, linear.at(values[used]))
+        if there.norm > ENOUGH * here.norm:
+            return there if there.norm < here.norm else here
+        here = there
+    return here
+
+
+def catalogue(radii: Sequence[float]) -> FloatArray:
+    """Return the K of moulds of given radii: spheres of positive radius, saddles of negative ones, flat for an infinite one [1/L^2]."""
+    own = np.asarray(radii, dtype=np.float64)
+    if own.ndim != 1 or not len(own) or np.isnan(own).any() or (own == 0.0).any():
+        raise ValueError(f"moulds must be radii other than 0, such as [8.0, -12.0, inf], not {radii!r}")
+    return np.sign(own) / own**2
+
+
+def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Placed]:
+    """Return the surfaces of several clusterings."""
+    areas = moves.panel_areas()
+    nothing = np.zeros(len(moves.columns))
+    linear = moves.linearised(nothing, design)
+    weighted = linear.by_panel * np.sqrt(moves.mass)[:, None]
+    nearest = np.linalg.lstsq(weighted, -np.sqrt(moves.mass) * linear.constant, rcond=1e-6)[0]
+    locked = np.zeros(moves.panels, bool) if moulds.locked is None else moulds.locked >= 0
+    if moulds.values is not None:
+        given = [(moulds.values, np.ones(len(moulds.values), bool))]
+    elif moulds.number == 1 and moulds.flat is not False:
+        given = [(np.zeros(1), np.ones(1, bool))]
+    else:
+        given = list(clusterings([design, nearest], areas, moulds.number, moulds.flat))
+    found = []
+    for values, kept in given:
+        for sample in (design, nearest) if moulds.values is not None else (None,):
+            own = nearest_values(design if sample is None else sample, values)
+            if moulds.locked is not None:
+                own = np.where(locked, moulds.locked, own)
+            assigned = Assignment(values, own, kept, locked)
+            found.append(_solved(moves, assigned, linear.at(assigned.K)))
+    return found
+
+
+def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
+    for _ in range(STEPS):
+        near = moves.step(near, assigned.K)
+    norm = float(distance_norm(near, moves.mass)) if np.isfinite(near).all() else np.inf
+    return Placed(assigned, near, norm)

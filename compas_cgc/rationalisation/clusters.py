@@ -1,0 +1,67 @@
+"""Initial assignments of panels to moulds: clusters of their K."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Optional
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+
+__all__ = ["clusterings", "nearest_values"]
+
+MAX_ROUNDS = 50  # of k-means
+
+
+def clusterings(samples: list[FloatArray], weights: FloatArray, moulds: int, flat: Optional[bool]) -> Iterator[tuple[FloatArray, Mask]]:
+    """Yield values of K (moulds,) by k-means in one dimension, with masks of those that are to stay.
+
+    Each sample is clustered from its quantiles and from even values over its range, with K = 0 among the values or not.
+
+    Parameters
+    ----------
+    samples
+        ``(p,)`` K of the panels, such as those of the design and those of the nearest surface [1/L^2].
+    weights
+        ``(p,)`` of the panels, such as their areas.
+    moulds
+        Number of values.
+    flat
+        Whether one value is K = 0 and stays so. None: with and without.
+    """
+    for sample in samples:
+        for centred in (True, False) if flat is None else (flat,):
+            quantiles = _weighted_quantiles(sample, weights, (np.arange(moulds) + 0.5) / moulds)
+            even = np.linspace(sample.min(), sample.max(), 2 * moulds + 1)[1::2]
+            for first in (quantiles, even):
+                yield _clustered(sample, weights, first.copy(), centred)
+
+
+def nearest_values(sample: FloatArray, values: FloatArray) -> IntArray:
+    """Return the number of the value nearest to each sample (p,)."""
+    return np.argmin(np.abs(sample[:, None] - values), axis=1)
+
+
+def _clustered(sample: FloatArray, weights: FloatArray, values: FloatArray, flat: bool) -> tuple[FloatArray, Mask]:
+    kept = np.zeros(len(values), bool)
+    if flat:
+        zero = int(np.argmin(np.abs(values)))
+        values[zero], kept[zero] = 0.0, True
+    for _ in range(MAX_ROUNDS):
+        own = nearest_values(sample, values)
+        area = np.bincount(own, weights, len(values))
+        means = np.bincount(own, weights * sample, len(values)) / np.where(area > 0.0, area, 1.0)
+        new = np.where(kept | (area == 0.0), values, means)
+        if np.array_equal(new, values):
+            break
+        values = new
+    return values, kept
+
+
+def _weighted_quantiles(sample: FloatArray, weights: FloatArray, shares: FloatArray) -> FloatArray:
+    order = np.argsort(sample, kind="stable")
+    at = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return np.interp(shares * weights.sum(), at, sample[order])

@@ -1,0 +1,161 @@
+"""A finished freeform design: a smooth surface, what holds it, and its seams where they are drawn."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..errors import CGCError
+from ..meshing import triangles_of
+from ..meshing.boundary import boundary_loops
+from ..model.problem import Drawing
+from .chart import Fitted
+from .chart import chart_of
+from .chart import fitted_surface
+from .spline_surface import SplineSurface
+
+__all__ = ["Design", "DesignInput", "read_design"]
+
+DesignInput = Union[str, os.PathLike, SplineSurface, Any]
+
+TOLERANCE = 1e-4  # of the size of a mesh, within which it is fitted by default
+ON_SIDE = 1e-3  # of a mean edge, within which a rim is a side of the rectangle around it
+
+
+class Design(NamedTuple):
+    """A finished design."""
+
+    surface: SplineSurface
+    rims: tuple[FloatArray, ...]  # (k, 2) parameters along its rim and holes, empty where the rim is that of the parameters
+    deviation: float  # largest distance of the design as given from the surface [L]
+    supports: tuple[FloatArray, ...] = ()  # (k, 3) points that are held, or points along curves [L]
+    seams: tuple[FloatArray, ...] = ()  # (k, 3) points along drawn seams [L]
+    drawing: Drawing = Drawing()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def trimmed(self) -> bool:
+        """Whether the rim is not that of the parameters."""
+        return bool(self.rims)
+
+
+def read_design(design: DesignInput, *, tolerance: Optional[float] = None, seams: Optional[str] = None) -> Design:
+    """Return a design as a smooth surface.
+
+    Parameters
+    ----------
+    design
+        A :class:`~compas_cgc.rationalisation.SplineSurface`; the path of a ``.3dm`` or mesh file; a COMPAS mesh; or vertices (n, 3)
+        and faces, triangles, quads or polygons.
+    tolerance
+        Largest distance between a mesh and the smooth surface fitted to it [L]. Default: that of the file, or a ten-thousandth of
+        its size.
+    seams
+        Layer of a ``.3dm`` with the seams. Default: the layer ``Seams``, if there is one.
+
+    Returns
+    -------
+    Design
+        The surface with its rims, supports and drawn seams.
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read or holds no surface.
+    MeshError
+        If a mesh does not lie over a plane.
+    CGCError
+        If it is no design.
+
+    Examples
+    --------
+    >>> vertices = [[x, y, 0.05 * x * y] for x in range(5) for y in range(4)]
+    >>> quads = [[4 * i + j, 4 * i + 4 + j, 4 * i + 5 + j, 4 * i + 1 + j] for i in range(4) for j in range(3)]
+    >>> design = read_design((vertices, quads))
+    >>> design.trimmed, design.deviation < 1e-4
+    (False, True)
+    """
+    if isinstance(design, Design):
+        return design
+    if isinstance(design, SplineSurface):
+        return Design(design, (), 0.0)
+    if isinstance(design, (str, os.PathLike)):
+        return _from_file(Path(design), tolerance, seams)
+    vertices, faces, drawing = _arrays_of(design)
+    return _fitted(vertices, faces, tolerance)._replace(drawing=drawing)
+
+
+def _from_file(path: Path, tolerance: Optional[float], seams: Optional[str]) -> Design:
+    if path.suffix.lower() != ".3dm":
+        from ..io import read_problem
+
+        read = read_problem(path)
+        return read_design(read.checked(), tolerance=tolerance)._replace(notes=read.notes)
+    from ..io.rhino.designs import read_drawn_design
+
+    drawn = read_drawn_design(path, seams)
+    if drawn.spline is not None:
+        made = Design(SplineSurface(*drawn.spline), (), 0.0)
+    else:
+        faces = [list(dict.fromkeys(face)) for face in drawn.faces.tolist()]
+        made = _fitted(*_triangles(drawn.vertices, faces), drawn.tolerance if tolerance is None else tolerance)
+    drawing = Drawing(path.stem, drawn.units, drawn.tolerance)
+    return made._replace(supports=tuple(drawn.supports), seams=tuple(drawn.seams), drawing=drawing, notes=(*drawn.notes, *made.notes))
+
+
+def _arrays_of(design: Any) -> tuple[FloatArray, IntArray, Drawing]:
+    """Return the triangles of a mesh in any form."""
+    if hasattr(design, "to_problem"):
+        problem = design.to_problem().without_dummies()
+        return problem.vertices, problem.faces, problem.drawing
+    if hasattr(design, "to_vertices_and_faces"):
+        vertices, faces = design.to_vertices_and_faces()
+    elif isinstance(design, Sequence) and not isinstance(design, str) and len(design) == 2:
+        vertices, faces = design
+    else:
+        raise CGCError(f"a design is a path, a spline surface, a mesh, or vertices and faces, not {design!r:.60}")
+    V = np.asarray(vertices, dtype=np.float64)
+    if V.ndim != 2 or V.shape[1] != 3 or not np.isfinite(V).all():
+        raise CGCError(f"vertices of a design must be finite numbers (n, 3), not of shape {V.shape}")
+    return (*_triangles(V, [list(map(int, face)) for face in faces]), Drawing())
+
+
+def _triangles(vertices: FloatArray, faces: Sequence[Sequence[int]]) -> tuple[FloatArray, IntArray]:
+    return vertices, triangles_of(vertices, faces)[0]
+
+
+def _fitted(vertices: FloatArray, faces: IntArray, tolerance: Optional[float]) -> Design:
+    """Return the smooth surface through a mesh over a plane, within a tolerance."""
+    chart = chart_of(vertices, faces)
+    used = np.unique(faces)
+    size = float(np.linalg.norm(np.ptp(vertices[used], axis=0)))
+    wanted = TOLERANCE * size if tolerance is None else tolerance
+    fitted = fitted_surface(chart, vertices[used], wanted)
+    plan = chart.to_local(vertices)[:, :2]
+    rims = tuple(plan[loop] for loop in boundary_loops(faces))
+    edge = float(np.median(np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)))
+    notes = () if fitted.deviation <= wanted else (_note(fitted, wanted),)
+    if len(rims) == 1 and _is_rectangle(rims[0], ON_SIDE * edge):
+        rims = ()
+    return Design(fitted.surface, rims, fitted.deviation, notes=notes)
+
+
+def _note(fitted: Fitted, wanted: float) -> str:
+    return (
+        f"the smooth surface fitted to the mesh deviates from it by {fitted.deviation:.3g}, more than the tolerance of {wanted:.3g}; "
+        "refine the mesh, or smooth it where it is creased"
+    )
+
+
+def _is_rectangle(rim: FloatArray, reach: float) -> bool:
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    return bool(np.minimum(np.abs(rim - low), np.abs(rim - high)).min(axis=1).max() <= reach)

@@ -1,0 +1,118 @@
+"""The assignment of panels to moulds and the K of the moulds that bring linearised moves nearest to the design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from dataclasses import replace
+
+import numpy as np
+
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from .normal_moves import LinearMoves
+
+__all__ = ["Assignment", "best_values", "distance_norm", "search"]
+
+POWER = 8  # of the norm: near the largest distance, and smooth
+CANDIDATES = 40  # single moves of panels that are evaluated, the best by their second-order estimates
+GAIN = 1e-4  # part of the norm's power that a move of a panel has to bring
+REFIT = 4  # moves of panels after which the K of the moulds follow
+NEWTON_STEPS, SHORTEST = 6, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Assignment:
+    """Which panel has which mould.
+
+    Parameters
+    ----------
+    values
+        ``(k,)`` K of the moulds [1/L^2].
+    classes
+        ``(p,)`` mould of every panel.
+    kept
+        ``(k,)`` moulds whose K is given.
+    locked
+        ``(p,)`` panels whose mould is given.
+    """
+
+    values: FloatArray
+    classes: IntArray
+    kept: Mask
+    locked: Mask
+
+    @property
+    def K(self) -> FloatArray:
+        """K of every panel (p,) [1/L^2]."""
+        return self.values[self.classes]
+
+
+def distance_norm(moves: FloatArray, mass: FloatArray) -> FloatArray:
+    """Return the power mean of distances: of moves (c,) or of several (c, r), weighted by masses (c,) that sum to one [L]."""
+    largest = np.abs(moves).max(axis=0, initial=1e-300)
+    return largest * (mass @ (np.abs(moves) / largest) ** POWER) ** (1.0 / POWER)
+
+
+def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, steps: int = NEWTON_STEPS) -> Assignment:
+    """Return an assignment with the K of its moulds that minimise the distance, by damped Newton steps on the power of the norm."""
+    values, count = assigned.values, len(assigned.values)
+    member = np.zeros((len(assigned.classes), count))
+    member[np.arange(len(member)), assigned.classes] = 1.0
+    free = np.flatnonzero(~assigned.kept & (member.sum(axis=0) > 0.0))
+    if not len(free):
+        return assigned
+    columns = linear.by_panel @ member[:, free]
+    moves = linear.at(assigned.K)
+    norm = float(distance_norm(moves, mass))
+    for _ in range(steps):
+        weight = mass * (np.abs(moves) / np.abs(moves).max(initial=1e-300)) ** (POWER - 2)
+        hessian = (POWER - 1) * (columns * weight[:, None]).T @ columns
+        step = -np.linalg.lstsq(hessian, columns.T @ (weight * moves), rcond=1e-12)[0]
+        length = 1.0
+        while length > SHORTEST:
+            there = moves + length * (columns @ step)
+            reached = float(distance_norm(there, mass))
+            if reached < norm:
+                break
+            length /= 2
+        else:
+            break
+        values = values.copy()
+        values[free] += length * step
+        gain, moves, norm = norm - reached, there, reached
+        if gain <= 1e-6 * norm:
+            break
+    return replace(assigned, values=values)
+
+
+def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int) -> Assignment:
+    """Move single panels to other moulds, at most so many, for as long as the distance decreases; the K of the moulds follow."""
+    S = linear.by_panel
+    squares = S**2
+    moves = linear.at(assigned.K)
+    norm = float(distance_norm(moves, mass))
+    for done in range(1, most + 1):
+        changes = assigned.values[None, :] - assigned.K[:, None]
+        changes[assigned.locked] = 0.0
+        panel, mould = np.nonzero(changes)
+        if not len(panel):
+            break
+        weight = mass * (np.abs(moves) / np.abs(moves).max(initial=1e-300)) ** (POWER - 2)
+        slope, second = S.T @ (weight * moves), (POWER - 1) * (squares.T @ weight)
+        by = changes[panel, mould]
+        estimate = slope[panel] * by + 0.5 * second[panel] * by**2
+        chosen = np.argsort(estimate, kind="stable")[:CANDIDATES]
+        tried = moves[:, None] + S[:, panel[chosen]] * by[chosen]
+        norms = distance_norm(tried, mass)
+        best = int(np.argmin(norms))
+        if not norms[best] ** POWER < (1.0 - GAIN) * norm**POWER:
+            break
+        classes = assigned.classes.copy()
+        classes[panel[chosen[best]]] = mould[chosen[best]]
+        assigned = replace(assigned, classes=classes)
+        if done % REFIT == 0:
+            assigned = best_values(linear, mass, assigned, 3)
+        moves = linear.at(assigned.K)
+        norm = float(distance_norm(moves, mass))
+    return best_values(linear, mass, assigned)

@@ -1,0 +1,172 @@
+"""Surfaces of piecewise constant K near a design, by moves of its vertices along its normals."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from typing import Optional
+
+import numpy as np
+from scipy import sparse
+
+from ..discrete import vertex_areas
+from ..discrete import vertex_normals
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
+from ..discrete.arrays import Mask
+from ..discrete.jacobian import CurvatureEquations
+from ..discrete.space_form import exact_equations
+from ..linalg import LinearSolver
+from ..linalg import factorise
+from ..solvers.projection.metric import bending_matrix
+from .panelling import Panelling
+from .panelling import vertex_panels
+
+__all__ = ["LinearMoves", "NormalMoves", "Weights"]
+
+PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
+CORRECTIONS = 2  # of the multipliers
+
+
+class Weights(NamedTuple):
+    """What moves cost, besides their squares."""
+
+    smoothness: float = 0.05  # length over which bending outweighs distance, as a part of the square root of the area
+    crease_stiffness: float = 1.0  # of seams, as in ProjectionSettings
+
+
+class LinearMoves(NamedTuple):
+    """Moves for any K of the panels, to first order: ``constant + by_panel @ K``."""
+
+    constant: FloatArray  # (c,) [L]
+    by_panel: FloatArray  # (c, p) [L^3]
+
+    def at(self, K: FloatArray) -> FloatArray:
+        """Return the moves (c,) for the K (p,) of the panels [L]."""
+        return self.constant + self.by_panel @ K
+
+
+class NormalMoves:
+    r"""The surfaces ``x + w n`` over a panelled design, with K of every panel constant in the exact measure.
+
+    Moves along normals are distances from the design, on the rim and on seams too, and nothing can slide along it unseen. Of all
+    surfaces with given K the one of least energy :math:`\\frac12 w^T (M + \\beta Q) w` is taken, with masses M and the bending energy
+    Q of the moves. A linearisation is one sparse positive definite system, with K held by a penalty and multipliers.
+
+    Parameters
+    ----------
+    panelling
+        The design and its panels.
+    fixed
+        ``(n,)`` vertices that do not move.
+    weights
+        What moves cost.
+
+    References
+    ----------
+    Nocedal and Wright, *Numerical Optimization*, chapter 17 (augmented Lagrangian), doi:10.1007/978-0-387-40065-5.
+    """
+
+    def __init__(self, panelling: Panelling, fixed: Mask, weights: Optional[Weights] = None):
+        weights = weights or Weights()
+        V, F = panelling.vertices, panelling.faces
+        n = len(V)
+        self.vertices, self.faces = V, F
+        self.normals = vertex_normals(V, F)
+        self.columns = np.flatnonzero(~fixed)
+        inside = vertex_panels(F, panelling.panels, n)
+        self.rows = np.flatnonzero((inside >= 0) & ~fixed)
+        self.panel_of_row = inside[self.rows]
+        self.panels = panelling.panel_count
+        self._equations = exact_equations(CurvatureEquations(F, np.zeros(n), self.rows, self.columns), "exact")
+        areas = vertex_areas(V, F)
+        self.size = float(np.sqrt(areas.sum()))
+        self.mass = areas[self.columns] / areas.sum()
+        seams = np.zeros(n, bool)
+        seams[panelling.seams.ravel()] = True
+        bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
+        energy = sparse.diags(areas[self.columns]) + (weights.smoothness * self.size) ** 4 * bending
+        self._energy = (energy / areas.sum()).tocsr()
+
+    def shape(self, moves: FloatArray) -> FloatArray:
+        """Return the vertices (n, 3) for moves (c,) [L]."""
+        shape = self.vertices.copy()
+        shape[self.columns] += moves[:, None] * self.normals[self.columns]
+        return shape
+
+    def mean_curvatures(self, moves: FloatArray) -> FloatArray:
+        """Return the mean K of every panel (p,) [1/L^2]."""
+        defects, areas = self._measured(moves, np.zeros(self.panels))
+        sums = (np.bincount(self.panel_of_row, values, self.panels) for values in (defects, areas))
+        total, area = sums
+        return total / np.where(area > 0.0, area, 1.0)
+
+    def panel_areas(self) -> FloatArray:
+        """Return the weight of every panel (p,), the area around its vertices [L^2]."""
+        _, areas = self._measured(np.zeros(len(self.columns)), np.zeros(self.panels))
+        return np.bincount(self.panel_of_row, areas, self.panels).astype(np.float64)
+
+    def error(self, moves: FloatArray, K: FloatArray) -> float:
+        """Return the largest deviation from the K (p,) of the panels, times the area of the design."""
+        residual, areas = self._measured(moves, K)
+        return float(np.abs(residual / areas).max(initial=0.0)) * self.size**2
+
+    def step(self, moves: FloatArray, K: FloatArray) -> FloatArray:
+        """Return the moves (c,) after a step of Newton's method to the K (p,) of the panels, by the change of least energy."""
+        system = self._linearised(moves, K)
+        return moves - system.solved(system.residual[:, None])[:, 0]
+
+    def linearised(self, moves: FloatArray, K: FloatArray, groups: Optional[IntArray] = None) -> LinearMoves:
+        """Return the moves for other K, to first order about moves (c,) and the K (p,) of the panels.
+
+        Parameters
+        ----------
+        moves
+            ``(c,)`` where to linearise [L].
+        K
+            ``(p,)`` K of the panels there [1/L^2].
+        groups
+            ``(p,)`` group of every panel; the columns are then those of groups, the K of which change together.
+        """
+        system = self._linearised(moves, K)
+        of_row = self.panel_of_row if groups is None else groups[self.panel_of_row]
+        count = self.panels if groups is None else int(groups.max()) + 1
+        right = np.zeros((len(self.rows), count + 1))
+        right[np.arange(len(self.rows)), of_row] = system.areas
+        right[:, -1] = system.jacobian @ moves - system.residual
+        found = system.solved(right)
+        own = K if groups is None else _of_groups(K, groups, count)
+        return LinearMoves(found[:, -1] - found[:, :-1] @ own, found[:, :-1])
+
+    def _measured(self, moves: FloatArray, K: FloatArray) -> tuple[FloatArray, FloatArray]:
+        self._equations.targets = np.zeros(len(self.vertices))
+        self._equations.targets[self.rows] = K[self.panel_of_row]
+        return self._equations.measure(self.shape(moves))
+
+    def _linearised(self, moves: FloatArray, K: FloatArray) -> _Linearised:
+        residual, areas = self._measured(moves, K)
+        jacobian = self._equations.jacobian(self.shape(moves), self.normals[self.columns])
+        penalties = PENALTY * self.size**4 / areas
+        matrix = self._energy + jacobian.T @ sparse.diags(penalties) @ jacobian
+        return _Linearised(factorise(matrix.tocsr(), symmetric=True, refine=False), jacobian, residual, areas, penalties)
+
+
+class _Linearised(NamedTuple):
+    factor: LinearSolver
+    jacobian: sparse.csr_matrix  # (k, c)
+    residual: FloatArray  # (k,)
+    areas: FloatArray  # (k,)
+    penalties: FloatArray  # (k,)
+
+    def solved(self, right: FloatArray) -> FloatArray:
+        """Return the moves (c, r) of least energy whose products with the Jacobian are right sides (k, r)."""
+        found = np.zeros((self.jacobian.shape[1], right.shape[1]))
+        for _ in range(CORRECTIONS):
+            missing = right - self.jacobian @ found
+            found = found + self.factor.solve(self.jacobian.T @ (self.penalties[:, None] * missing))
+        return found
+
+
+def _of_groups(K: FloatArray, groups: IntArray, count: int) -> FloatArray:
+    own = np.zeros(count)
+    own[groups] = K
+    return own

@@ -1,0 +1,283 @@
+"""From a freeform design to a handful of moulds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from collections.abc import Mapping
+from collections.abc import Sequence
+from typing import NamedTuple
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..datastructures import SolveResult
+from ..discrete import boundary_vertices
+from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
+from ..errors import CGCError
+from ..errors import names_what_was_meant
+from ..meshing import named_supports
+from ..meshing.kinks import sharp_parameters
+from ..meshing.polyline import nearest_on_polyline
+from ..model.problem import CGCProblem
+from ..solvers.run import solve
+from .assignment import Moulds
+from .assignment import Placed
+from .assignment import assign
+from .assignment import catalogue
+from .assignment import finished
+from .design import Design
+from .design import DesignInput
+from .design import read_design
+from .grid_panels import grid_lines
+from .grid_panels import grid_panels
+from .normal_moves import NormalMoves
+from .panelling import Panelling
+from .panelling import vertex_panels
+from .result import Rationalised
+
+__all__ = ["Progress", "rationalise"]
+
+EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
+PANELS = 12  # along the longer side by default
+MAX_MOULDS = 16  # that are tried for a distance that is to be kept
+
+MouldsInput = Union[int, Sequence[float], None]
+
+
+class Progress(NamedTuple):
+    """How far a rationalisation is."""
+
+    done: int  # rounds
+    rounds: int  # at most
+    distance: float  # largest distance of the best surface so far [L]
+
+
+Watch = Optional[Callable[[Progress], object]]
+
+
+@names_what_was_meant()
+def rationalise(
+    design: DesignInput,
+    *,
+    moulds: MouldsInput = 4,
+    panel: Optional[float] = None,
+    within: Optional[float] = None,
+    flat: Optional[bool] = None,
+    supports: Union[str, Sequence[Sequence[float]], None] = None,
+    edges: Optional[int] = None,
+    tolerance: Optional[float] = None,
+    locked: Optional[Mapping[int, int]] = None,
+    callback: Watch = None,
+) -> Rationalised:
+    """Return the surface nearest to a freeform design whose panels come off few moulds.
+
+    The panels lie between seams on the design. Every panel gets one of the values of K, and the surface with exactly these K is
+    solved; assignment and values minimise its distance from the design.
+
+    Parameters
+    ----------
+    design
+        A NURBS surface (:class:`~compas_cgc.rationalisation.SplineSurface`), the path of a file, a COMPAS mesh, or vertices and
+        faces.
+    moulds
+        How many, or the radii of moulds that exist: positive for spheres, negative for saddles, ``inf`` for flat sheets [L].
+        With 1 all panels are flat sheets. None: the fewest that keep the distance ``within``.
+    panel
+        Width of the panels [L]. Default: a twelfth of the longer side.
+    within
+        Largest distance from the design that is allowed [L].
+    flat
+        Whether one of the moulds is flat, K = 0. Default: whichever is nearer to the design.
+    supports
+        Points (k, 3) that are held; ``"corners"``, ``"boundary"`` or ``"none"``. Default: those of the file, else the corners.
+    edges
+        Edges of the mesh along the side of a panel. Default: four, or more where panels are few.
+    tolerance
+        Largest distance between a mesh and the smooth surface fitted to it [L].
+    locked
+        Mould, as a position among given radii, of panels that are not to be assigned, by the number of the panel.
+    callback
+        Called with a :class:`Progress` after every round; return True or raise ``StopIteration`` to stop with the best surface so
+        far.
+
+    Returns
+    -------
+    Rationalised
+        Also where the distance is not kept, with a suggestion.
+
+    Raises
+    ------
+    CGCError
+        If the design cannot be read, or an argument is wrong.
+
+    References
+    ----------
+    Eigensatz, Kilian, Schiftner, Mitra, Pottmann, Pauly, *Paneling architectural freeform surfaces*, SIGGRAPH 2010,
+    doi:10.1145/1778765.1778782.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from compas_cgc.rationalisation import rationalise
+    >>> x, y = np.meshgrid(np.linspace(-6, 6, 25), np.linspace(-4, 4, 17), indexing="ij")
+    >>> vertices = np.column_stack([x.ravel(), y.ravel(), (2 - 0.03 * x**2 - 0.05 * y**2).ravel()])
+    >>> quads = [[i * 17 + j, i * 17 + 17 + j, i * 17 + 18 + j, i * 17 + 1 + j] for i in range(24) for j in range(16)]
+    >>> found = rationalise((vertices, quads), panel=2.0, moulds=2)
+    >>> found.status, len(found.classes), found.distance.largest < 0.02
+    ('kept', 24, True)
+    """
+    read = read_design(design, tolerance=tolerance)
+    for name, value in (("panel", panel), ("within", within)):
+        if value is not None and not (np.isfinite(value) and value > 0.0):
+            raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
+    panelling = panels_of(read, panel, edges)
+    fixed = _fixed(read, panelling, supports)
+    moves = NormalMoves(panelling, fixed)
+    stop = _Stop(callback)
+    best = _assigned(moves, moulds, flat, within, locked, stop)
+    return _result(read, panelling, moves, fixed, best, within, stop)
+
+
+def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = None) -> Panelling:
+    """Return the panels of a design between lines of constant parameter."""
+    surface = design.surface
+    width = _default_width(design) if panel is None else float(panel)
+    sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
+    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis]) for axis in range(2))
+    count = (len(first) - 1) * (len(second) - 1)
+    return grid_panels(surface, (first, second), max(EDGES, round(np.sqrt(VERTICES / count))) if edges is None else edges)
+
+
+def _default_width(design: Design) -> float:
+    (u0, u1), (v0, v1) = design.surface.domain
+    t = np.linspace(0.0, 1.0, 65)[:, None]
+    middle = np.array([[0.5 * (u0 + u1), 0.5 * (v0 + v1)]])
+    spans = [np.array([[u1 - u0, 0.0]]), np.array([[0.0, v1 - v0]])]
+    lines = [design.surface.at(middle + (t - 0.5) * span) for span in spans]
+    return max(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in lines) / PANELS
+
+
+def _fixed(design: Design, panelling: Panelling, supports: Union[str, Sequence[Sequence[float]], None]) -> Mask:
+    """Return the vertices that are held (n,)."""
+    V, F = panelling.vertices, panelling.faces
+    fixed = np.zeros(len(V), bool)
+    if isinstance(supports, str) or (supports is None and not design.supports):
+        name = "corners" if supports is None else supports
+        if name not in ("corners", "boundary", "none"):
+            raise CGCError(f"supports must be points, 'corners', 'boundary' or 'none', not {name!r}")
+        if name != "none" and boundary_vertices(V, F).any():
+            fixed[named_supports(V, F, name)] = True
+        return fixed if fixed.any() else _three_apart(panelling)
+    places = design.supports if supports is None else tuple(np.asarray(supports, dtype=np.float64).reshape(-1, 1, 3))
+    edge = float(np.median(np.linalg.norm(V[F[:, 0]] - V[F[:, 1]], axis=1)))
+    tree = cKDTree(V)
+    for line in places:
+        if len(line) > 1 and np.linalg.norm(np.ptp(line, axis=0)) > edge:
+            fixed[nearest_on_polyline(V, line)[0] <= 0.5 * edge] = True
+        else:
+            fixed[tree.query(line)[1]] = True
+    return fixed
+
+
+def _three_apart(panelling: Panelling) -> Mask:
+    """Mark three vertices on seams or the rim that are far apart, which hold a design without supports in its place (n,)."""
+    V = panelling.vertices
+    candidates = np.flatnonzero(vertex_panels(panelling.faces, panelling.panels, len(V)) < 0)
+    points = V[candidates]
+    first = int(np.argmax(np.linalg.norm(points - points.mean(axis=0), axis=1)))
+    gap = np.linalg.norm(points - points[first], axis=1)
+    second = int(np.argmax(gap))
+    third = int(np.argmax(np.minimum(gap, np.linalg.norm(points - points[second], axis=1))))
+    fixed = np.zeros(len(V), bool)
+    fixed[candidates[[first, second, third]]] = True
+    return fixed
+
+
+def _assigned(
+    moves: NormalMoves,
+    moulds: MouldsInput,
+    flat: Optional[bool],
+    within: Optional[float],
+    locked: Optional[Mapping[int, int]],
+    stop: _Stop,
+) -> Placed:
+    """Return the best assignment, for the fewest moulds that keep a distance where their number is open."""
+    if moulds is None:
+        if within is None:
+            raise CGCError("moulds=None looks for the fewest that keep a distance; give it as within=")
+        best = None
+        for count in range(1, MAX_MOULDS + 1):
+            found = assign(moves, Moulds(count, flat=flat), stop.shown)
+            best = found if best is None or found.distance < best.distance else best
+            if best.distance <= within or stop.stopped:
+                return best
+        assert best is not None
+        return best
+    if isinstance(moulds, (int, np.integer)) and not isinstance(moulds, bool):
+        if not 1 <= moulds:
+            raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
+        if locked:
+            raise CGCError("panels are locked to moulds that exist; give their radii as moulds=[...]")
+        return assign(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop.shown)
+    values = catalogue(moulds)  # type: ignore[arg-type]
+    own = None
+    if locked:
+        own = np.full(moves.panels, -1)
+        for number, mould in locked.items():
+            if not (0 <= number < moves.panels and 0 <= mould < len(values)):
+                raise CGCError(f"locked panel {number} on mould {mould} does not exist: {moves.panels} panels, {len(values)} moulds")
+            own[number] = mould
+    return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
+
+
+def _result(
+    design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, best: Placed, within: Optional[float], stop: _Stop
+) -> Rationalised:
+    """Return an assignment with its surface solved in the exact measure."""
+    done = finished(moves, best)
+    used, classes = np.unique(done.assigned.classes, return_inverse=True)
+    order = np.argsort(done.assigned.values[used], kind="stable")
+    curvatures, classes = done.assigned.values[used][order], np.argsort(order)[classes]
+    solved = _solved(design, panelling, moves, fixed, curvatures[classes], moves.shape(done.moves))
+    found = Rationalised(solved, curvatures, classes, panelling, design, within, stop.stopped)
+    if within is not None and not found.kept and not stop.stopped:
+        found = Rationalised(solved, curvatures, classes, panelling, design, within, False, _suggestion(found, within))
+    return found
+
+
+def _solved(design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, K: FloatArray, vertices: FloatArray) -> SolveResult:
+    targets = np.full(len(vertices), np.nan)
+    targets[moves.rows] = K[moves.panel_of_row]
+    problem = CGCProblem(vertices, panelling.faces, targets=targets, creases=panelling.seams, drawing=design.drawing)
+    problem = problem.with_supports(np.flatnonzero(fixed).tolist())
+    return solve(problem, method="projection", settings={"keep": "shape", "measure": "exact"})
+
+
+def _suggestion(found: Rationalised, within: float) -> str:
+    """Return what to change so that a distance is kept: distances go about as the width of panels squared, and as one over moulds."""
+    ratio = found.distance.largest / within
+    moulds = int(np.ceil(len(found.curvatures) * ratio))
+    return (
+        f"the distance of {found.distance.largest:.3g} exceeds {within:.3g}, the best found for {len(found.curvatures)} moulds; "
+        f"try {moulds} moulds, or panels narrower by a factor of {np.sqrt(ratio):.2g}"
+    )
+
+
+class _Stop:
+    """Shows progress to a callback, and remembers whether it cancelled."""
+
+    def __init__(self, callback: Watch):
+        self._callback = callback
+        self.stopped = False
+
+    def shown(self, done: int, rounds: int, distance: float) -> bool:
+        """Show how far the search is; return whether to stop."""
+        if self._callback is not None and not self.stopped:
+            try:
+                self.stopped = self._callback(Progress(done, rounds, distance)) is True
+            except StopIteration:
+                self.stopped = True
+        return self.stopped

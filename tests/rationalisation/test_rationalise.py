@@ -1,0 +1,147 @@
+"""From designs to moulds: distances, moulds, promises, on small designs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import compas_cgc
+from compas_cgc.discrete.space_form import space_form_angle_sums
+from compas_cgc.errors import CGCError
+from compas_cgc.rationalisation import Rationalised
+from compas_cgc.rationalisation.design import read_design
+from compas_cgc.rationalisation.normal_moves import NormalMoves
+from compas_cgc.rationalisation.panelling import vertex_panels
+from compas_cgc.rationalisation.run import panels_of
+
+from ..support.freeform import mesh_over
+from ..support.freeform import quarter_torus
+
+
+def heights(x, y):
+    return 2.5 - 0.02 * (x - 6.0) ** 2 - 0.03 * (y - 4.0) ** 2 + 0.5 * np.exp(-((x - 8.0) ** 2 + (y - 5.0) ** 2) / 8.0)
+
+
+DESIGN = mesh_over(heights, 12.0, 8.0, 0.25)
+
+
+@cache
+def found(moulds: int = 3) -> Rationalised:
+    return compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=moulds)
+
+
+def test_every_panel_has_the_curvature_of_its_mould_in_the_exact_measure():
+    own = found()
+    inside = vertex_panels(own.result.problem.faces, own.panels, len(own.result.vertices))
+    rows = np.flatnonzero(inside >= 0)
+    K = own.curvatures[own.classes[inside[rows]]]
+    each = np.zeros(len(inside))
+    each[rows] = K
+    sums = space_form_angle_sums(own.result.vertices, own.result.problem.faces, each)[rows]
+    assert len(own.curvatures) == 3 and own.result.status == "converged"
+    assert np.abs(2 * np.pi - sums).max() < 1e-11
+    assert own.panels_per_class.sum() == 24 and (own.panels_per_class > 0).all()
+
+
+def test_more_moulds_are_nearer_and_flat_sheets_farther():
+    distances = [found(moulds).distance.largest for moulds in (1, 3, 6)]
+    assert distances[0] > 2.0 * distances[1] > 2.0 * distances[2], distances
+    assert found(1).curvatures.tolist() == [0.0]
+
+
+def test_the_assignment_is_nearer_than_clusters_of_the_curvature():
+    from compas_cgc.rationalisation.assignment import Moulds
+    from compas_cgc.rationalisation.assignment import _starts
+
+    design = read_design(DESIGN)
+    panelling = panels_of(design, 2.0, 4)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    clustered = _starts(moves, Moulds(3, flat=True), moves.mean_curvatures(np.zeros(len(moves.columns))))[0]
+    assert found().distance.largest < 0.8 * clustered.distance
+
+
+def test_the_distance_is_that_from_the_true_surface_by_another_search():
+    own = found()
+    x, y = np.meshgrid(np.linspace(0, 12, 2401), np.linspace(0, 8, 1601), indexing="ij")
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(np.column_stack([x.ravel(), y.ravel(), heights(x, y).ravel()]))
+    nearest = tree.query(own.result.vertices)[0]
+    # The mesh of points is 5 mm wide, its sheet within a millimetre.
+    assert np.all(np.abs(own.distance.signed) >= nearest - 4e-3)
+    assert abs(nearest.max() - own.distance.largest) < 1e-3
+    moved = own.panelling.vertices + np.array([0.02, 0.0, 0.0])
+    from compas_cgc.rationalisation.distance import distance_from
+
+    slid = distance_from(own.design.surface, own.panelling, moved).signed
+    on_rim = own.panelling.held[:, 0] & (own.panelling.vertices[:, 0] < 6.0)
+    assert np.abs(slid[on_rim]).min() > 0.015, "a rim that slides inwards along the design is away from it"
+
+
+def test_moves_by_the_linear_model_are_those_of_the_solve():
+    panelling = panels_of(read_design(DESIGN), 2.0, 4)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    nothing = np.zeros(len(moves.columns))
+    K = moves.mean_curvatures(nothing)
+    for _ in range(6):
+        nothing = moves.step(nothing, K)
+    base, change = nothing, np.zeros(moves.panels)
+    change[[5, 12]] = 1e-5, -1e-5
+    predicted = moves.linearised(base, K).by_panel @ change
+    solved = base
+    for _ in range(6):
+        solved = moves.step(solved, K + change)
+    assert moves.error(base, K) < 1e-9 and moves.error(solved, K + change) < 1e-9
+    assert np.abs(solved - base - predicted).max() < 0.02 * np.abs(predicted).max()
+
+
+def test_a_promise_is_kept_or_refused_with_a_suggestion():
+    kept = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=None, within=0.02)
+    assert kept.status == "kept" and kept.distance.largest <= 0.02 and 1 < len(kept.curvatures) < 6
+    broken = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=2, within=0.001)
+    assert broken.status == "exceeded" and broken.distance.largest > 0.001
+    assert "try" in broken.suggestion and "moulds" in broken.suggestion
+
+
+def test_existing_moulds_are_used_as_they_are_and_locked_panels_stay():
+    own = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=[18.0, 40.0, float("inf")], locked={0: 2, 5: 0})
+    assert set(own.curvatures) <= {0.0, 1 / 40.0**2, 1 / 18.0**2}
+    assert own.curvatures[own.classes[0]] == 0.0
+    assert own.curvatures[own.classes[5]] == 1 / 18.0**2
+
+
+def test_a_cancelled_search_returns_the_best_so_far():
+    states = []
+
+    def stop(state):
+        states.append(state)
+        return len(states) == 2
+
+    own = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, callback=stop)
+    assert own.status == "cancelled" and own.cancelled and own.result.converged
+    assert len(states) == 2
+
+
+def test_the_same_design_gives_the_same_result_in_other_units_and_places():
+    vertices, faces = DESIGN
+    other = compas_cgc.rationalise((1000.0 * vertices + [5e5, -3e5, 2e4], faces), panel=2000.0, edges=4, moulds=3)
+    assert other.classes.tolist() == found().classes.tolist()
+    assert other.distance.largest == pytest.approx(1000.0 * found().distance.largest, rel=1e-4)
+
+
+def test_a_closed_direction_is_joined():
+    own = compas_cgc.rationalise(quarter_torus(), panel=1.6, edges=4, moulds=4)
+    assert own.result.converged and own.distance.largest < 0.2
+    from compas_cgc.meshing import boundary_loops
+
+    assert len(boundary_loops(own.result.problem.faces)) == 2
+
+
+def test_wrong_arguments_are_refused_with_a_remedy():
+    for wrong, word in (({"panel": -1.0}, "panel"), ({"moulds": 0}, "moulds"), ({"within": 0.0}, "within"), ({"moulds": None}, "within")):
+        with pytest.raises(CGCError, match=word):
+            compas_cgc.rationalise(DESIGN, **{"panel": 4.0, **wrong})
+    with pytest.raises(CGCError, match="design"):
+        compas_cgc.rationalise(5)
