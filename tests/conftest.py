@@ -19,3 +19,22 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         folder = Path(item.path).relative_to(Path(__file__).parent).parts[0]
         if (folder in PROCESSES or item.get_closest_marker("nightly")) and item.get_closest_marker("timeout") is None:
             item.add_marker(pytest.mark.timeout(LONG))
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory):
+    """A server with two workers that requires a key, shared by all tests that neither stop nor limit it."""
+    from .support.server_process import KEY
+    from .support.server_process import running_server
+
+    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", KEY) as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def open_server(tmp_path_factory):
+    """A server with one worker and without a key, shared like ``server``."""
+    from .support.server_process import running_server
+
+    with running_server(tmp_path_factory.mktemp("open-server") / "jobs.sqlite", workers=1) as running:
+        yield running

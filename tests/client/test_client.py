@@ -24,14 +24,7 @@ from compas_cgc.client import ensure_server
 
 from ..support.server_process import PATIENCE
 from ..support.server_process import free_port
-from ..support.server_process import running_server
 from ..support.shapes import grid
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("client") / "jobs.sqlite", workers=1) as running:
-        yield running
 
 
 def test_it_needs_the_standard_library_only():
@@ -45,44 +38,46 @@ def test_it_needs_the_standard_library_only():
     assert out.stdout.strip() == "[] ['compas_cgc._lazy']"
 
 
-def test_a_solve_with_progress(server):
+def test_a_solve_with_progress(open_server):
     seen = []
     vertices, faces = grid(10, 9.0)
-    result = server.client.solve(vertices, faces, on_progress=seen.append, supports="boundary", targets=0.01, method="flow", interval=0.05)
+    result = open_server.client.solve(
+        vertices, faces, on_progress=seen.append, supports="boundary", targets=0.01, method="flow", interval=0.05
+    )
     assert result["status"] == "converged" and np.allclose([K for K in result["curvature"] if K is not None], 0.01, atol=1e-7)
     assert seen[-1]["state"] == "succeeded"
     slow = {"method": "flow", "settings": {"steps": 2000, "tolerance": 0.0, "finish": False}}
     seen.clear()
-    result = server.client.solve(*grid(30, 9.0), on_progress=seen.append, supports="boundary", targets=0.01, interval=0.05, **slow)
+    result = open_server.client.solve(*grid(30, 9.0), on_progress=seen.append, supports="boundary", targets=0.01, interval=0.05, **slow)
     steps = [status["iteration"] for status in seen if status["state"] == "running"]
     assert result["status"] == "step_limit" and len(set(steps)) > 1 and steps == sorted(steps)
     news = [{**status, "elapsed": None} for status in seen]
     assert all(one != other for one, other in zip(news, news[1:])), "nobody is told the same twice"
 
 
-def test_the_script_of_the_readme_runs(server, tmp_path, monkeypatch, capsys):
+def test_the_script_of_the_readme_runs(open_server, tmp_path, monkeypatch, capsys):
     text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"```py\n(.*?)```", text, re.DOTALL)
     assert len([line for line in script.splitlines() if line.strip()]) <= 10
     monkeypatch.chdir(tmp_path)
-    exec(compile(script.replace("http://127.0.0.1:7331", server.url), "README.md", "exec"), {})
+    exec(compile(script.replace("http://127.0.0.1:7331", open_server.url), "README.md", "exec"), {})
     assert "converged" in capsys.readouterr().out
     assert CGCMesh.from_3dm("roof.3dm").number_of_faces() == 800
 
 
-def test_a_solve_can_be_cancelled(server):
+def test_a_solve_can_be_cancelled(open_server):
     asked = {"supports": "boundary", "targets": 0.5, "method": "flow", "settings": {"steps": 100000, "tolerance": 0.0}}
     looks = []
     with pytest.raises(Failed, match="cancelled after") as failure:
-        server.client.solve(*grid(20), on_progress=looks.append, cancel=lambda: len(looks) > 6, interval=0.05, **asked)
+        open_server.client.solve(*grid(20), on_progress=looks.append, cancel=lambda: len(looks) > 6, interval=0.05, **asked)
     assert failure.value.state == "cancelled"
 
 
-def test_refusals_and_failures_say_why(server):
+def test_refusals_and_failures_say_why(open_server):
     with pytest.raises(Refused, match="refers to vertex 999"):
-        server.client.solve(*grid(3), supports=[999], targets=1.0)
+        open_server.client.solve(*grid(3), supports=[999], targets=1.0)
     with pytest.raises(Failed, match="more than this boundary can carry"):
-        server.client.solve(*grid(6), supports="boundary", targets=100.0)
+        open_server.client.solve(*grid(6), supports="boundary", targets=100.0)
 
 
 def test_no_server_and_another_server_are_told_apart():
@@ -106,9 +101,9 @@ def test_no_server_and_another_server_are_told_apart():
     other.server_close()
 
 
-def test_a_lost_connection_is_tried_again(server):
+def test_a_lost_connection_is_tried_again(open_server):
     """A listener that hangs up twice before it lets requests through."""
-    port = int(server.url.rsplit(":", 1)[1])
+    port = int(open_server.url.rsplit(":", 1)[1])
     hung_up = []
 
     def relay(listener):
@@ -136,12 +131,12 @@ def test_a_lost_connection_is_tried_again(server):
     listener.close()
 
 
-def test_a_running_server_is_found_and_its_version_checked(server):
+def test_a_running_server_is_found_and_its_version_checked(open_server):
     said = []
-    assert ensure_server(server.url, version=compas_cgc.__version__, say=said.append).health()["status"] == "ok"
+    assert ensure_server(open_server.url, version=compas_cgc.__version__, say=said.append).health()["status"] == "ok"
     assert said == []
     with pytest.raises(ServerUnavailable, match="not 99.0"):
-        ensure_server(server.url, version="99.0")
+        ensure_server(open_server.url, version="99.0")
 
 
 def test_a_server_that_cannot_start_shows_its_log(tmp_path):

@@ -18,6 +18,7 @@ import pytest
 from compas_cgc.client import Client
 
 KILLABLE = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="it looks for processes to kill in /proc")
+KEY = "a-key-for-tests"
 PATIENCE = 100.0  # seconds to wait for what comes at once when the machine has time for it
 
 WITH_LIMITS = """

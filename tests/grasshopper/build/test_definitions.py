@@ -35,7 +35,6 @@ from ...support.gh_stand_ins import PolylineCurve
 from ...support.gh_stand_ins import rhino  # noqa: F401
 from ...support.gh_stand_ins import rhino_mesh
 from ...support.gh_stand_ins import square
-from ...support.server_process import running_server
 
 ROOT = Path(__file__).parents[3]
 
@@ -247,12 +246,6 @@ def test_a_mesh_of_ones_own(canvas):
 # ----------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def running(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("hops") / "jobs.sqlite", workers=1) as found:
-        yield found
-
-
 def with_server(opened, running):
     for placed in opened.scripts.values():
         assert placed.container.get("RemoteDefinitionLocation").startswith("http://127.0.0.1:7331/cgc/"), "where compas-cgc serve listens"
@@ -260,8 +253,8 @@ def with_server(opened, running):
     return opened
 
 
-def test_a_dome_by_hops(canvas, running):
-    opened = with_server(canvas("hops_dome"), running)
+def test_a_dome_by_hops(canvas, open_server):
+    opened = with_server(canvas("hops_dome"), open_server)
     opened.solution()
     assert opened.balloons("Warning") == ["Input parameter Mesh failed to collect data"]
     opened.set["Mesh"] = [square()]
@@ -274,7 +267,7 @@ def test_a_dome_by_hops(canvas, running):
     assert "more than this boundary can carry" in opened.balloons("Error")[0]
 
 
-def test_nine_regions_by_hops_from_the_rhino_file(canvas, running):
+def test_nine_regions_by_hops_from_the_rhino_file(canvas, open_server):
     model = rhino3dm.File3dm.Read(str(ROOT / "examples" / "nine_regions.3dm"))
     found = {kind: [o.Geometry for o in model.Objects if isinstance(o.Geometry, kind)] for kind in KINDS}
     mesh = found[rhino3dm.Mesh][0]
@@ -282,7 +275,7 @@ def test_nine_regions_by_hops_from_the_rhino_file(canvas, running):
     low, high = np.min(vertices, axis=0), np.max(vertices, axis=0)
     thirds = [low + (high - low) * [(i + 0.5) / 3, (j + 0.5) / 3, 0] for i in range(3) for j in range(3)]
     curves = [line.TryGetPolyline() for line in found[rhino3dm.Curve]]
-    opened = with_server(canvas("hops_regions"), running)
+    opened = with_server(canvas("hops_regions"), open_server)
     opened.set.update(
         {
             "Mesh": [rhino_mesh(vertices, [mesh.Faces[i] for i in range(len(mesh.Faces))])],

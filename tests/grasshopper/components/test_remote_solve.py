@@ -30,12 +30,6 @@ from .test_solve import until_done
 pytestmark = pytest.mark.usefixtures("rhino")
 
 
-@pytest.fixture(scope="module")
-def running(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", workers=1) as found:
-        yield found
-
-
 def states(running):
     return {job["id"]: job["state"] for job in running.client.jobs()}
 
@@ -44,16 +38,16 @@ def here(mesh, settings=None, goals=()):
     return local_solve(mesh, settings, goals)(lambda progress: False)
 
 
-def test_the_server_gives_what_this_process_gives(running):
+def test_the_server_gives_what_this_process_gives(open_server):
     placed = place("Solve")
-    outs = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
+    outs = until_done(placed, cgc_mesh=dome(), run=True, server=open_server.url)
     assert outs[0]["status"] == "running" and outs[-1]["status"] == "converged" and not placed.component.balloons
     own = here(dome())
     assert [list(p) for p in outs[-1]["mesh"].Vertices] == own.mesh.arrays()[0].tolist(), "bit by bit"
     assert "max error" in outs[-1]["report"] and len(place("History").run(result=outs[-1]["result"])["energy"]) == len(own.history.energy)
 
 
-def test_creases_strategies_and_dummies_arrive_there(running):
+def test_creases_strategies_and_dummies_arrive_there(open_server):
     mesh = CGCMesh.from_meshgrid(dx=6, nx=6)
     mesh.set_supports("corners")
     mesh.set_creases([[7 * i + 3 for i in range(7)]])
@@ -64,39 +58,39 @@ def test_creases_strategies_and_dummies_arrive_there(running):
     single.set_strategy(s=0.5)
     ringed.add_dummy_ring()
     for posed in (mesh, single, ringed):
-        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=Address(running.url))[-1]
+        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=Address(open_server.url))[-1]
         assert out["status"] == "converged" and out["cgc_mesh"].creases() == mesh.creases()
         assert out["cgc_mesh"].arrays()[0].tolist() == here(posed).mesh.arrays()[0].tolist()
 
 
-def test_settings_and_constraints_go_along(running):
+def test_settings_and_constraints_go_along(open_server):
     placed = place("Solve")
-    inputs = dict(cgc_mesh=dome(), run=True, server=running.url)
+    inputs = dict(cgc_mesh=dome(), run=True, server=open_server.url)
     assert until_done(placed, settings=FlowSettings(steps=5, finish=False), **inputs)[-1]["status"] == "step_limit"
-    before = len(states(running))
+    before = len(states(open_server))
     out = until_done(placed, goals=[Height([44], 1.0)], **inputs)[-1]
-    assert out["status"] == "converged" and len(states(running)) == before + 1
+    assert out["status"] == "converged" and len(states(open_server)) == before + 1
     assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(1.0, abs=1e-9)
     own = here(dome(), None, [Height([44], 1.0)])
     assert np.array_equal(out["result"].vertices, own.vertices) and out["result"].method == own.method
 
 
-def test_constraints_of_the_mesh_go_along_once(running):
+def test_constraints_of_the_mesh_go_along_once(open_server):
     mesh = dome()
     mesh.set_goals([Height([44], 0.9)])
     ringed = mesh.copy()
     ringed.add_dummy_ring()
     for posed in (mesh, ringed):
         assert request_body("id", posed.to_problem()).count(b'"kind": "height"') == 1
-        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=running.url)[-1]
+        out = until_done(place("Solve"), cgc_mesh=posed, run=True, server=open_server.url)[-1]
         assert out["cgc_mesh"].vertex_coordinates(44)[2] == pytest.approx(0.9, abs=1e-9) and out["status"] == "converged"
         assert [one.height for one in out["cgc_mesh"].goals()] == [0.9]
         assert np.array_equal(out["result"].vertices, here(posed).vertices)
 
 
-def test_the_result_of_a_server_is_like_that_of_this_process(running):
+def test_the_result_of_a_server_is_like_that_of_this_process(open_server):
     settings = FlowSettings(steps=5, finish=False)
-    there = until_done(place("Solve"), cgc_mesh=dome(), settings=settings, run=True, server=running.url)[-1]["result"]
+    there = until_done(place("Solve"), cgc_mesh=dome(), settings=settings, run=True, server=open_server.url)[-1]["result"]
     own = here(dome(), settings)
     words, same = there.to_dict(), own.to_dict()
     assert words.pop("seconds") >= 0 and same.pop("seconds") >= 0 and words == same
@@ -104,12 +98,12 @@ def test_the_result_of_a_server_is_like_that_of_this_process(running):
     assert there.problem.roles.tolist() == own.problem.roles.tolist() and there.problem.names[0].tolist() == own.problem.names[0].tolist()
 
 
-def test_a_refusal_of_the_server_is_a_red_balloon(running):
+def test_a_refusal_of_the_server_is_a_red_balloon(open_server):
     placed = place("Solve")
-    assert until_done(placed, cgc_mesh=dome(K=0.5), run=True, server=running.url)[-1]["status"] == "refused"
+    assert until_done(placed, cgc_mesh=dome(K=0.5), run=True, server=open_server.url)[-1]["status"] == "refused"
     assert "more than this boundary can carry" in placed.said("Error")[0]
     huge = FlowSettings(steps=10**9)
-    assert until_done(placed, cgc_mesh=dome(), settings=huge, run=True, server=running.url)[-1]["status"] == "refused"
+    assert until_done(placed, cgc_mesh=dome(), settings=huge, run=True, server=open_server.url)[-1]["status"] == "refused"
     assert "the server allows at most" in placed.said("Error")[0]
 
 
@@ -117,22 +111,22 @@ def busy():
     return dict(cgc_mesh=endless()["cgc_mesh"], settings=FlowSettings(steps=100000, tolerance=0.0, finish=False))
 
 
-def test_a_newer_input_cancels_the_job_on_the_server(running):
+def test_a_newer_input_cancels_the_job_on_the_server(open_server):
     placed = place("Solve")
-    placed.run(run=True, server=running.url, **busy())
-    wait_for(lambda: "running" in states(running).values())
-    (job,) = [id for id, state in states(running).items() if state == "running"]
-    done = until_done(placed, cgc_mesh=dome(), run=True, server=running.url)
-    assert done[-1]["status"] == "converged" and states(running)[job] == "cancelled"
+    placed.run(run=True, server=open_server.url, **busy())
+    wait_for(lambda: "running" in states(open_server).values())
+    (job,) = [id for id, state in states(open_server).items() if state == "running"]
+    done = until_done(placed, cgc_mesh=dome(), run=True, server=open_server.url)
+    assert done[-1]["status"] == "converged" and states(open_server)[job] == "cancelled"
 
 
-def test_reset_cancels_the_job_on_the_server(running):
+def test_reset_cancels_the_job_on_the_server(open_server):
     placed = place("Solve")
-    placed.run(run=True, server=running.url, **busy())
-    wait_for(lambda: "running" in states(running).values())
-    wait_for(lambda: placed.run(run=True, server=running.url, **busy())["progress"] is not None)
+    placed.run(run=True, server=open_server.url, **busy())
+    wait_for(lambda: "running" in states(open_server).values())
+    wait_for(lambda: placed.run(run=True, server=open_server.url, **busy())["progress"] is not None)
     placed.run(reset=True)
-    wait_for(lambda: "running" not in states(running).values())
+    wait_for(lambda: "running" not in states(open_server).values())
 
 
 @pytest.mark.nightly
@@ -174,13 +168,13 @@ def settled(placed, **inputs):
     return out
 
 
-def test_a_server_that_runs_is_found_and_left_alone(running):
+def test_a_server_that_runs_is_found_and_left_alone(open_server):
     placed = place("Server")
-    out = settled(placed, run=True, url=running.url)
-    assert out["server"] == Address(running.url) and out["url"] == running.url and out["status"].endswith("already running")
+    out = settled(placed, run=True, url=open_server.url)
+    assert out["server"] == Address(open_server.url) and out["url"] == open_server.url and out["status"].endswith("already running")
     assert place("Solve").run(cgc_mesh=dome(), run=False, server=out["server"])["status"] == "waiting"
-    assert settled(placed, run=False, url=running.url)["status"] == "not running"
-    assert running.client.health()["status"] == "ok"
+    assert settled(placed, run=False, url=open_server.url)["status"] == "not running"
+    assert open_server.client.health()["status"] == "ok"
 
 
 def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):

@@ -25,10 +25,9 @@ from compas_cgc.fabrication.panelling import panels as divided
 
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
-from ...support.server_process import running_server
+from ...support.server_process import KEY
 from ...support.shapes import grid
 
-KEY = "a-key-for-builds"
 HEADS = {
     **{"list.csv": b"sheet,piece", "plan.dxf": b"  0\nSECTION", "plan.svg": b"<svg ", "zip": b"PK"},
     "3dm": b"3D Geometry File Format ",
@@ -38,12 +37,6 @@ HEADS = {
     "inp": b"*",
     "json": b"{",
 }
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", KEY) as running:
-        yield running
 
 
 @pytest.fixture(scope="module")

@@ -26,18 +26,11 @@ from compas_cgc.server.api.openapi import description
 
 from ...support.rhino_models import dots_of
 from ...support.rhino_models import result_of
+from ...support.server_process import KEY
 from ...support.server_process import PATIENCE
 from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
-
-KEY = "a-key-for-tests"
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("server") / "jobs.sqlite", KEY) as running:
-        yield running
 
 
 def ask(server, method, path, body=None, key=KEY, **headers):
@@ -520,6 +513,7 @@ def test_jobs_survive_a_kill_of_the_server(tmp_path):
         assert second.client.result("was-running")["iterations"] >= 400
 
 
+@pytest.mark.nightly
 def test_it_stops_quickly_whatever_is_under_way(tmp_path):
     with running_server(tmp_path / "jobs.sqlite") as running:
         id = running.client.submit(*grid(40), **{name: value for name, value in endless().items() if name not in ("vertices", "faces")})

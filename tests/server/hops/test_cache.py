@@ -11,14 +11,7 @@ from compas_cgc.server.hops.cache import Answers
 from compas_cgc.server.hops.cache import request_digest
 
 from ...support.hops_client import Hops
-from ...support.server_process import running_server
 from ...support.shapes import grid
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("cache") / "jobs.sqlite", workers=1) as running:
-        yield running
 
 
 def body_of(server, name="dome", cachesolve=True, n=6, **inputs):
@@ -75,11 +68,10 @@ def test_failures_and_what_changes_by_itself_are_not_kept(server):
     assert not any(post(server, fetch)[1] for _ in range(3))
 
 
-def test_the_key_is_asked_for_before_an_answer_is_looked_up(tmp_path):
-    with running_server(tmp_path / "jobs.sqlite", "a-long-enough-key", workers=1) as server:
-        body = body_of(server, K=0.01)
-        assert post(server, body)[0] == 200 and post(server, body)[1] is True
-        assert server.ask("POST", "/solve", json.dumps(body).encode(), RhinoComputeKey=None)[0] == 401
+def test_the_key_is_checked_before_an_answer_is_looked_up(server):
+    body = body_of(server, K=0.01)
+    assert post(server, body)[0] == 200 and post(server, body)[1] is True
+    assert server.ask("POST", "/solve", json.dumps(body).encode(), RhinoComputeKey=None)[0] == 401
 
 
 def test_the_answers_not_asked_for_the_longest_make_room():

@@ -19,18 +19,11 @@ from compas_cgc.server.hops.data_tree import format_text
 from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
 from ...support.hops_client import get
-from ...support.server_process import running_server
+from ...support.server_process import KEY
 from ...support.server_process import wait_for
 from ...support.shapes import grid
 
-KEY = "a-key-for-hops"
 GENERATIONS = (7, 8, 2026)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("hops") / "jobs.sqlite", KEY) as running:
-        yield running
 
 
 @pytest.fixture

@@ -15,15 +15,7 @@ from compas_cgc.io.rhino.meshes import mesh_to_arrays
 from ...support.constant_curvature import cone
 from ...support.constant_curvature import revolved_patch
 from ...support.hops_client import Hops
-from ...support.server_process import running_server
-
-KEY = "a-key-for-hops"
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("hops") / "jobs.sqlite", KEY) as running:
-        yield running
+from ...support.server_process import KEY
 
 
 @pytest.fixture

@@ -21,20 +21,13 @@ from ...support.hops_client import Hops
 from ...support.hops_client import HopsError
 from ...support.hops_client import get
 from ...support.hops_client import write
+from ...support.server_process import KEY
 from ...support.server_process import PATIENCE
-from ...support.server_process import running_server
 from ...support.server_process import wait_for
 from ...support.shapes import grid
 
-KEY = "a-key-for-hops"
 NAMES = ("dome", "solve", "flow", "analyse", "submit", "fetch")
 CORNERS = [(0, 0, 0), (9, 0, 0), (0, 9, 0), (9, 9, 0)]
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("protocol") / "jobs.sqlite", KEY) as running:
-        yield running
 
 
 @pytest.fixture

@@ -11,7 +11,6 @@ import rhino3dm
 
 from ...support.hands import BUSY
 from ...support.hands import open_hands
-from ...support.server_process import running_server
 from ...support.server_process import wait_for
 
 pytest.importorskip("compas_cgal", reason="the extra mesher is not installed")
@@ -24,12 +23,6 @@ WAYS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    with running_server(tmp_path_factory.mktemp("roof") / "jobs.sqlite", workers=1) as running:
-        yield running
-
-
 def good(hands):
     """Wait until the surface is as asked."""
     wait_for(lambda: hands.text(".verdict.good h2") == "Target reached" and not hands.shown(BUSY), what="the roof is not solved")
@@ -40,7 +33,7 @@ def rise(hands):
 
 
 @pytest.mark.parametrize("browser, width, dark", WAYS)
-def test_a_roof_from_nothing_to_moulds(server, tmp_path, browser, width, dark):
+def test_a_roof_from_nothing_to_moulds(open_server, tmp_path, browser, width, dark):
     shots = Path(os.environ.get("PAGE_PICTURES") or tmp_path)
     with open_hands(browser, tmp_path, width, 860, dark) as hands:
 
@@ -54,7 +47,7 @@ def test_a_roof_from_nothing_to_moulds(server, tmp_path, browser, width, dark):
             )
             assert wide[0] <= wide[1] == width and wide[2] == 0, "nothing is cut off, and the header stays"
 
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         look("0-welcome")
 
@@ -117,10 +110,10 @@ def test_a_roof_from_nothing_to_moulds(server, tmp_path, browser, width, dark):
         assert model.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Meters
 
 
-def test_a_design_is_the_same_after_a_link_and_a_file(server, tmp_path):
+def test_a_design_is_the_same_after_a_link_and_a_file(open_server, tmp_path):
     """What the page packs into a link it unpacks to the same problem."""
     with open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         packed, size = hands.read(
             "const { asFragment, fromFragment, asText } = await import('/page/design/packing.js');"
@@ -140,7 +133,7 @@ def test_a_design_is_the_same_after_a_link_and_a_file(server, tmp_path):
         assert "incomplete" in broken
 
 
-def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
+def test_lines_of_dxf_files_are_read_as_they_are(open_server, tmp_path):
     """What ezdxf writes, the page reads: lengths and areas are those of the curves."""
     ezdxf = pytest.importorskip("ezdxf", reason="the extra fabrication is not installed")
     drawing = ezdxf.new(units=4)
@@ -160,7 +153,7 @@ def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
     spline = BSpline([(40, 0), (42, 3), (46, -3), (48, 0)])
     length = sum(a.distance(b) for a, b in zip(list(spline.approximate(200)), list(spline.approximate(200))[1:]))
     with open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         unit, lines, columns = json.loads(
             hands.read(
@@ -180,10 +173,10 @@ def test_lines_of_dxf_files_are_read_as_they_are(server, tmp_path):
     assert opened == pytest.approx(sorted([15.708, length]), rel=3e-3)
 
 
-def test_what_is_drawn_is_not_lost(server, tmp_path):
+def test_what_is_drawn_is_not_lost(open_server, tmp_path):
     """Enter or another tool closes the outline and ends a fold; what cannot be read is said, and stays to be mended."""
     with open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         hands.click("#begin")
         hands.click("#draw-field")
@@ -209,9 +202,9 @@ def test_what_is_drawn_is_not_lost(server, tmp_path):
         assert hands.read("return document.querySelectorAll('#plan-list li').length") == 2, "what is left by Escape is gone"
 
 
-def test_an_outline_that_crosses_itself_is_told_so(server, tmp_path):
+def test_an_outline_that_crosses_itself_is_told_so(open_server, tmp_path):
     with open_hands("chromium", tmp_path) as hands:
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         hands.click("#begin")
         hands.click("#draw-field")
@@ -222,7 +215,7 @@ def test_an_outline_that_crosses_itself_is_told_so(server, tmp_path):
         wait_for(lambda: "area that can be meshed" in hands.text("#desk-trouble"), what="nothing is said")
 
 
-def test_the_tools_on_the_surface(server, tmp_path):
+def test_the_tools_on_the_surface(open_server, tmp_path):
     """Points and sides are held, folds led and erased, by pointer and by keys; a section has its dimensions."""
     with open_hands("chromium", tmp_path) as hands:
 
@@ -232,7 +225,7 @@ def test_the_tools_on_the_surface(server, tmp_path):
         def held():
             return hands.read("return document.querySelectorAll('#columns li').length")
 
-        hands.open(f"{server.url}/#new")
+        hands.open(f"{open_server.url}/#new")
         hands.seen(".example")
         hands.click("#begin")
         hands.click("#draw-tools [value=rectangle] + span")
