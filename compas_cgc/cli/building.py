@@ -12,6 +12,8 @@ from .._atomic_write import published_together
 from ..fabrication.tasks import TASKS
 from ..fabrication.tasks import BuildOption
 from ..fabrication.tasks import read_settings
+from ..io.formats import OUTPUTS
+from ..io.formats import listed
 from .arguments import add_input
 from .arguments import add_reading
 from .arguments import read_input
@@ -44,9 +46,11 @@ def add_task(parser: argparse.ArgumentParser, task: str, leave: Sequence[str] = 
     add_reading(parser)
 
 
-def add_outputs(parser: argparse.ArgumentParser, kinds: str) -> None:
+def add_outputs(parser: argparse.ArgumentParser, task: str) -> None:
     """Add ``-o``, which is repeatable."""
-    parser.add_argument("-o", "--output", required=True, action="append", metavar="OUT", help=f"{kinds} file to write; repeatable")
+    parser.add_argument(
+        "-o", "--output", required=True, action="append", metavar="OUT", help=f"{listed(OUTPUTS[task])} file to write; repeatable"
+    )
 
 
 def _add(parser: argparse._ActionsContainer, own: BuildOption) -> None:

@@ -24,7 +24,7 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_outputs(parser, ".3dm, .inp or .json")
+    add_outputs(parser, "membrane")
     add_task(parser, "membrane")
     add_supports(parser)
     parser.epilog = _EPILOG

@@ -22,7 +22,7 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_outputs(parser, ".3dm, .dxf or .json")
+    add_outputs(parser, "net")
     add_task(parser, "net")
     parser.epilog = _EPILOG
     parser.set_defaults(run=run)

@@ -32,7 +32,7 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_outputs(parser, ".dxf, .svg, .csv, .list.csv, .plan.dxf, .plan.svg, .3dm or .zip")
+    add_outputs(parser, "unroll")
     add_task(parser, "unroll")
     parser.epilog = _EPILOG
     parser.set_defaults(run=run)

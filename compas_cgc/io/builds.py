@@ -14,22 +14,13 @@ from ..fabrication.tasks import file_options
 from ..model.problem import CGCProblem
 from ._files import suffix_among
 from ._files import written
-from .forces import FORCE_SUFFIXES
 from .forces import write_forces
-from .nets import NET_SUFFIXES
+from .formats import OUTPUTS
 from .nets import write_net
-from .patterns import PATTERN_SUFFIXES
 from .patterns import write_patterns
 
-__all__ = ["BUILD_SUFFIXES", "build_suffix", "write_build"]
+__all__ = ["build_suffix", "write_build"]
 
-# Suffixes by task; the first is for Rhino.
-BUILD_SUFFIXES: dict[str, tuple[str, ...]] = {
-    "mould": (".3dm", ".csv"),
-    "unroll": PATTERN_SUFFIXES,
-    "membrane": FORCE_SUFFIXES,
-    "net": NET_SUFFIXES,
-}
 _WHAT = {"mould": "moulds", "unroll": "patterns", "membrane": "forces", "net": "curves"}
 
 
@@ -41,7 +32,7 @@ def build_suffix(task: str, path: Union[str, os.PathLike]) -> str:
     FileError
         If the task has no output in this format.
     """
-    return suffix_among(path, BUILD_SUFFIXES[task], _WHAT[task])
+    return suffix_among(path, OUTPUTS[task], _WHAT[task])
 
 
 def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, report: Any, settings: Mapping[str, Any]) -> list[Path]:
@@ -50,7 +41,7 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     Parameters
     ----------
     path
-        Output file, with a suffix in :data:`BUILD_SUFFIXES`.
+        Output file, with a suffix in :data:`compas_cgc.io.formats.OUTPUTS`.
     task
         Name of the task.
     problem

@@ -10,22 +10,10 @@ from .._version import __version__
 from ..fabrication.membrane_state import MembraneState
 from ._files import suffix_among
 from ._files import written
+from .formats import OUTPUTS
 from .inp import inp_text
 
-__all__ = ["FORCE_SUFFIXES", "force_suffix", "forces_json", "write_forces"]
-
-FORCE_SUFFIXES = (".3dm", ".inp", ".json")
-
-
-def force_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file of forces, in lower case.
-
-    Raises
-    ------
-    FileError
-        If forces cannot be written in this format.
-    """
-    return suffix_among(path, FORCE_SUFFIXES, "forces")
+__all__ = ["forces_json", "write_forces"]
 
 
 def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
@@ -44,7 +32,7 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
     FileError
         If the file cannot be written.
     """
-    suffix = force_suffix(path)
+    suffix = suffix_among(path, OUTPUTS["membrane"], "forces")
     if suffix == ".3dm":
         from .rhino.forces import write_force_layers
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-__all__ = ["FORMATS", "SUFFIXES", "Format", "listed"]
+__all__ = ["FORMATS", "MEDIA_TYPES", "OUTPUTS", "SUFFIXES", "Format", "listed"]
 
 
 class Format(NamedTuple):
@@ -52,6 +52,23 @@ FORMATS = {
 }
 
 SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates)
+
+# Files of the tasks that follow a solve; the suffix selects the contents.
+OUTPUTS = {
+    "mould": (".3dm", ".csv"),
+    "unroll": (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip"),
+    "membrane": (".3dm", ".inp", ".json"),
+    "net": (".3dm", ".dxf", ".json"),
+}
+
+MEDIA_TYPES = {
+    **{suffix: own.media_type for suffix, own in FORMATS.items() if own.media_type},
+    ".csv": "text/csv",
+    ".inp": "text/plain",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".zip": "application/zip",
+}
 
 
 def listed(suffixes: Iterable[str] = SUFFIXES) -> str:

@@ -15,21 +15,9 @@ from ..fabrication.dxf import show_all
 from ..fabrication.plain_data import build_data
 from ._files import suffix_among
 from ._files import written
+from .formats import OUTPUTS
 
-__all__ = ["NET_SUFFIXES", "net_suffix", "write_net"]
-
-NET_SUFFIXES = (".3dm", ".dxf", ".json")
-
-
-def net_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file of curves, in lower case.
-
-    Raises
-    ------
-    FileError
-        If curves cannot be written in this format.
-    """
-    return suffix_among(path, NET_SUFFIXES, "curves")
+__all__ = ["write_net"]
 
 
 def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
@@ -49,7 +37,7 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
     CGCError
         If a package that the format requires is missing.
     """
-    suffix = net_suffix(path)
+    suffix = suffix_among(path, OUTPUTS["net"], "curves")
     if suffix == ".3dm":
         from .rhino.nets import write_net_layers
 

@@ -18,23 +18,12 @@ from ..fabrication.svg import svg_text
 from ..fabrication.tables import edge_table_text
 from ._files import suffix_among
 from ._files import written
+from .formats import OUTPUTS
 
-__all__ = ["PATTERN_SUFFIXES", "pattern_suffix", "write_patterns"]
+__all__ = ["write_patterns"]
 
-PATTERN_SUFFIXES = (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip")
 _TEXT = {".dxf": dxf_text, ".svg": svg_text}
 _ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same patterns give the same archive
-
-
-def pattern_suffix(path: Union[str, os.PathLike]) -> str:
-    """Return the suffix of a file of patterns, in lower case.
-
-    Raises
-    ------
-    FileError
-        If patterns cannot be written in this format.
-    """
-    return suffix_among(path, PATTERN_SUFFIXES, "patterns")
 
 
 def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: bool = True, per_sheet: bool = False) -> list[Path]:
@@ -64,7 +53,7 @@ def write_patterns(path: Union[str, os.PathLike], patterns: Patterns, *, nodes: 
     CGCError
         If a package that the format requires is missing.
     """
-    suffix, path = pattern_suffix(path), Path(path)
+    suffix, path = suffix_among(path, OUTPUTS["unroll"], "patterns"), Path(path)
     if suffix == ".3dm":
         from .rhino.patterns import write_pattern_layers
 

@@ -20,8 +20,9 @@ from ...fabrication.plain_data import plain
 from ...fabrication.tasks import TASKS
 from ...fabrication.tasks import build
 from ...fabrication.tasks import read_settings
-from ...io.builds import BUILD_SUFFIXES
 from ...io.builds import write_build
+from ...io.formats import MEDIA_TYPES
+from ...io.formats import OUTPUTS
 from ...model.problem import CGCProblem
 from ..errors import Unprocessable
 from ..limits import Limits
@@ -30,19 +31,9 @@ __all__ = ["BUILD_FORMATS", "SOLVE", "TASK_NAMES", "build_file", "built", "check
 
 SOLVE, LIMITS = "solve", "limits"
 TASK_NAMES = (SOLVE, *TASKS, LIMITS)
-_JSON = "application/json"
 BUILD_FORMATS = {
-    "arrays": _JSON,
-    "json": _JSON,
-    "3dm": "model/vnd.3dm",
-    "dxf": "image/vnd.dxf",
-    "svg": "image/svg+xml",
-    "csv": "text/csv",
-    "list.csv": "text/csv",
-    "plan.dxf": "image/vnd.dxf",
-    "plan.svg": "image/svg+xml",
-    "zip": "application/zip",
-    "inp": "text/plain",
+    "arrays": MEDIA_TYPES[".json"],
+    **{suffix[1:]: MEDIA_TYPES[Path(suffix).suffix or suffix] for suffixes in OUTPUTS.values() for suffix in suffixes},
 }
 _MARK = b"CGC build\n"
 _STAGES = 3  # read, make, write
@@ -65,7 +56,7 @@ def tasks() -> list[dict]:
             "name": own.name,
             "text": own.text,
             "options": [{"name": option.name, **option.schema, "description": option.text} for option in own.options],
-            "formats": ["arrays", *(suffix[1:] for suffix in BUILD_SUFFIXES[own.name])],
+            "formats": ["arrays", *(suffix[1:] for suffix in OUTPUTS[own.name])],
         }
         for own in TASKS.values()
     ]
@@ -135,7 +126,7 @@ def _files(task: str, problem: CGCProblem, made: Any, settings: Mapping[str, Any
     """Return the file in every format of the task; a format that cannot be written is replaced by a note."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
-        for suffix in BUILD_SUFFIXES[task]:
+        for suffix in OUTPUTS[task]:
             path = Path(folder) / f"{task}{suffix}"
             try:
                 written = write_build(path, task, problem, made, settings)
