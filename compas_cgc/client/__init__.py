@@ -1,4 +1,4 @@
-"""A client of the compute server that needs nothing but Python 3.9: not even the rest of this package."""
+"""A client of the compute server that requires only the standard library of Python 3.9."""
 
 from __future__ import annotations
 

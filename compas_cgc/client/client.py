@@ -1,4 +1,4 @@
-"""HTTP client: solve on a server as if it were here."""
+"""HTTP client of the compute server."""
 
 from __future__ import annotations
 
@@ -34,35 +34,35 @@ from .packed import unpack
 __all__ = ["Client"]
 
 API = 1
-LONGEST_PAUSE = 30.0  # seconds that a server may ask for before the next try
-UNWATCHED = 1.0  # seconds between two looks that nobody is told of; Ctrl-C may have to wait for one
+MAX_PAUSE = 30.0  # upper limit of the pause requested by a server [s]
+LONG_INTERVAL = 1.0  # polling interval without callbacks [s]; limits the delay of Ctrl-C
 LOST = (OSError, http.client.HTTPException)
-# A proxy of the system between this program and its own machine would only be in the way.
+# Connections to the local machine bypass the system proxy.
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
 
 @runtime_checkable
 class Listable(Protocol):
-    """An array of NumPy, or one of its numbers."""
+    """A NumPy array or scalar."""
 
     def tolist(self) -> Any:
-        """Return lists of numbers of Python, or such a number."""
+        """Return the array as lists of Python numbers, or the scalar as a Python number."""
         ...
 
 
 class Client:
-    """A compute server.
+    """Client of a compute server.
 
     Parameters
     ----------
     url
-        Its address.
+        Address of the server.
     key
-        Its key, where it has one.
+        Key of the server, if it has one.
     retries
-        How often a lost connection or a busy server is tried again, with growing pauses.
+        Number of retries after a lost connection or a busy response, with increasing pauses.
     timeout
-        Seconds to wait for an answer; a solve may take any time.
+        Time limit of a response [s]. The duration of a solve is not limited.
 
     Examples
     --------
@@ -98,27 +98,27 @@ class Client:
         vertices
             ``(n, 3)`` coordinates [L].
         faces
-            Lists of vertex numbers.
+            Lists of vertex indices.
         on_progress
-            Called with the status at first, and whenever a look finds another.
+            Called with the first status, and with every changed status.
         cancel
-            Asked at every look; True stops the solve.
+            Called at every poll; True stops the solve.
         interval
-            Seconds between two looks; less where `cancel` is asked, more where nobody is told of them.
+            Polling interval [s]; shorter with `cancel`, longer without callbacks.
         id
-            Of the job. Default: a new one.
+            Id of the job. Default: a new id.
         options
             ``supports``, ``creases``, ``targets``, ``goals``, ``method``, ``settings``, ``flip``, ``roles``, ``name``.
 
         Returns
         -------
         dict
-            With ``id``, ``vertices``, ``faces``, ``status``, ``message``, ``max_error``, ``curvature``, ``history``, ``report``.
+            Result with ``id``, ``vertices``, ``faces``, ``status``, ``message``, ``max_error``, ``curvature``, ``history``, ``report``.
 
         Raises
         ------
         ServerUnavailable, Refused, Failed
-            With a sentence to show.
+            If the server is not available, it rejects the request, or the job fails.
         """
         return self._fetched(self.submit(vertices, faces, id, **options), on_progress, cancel, interval)
 
@@ -130,7 +130,7 @@ class Client:
         except (Failed, Refused, ServerUnavailable):
             raise
         except BaseException:
-            # Nobody would fetch it: Ctrl-C, or a fault in what was given to call.
+            # Nobody would fetch the result after Ctrl-C or an error in a callback.
             with suppress(ClientError):
                 self.cancel(id)
             raise
@@ -139,13 +139,13 @@ class Client:
         self, id: str, on_progress: Optional[Callable[[dict], object]], cancel: Optional[Callable[[], bool]], interval: float
     ) -> dict:
         pause = interval if cancel is None else min(interval, 0.05)
-        # The end of the job is told at once; to look before is for who is told of it.
-        wait = pause if on_progress or cancel else max(interval, UNWATCHED)
+        # The server responds at the end of the job; intermediate polls are only needed for callbacks.
+        wait = pause if on_progress or cancel else max(interval, LONG_INTERVAL)
         told: Optional[dict] = None
         while True:
             looked = time.monotonic()
             status = self.poll(id, wait=wait)
-            # A job may wait for minutes: the time alone is no news.
+            # A job may be queued for minutes: a change of the elapsed time alone is not reported.
             news = {**status, "elapsed": None}
             if on_progress is not None and news != told:
                 on_progress(status)
@@ -157,7 +157,7 @@ class Client:
             if cancel is not None and cancel():
                 self.cancel(id)
                 cancel = None
-            # The server answers at once when too many wait for their jobs.
+            # The server responds at once if too many clients wait for their jobs.
             time.sleep(max(0.0, pause - (time.monotonic() - looked)))
 
     def build(
@@ -174,30 +174,30 @@ class Client:
         id: Optional[str] = None,
         **options: object,
     ) -> dict:
-        """Make something of a solved surface and wait for it.
+        """Run a task on a solved surface and wait for the result.
 
         Parameters
         ----------
         task
-            ``mould``, ``unroll``, ``membrane``, ``net``; or ``limits``, how much curvature supports carry. See :meth:`tasks`.
+            ``mould``, ``unroll``, ``membrane``, ``net``, or ``limits`` for the largest feasible curvature. See :meth:`tasks`.
         vertices, faces
-            The solved surface, with its ``creases``, ``targets`` and ``supports`` among the options.
+            The solved surface; its ``creases``, ``targets`` and ``supports`` are options.
         job
-            Instead: the job that solved it.
+            Id of the job that solved the surface, instead of vertices and faces.
         settings
-            Of the task, such as ``{"sheet": "3.0x1.5"}``.
+            Settings of the task, such as ``{"sheet": "3.0x1.5"}``.
         on_progress, cancel, interval, id, options
             See :meth:`solve`.
 
         Returns
         -------
         dict
-            With ``id``, ``text`` to show, ``formats`` for :meth:`result`, and arrays to draw.
+            Result with ``id``, a summary ``text``, ``formats`` for :meth:`result`, and arrays.
 
         Raises
         ------
         ServerUnavailable, Refused, Failed
-            With a sentence to show.
+            If the server is not available, it rejects the request, or the job fails.
         """
         own = self.submit_build(task, vertices, faces, job=job, settings=settings, id=id, **options)
         return self._fetched(own, on_progress, cancel, interval)
@@ -213,7 +213,7 @@ class Client:
         id: Optional[str] = None,
         **options: object,
     ) -> str:
-        """Hand in a task on a solved surface, or on the result of a job, and return the id of its own job."""
+        """Submit a task on a solved surface or on the result of a job, and return the id of its job."""
         if job is None:
             return self.submit(
                 [] if vertices is None else vertices, [] if faces is None else faces, id, task=task, settings=settings, **options
@@ -222,11 +222,11 @@ class Client:
         return self._json("POST", "/api/v1/jobs", body)["id"]
 
     def tasks(self) -> list[dict]:
-        """Return what can be built: name, text, options and formats of each."""
+        """Return the available tasks with name, text, options and formats."""
         return self._json("GET", "/api/v1/tasks")["tasks"]
 
     def submit(self, vertices: Rows, faces: Rows, id: Optional[str] = None, **options: object) -> str:
-        """Hand in a solve and return its id; a connection lost on the way does not start it twice."""
+        """Submit a solve and return the id of its job; a retry after a lost connection does not start it twice."""
         body = {
             "id": id or uuid.uuid4().hex,
             "vertices": _packed(vertices, "f8"),
@@ -236,7 +236,7 @@ class Client:
         return self._json("POST", "/api/v1/jobs", body)["id"]
 
     def submit_file(self, content: bytes, kind: str, **options: object) -> str:
-        """Hand in the bytes of a ``3dm`` or ``obj`` file, for a ``task`` among the options or a solve, and return the id of the job."""
+        """Submit the bytes of a ``3dm`` or ``obj`` file for a solve or the option ``task``, and return the id of the job."""
         query = urlencode({"kind": kind, "options": json.dumps({"id": uuid.uuid4().hex, **options})})
         return json.loads(self.request("POST", f"/api/v1/jobs?{query}", content))["id"]
 
@@ -248,7 +248,7 @@ class Client:
         id
             The job.
         wait
-            Seconds that the server may wait for the end of the job with its answer.
+            Longest time that the server waits for the end of the job before it responds [s].
         """
         return self._json("GET", f"/api/v1/jobs/{quote(id)}" + (f"?wait={min(wait, 0.5 * self.timeout):g}" if wait > 0 else ""))
 
@@ -259,16 +259,16 @@ class Client:
     def result(self, id: str, format: str, beside: Optional[bytes] = None) -> Union[dict, bytes]: ...
 
     def result(self, id: str, format: str = "arrays", beside: Optional[bytes] = None) -> Union[dict, bytes]:
-        """Return a result: a dict for ``arrays``, bytes for ``compas``, ``3dm``, ``obj`` and ``hops``, and the files of a build.
+        """Return a result: a dict for ``arrays``, else the bytes of a file.
 
         Parameters
         ----------
         id
             The job.
         format
-            One of these.
+            ``arrays``, ``compas``, ``3dm``, ``obj``, ``hops``, or a format of the build.
         beside
-            Bytes of a ``3dm`` file: the result is put into it, and all that is there stays.
+            Bytes of a ``3dm`` file into which the result is merged; its contents are kept.
         """
         sent = "packed" if format == "arrays" else format
         content = self.request("GET" if beside is None else "POST", f"/api/v1/jobs/{quote(id)}/result?format={quote(sent)}", beside)
@@ -277,7 +277,7 @@ class Client:
         return {"id": id, **{name: unpack(value) for name, value in json.loads(content).items()}}
 
     def moulds(self, id: str, **options: object) -> dict:
-        """Return the moulds that panels of a result are made on.
+        """Return the panels of a result and their moulds.
 
         Parameters
         ----------
@@ -297,7 +297,7 @@ class Client:
         return self._json("POST", f"/api/v1/jobs/{quote(id)}/cancel")
 
     def delete(self, id: str) -> None:
-        """Stop a job and forget it."""
+        """Stop a job and delete it."""
         self.request("DELETE", f"/api/v1/jobs/{quote(id)}")
 
     def jobs(self) -> list[dict]:
@@ -309,7 +309,7 @@ class Client:
     # ------------------------------------------------------------------
 
     def health(self) -> dict:
-        """Return how the server is."""
+        """Return the health of the server."""
         return self._json("GET", "/health")
 
     def version(self) -> dict:
@@ -318,27 +318,27 @@ class Client:
         Raises
         ------
         ServerUnavailable
-            If something else answers at the address, or a server of another interface.
+            If the address belongs to another program, or to a server with an incompatible interface.
         """
         try:
             found = self._json("GET", "/version")
         except Refused:
             found = {}
         if not isinstance(found, Mapping) or found.get("name") != "compas_cgc":
-            raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address")
+            raise ServerUnavailable(f"the program at {self.url} is not a server of compas_cgc; choose another address")
         if found.get("api") != API:
             raise ServerUnavailable(
-                f"the server at {self.url} is compas_cgc {found.get('version')}, which this client does not fit; update one"
+                f"the server at {self.url} has version {found.get('version')}, which is incompatible with this client; update one of them"
             )
         return dict(found)
 
     def request(self, method: str, path: str, body: Optional[bytes] = None) -> bytes:
-        """Send a request and return the answer; what can be tried again is.
+        """Send a request and return the response, with retries where possible.
 
         Raises
         ------
         ServerUnavailable, Refused
-            With a sentence to show.
+            If the server is not available, it rejects the request, or the job fails.
         """
         headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {self.key}"} if self.key else {})}
         attempt = 0
@@ -356,8 +356,8 @@ class Client:
             except LOST as error:
                 if attempt == self.retries:
                     reason = getattr(error, "reason", error)
-                    raise ServerUnavailable(f"no server answers at {self.url} ({reason}); start one with: compas-cgc serve") from None
-            time.sleep(max(min(2.0, 0.1 * 2**attempt), min(asked, LONGEST_PAUSE)) * random.uniform(0.5, 1.0))
+                    raise ServerUnavailable(f"no server responds at {self.url} ({reason}); start one with: compas-cgc serve") from None
+            time.sleep(max(min(2.0, 0.1 * 2**attempt), min(asked, MAX_PAUSE)) * random.uniform(0.5, 1.0))
             attempt += 1
 
     def _json(self, method: str, path: str, value: Optional[dict] = None) -> dict:
@@ -365,7 +365,7 @@ class Client:
         try:
             return json.loads(self.request(method, path, body))
         except ValueError:
-            raise ServerUnavailable(f"what answers at {self.url} is no server of compas_cgc; give another address") from None
+            raise ServerUnavailable(f"the program at {self.url} is not a server of compas_cgc; choose another address") from None
 
 
 def _plain(options: Mapping[str, object]) -> dict[str, object]:
@@ -378,7 +378,7 @@ def _query(options: dict[str, object]) -> str:
 
 
 def _packed(rows: Rows, kind: str) -> Union[dict, list]:
-    """Return rows of three numbers in packed form; other rows go as lists, for the server to take or to refuse."""
+    """Return rows of three numbers in packed form; other rows as lists, which the server checks."""
     try:
         return pack(rows, kind, 3)
     except (TypeError, ValueError, OverflowError):
@@ -386,14 +386,14 @@ def _packed(rows: Rows, kind: str) -> Union[dict, list]:
 
 
 def _rows(value: Union[Listable, Iterable[Union[Listable, Iterable[float]]]]) -> list:
-    """Return arrays as lists; numbers of .NET and NumPy as those of Python."""
+    """Return arrays as lists, with .NET and NumPy numbers converted to Python numbers."""
     if isinstance(value, Listable):
         return value.tolist()
     return [list(row) if isinstance(row, (list, tuple)) or not isinstance(row, Listable) else row.tolist() for row in value]
 
 
 def _pause_of(error: urllib.error.HTTPError) -> float:
-    """Return the seconds that a server asks its client to wait."""
+    """Return the pause requested by a server [s]."""
     told = error.headers.get("Retry-After") or ""
     return float(told) if told.isdecimal() else 0.0
 
@@ -402,4 +402,4 @@ def _sentence(error: urllib.error.HTTPError) -> str:
     try:
         return json.loads(error.read())["message"]
     except (OSError, ValueError, KeyError, TypeError):
-        return f"the server answered {error.code} {error.reason}"
+        return f"the server responded with status {error.code} ({error.reason})"

@@ -1,4 +1,4 @@
-"""Errors of the client, each with a sentence to show."""
+"""Errors of the client; every message is one sentence for the user."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ __all__ = ["ClientError", "Failed", "Refused", "ServerUnavailable"]
 
 
 class ClientError(Exception):
-    """Base of all errors of the client."""
+    """Base class of all errors of the client."""
 
 
 class ServerUnavailable(ClientError):
-    """No server answers, or what answers is not one of this package."""
+    """No server responds, or the address belongs to another program."""
 
 
 class Refused(ClientError):
-    """The server does not take the request.
+    """The server rejected the request.
 
     Attributes
     ----------
     status
         HTTP status code.
     message
-        What the server said.
+        Message of the server.
     """
 
     def __init__(self, message: str, status: int):
@@ -37,7 +37,7 @@ class Failed(ClientError):
     state
         ``failed`` or ``cancelled``.
     message
-        What the server or the solver said.
+        Message of the server or the solver.
     """
 
     def __init__(self, message: str, state: str = "failed"):

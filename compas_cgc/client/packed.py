@@ -1,4 +1,4 @@
-"""Packed arrays: bytes in JSON, which takes a tenth of the time of lists of numbers."""
+"""Packed arrays in JSON, ten times as fast as lists of numbers."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ KINDS = {"f8": "d", "i4": "i"}
 
 @runtime_checkable
 class Array(Protocol):
-    """What the client uses of a NumPy array, so that it does without NumPy."""
+    """Interface of NumPy arrays used by the client, which does not require NumPy."""
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of rows and columns."""
+        """Number of rows and columns."""
         ...
 
     @property
@@ -44,7 +44,7 @@ class Array(Protocol):
         ...
 
     def tolist(self) -> Any:
-        """Return lists of numbers of Python."""
+        """Return lists of Python numbers."""
         ...
 
 
@@ -58,7 +58,7 @@ def pack(rows: Rows, kind: str, width: int) -> dict:
     Raises
     ------
     TypeError, ValueError, OverflowError
-        If they are not such rows.
+        If the rows do not have `width` numbers each.
     """
     count = len(rows)
     if isinstance(rows, Array):
@@ -77,7 +77,7 @@ def pack(rows: Rows, kind: str, width: int) -> dict:
 
 
 def unpack(value: object) -> object:
-    """Return a packed array as lists, with None for NaN and infinity, and anything else as it is."""
+    """Return a packed array as lists, with None for NaN and infinity; other values unchanged."""
     if not isinstance(value, dict) or set(value) != {"base64", "type", "shape"}:
         return value
     values = array(KINDS[value["type"]])
@@ -92,7 +92,7 @@ def unpack(value: object) -> object:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Keep the garbage collector from looking through thousands of lists that are all wanted, while they are made."""
+    """Disable the garbage collector within a block that creates thousands of lists."""
     was = gc.isenabled()
     gc.disable()
     try:

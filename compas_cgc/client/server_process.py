@@ -1,4 +1,4 @@
-"""Server process: a compute server that is found at an address, or started there."""
+"""Server process: finds a compute server at an address, or starts one."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["ServerProcess", "ensure_server", "find_server", "own_python", "start
 
 PathLike = Union[str, os.PathLike]
 
-POLL_INTERVAL = 0.1  # seconds between two looks at a new server
+POLL_INTERVAL = 0.1  # time between two checks of a new server [s]
 LOCAL = ("127.0.0.1", "localhost")
 
 
 class ServerProcess(NamedTuple):
-    """A server that was started."""
+    """A started server."""
 
     process: subprocess.Popen
     log: Path
@@ -40,7 +40,7 @@ def ensure_server(
     patience: float = 60.0,
     say: Callable[[str], object] = print,
 ) -> Client:
-    """Return a client of the server at an address; if none answers there, start one that goes on running.
+    """Return a client of the server at an address; if none responds, start one that outlives this program.
 
     Parameters
     ----------
@@ -49,26 +49,26 @@ def ensure_server(
     key
         Key of the server.
     python
-        Python that has compas_cgc and shall run a new server. Inside of Rhino it must be
-        given. Default: the one that runs this program.
+        Path of a Python with compas_cgc that runs a new server; required inside Rhino.
+        Default: the running Python.
     version
-        Version that the server has to be of. Default: any of the same interface.
+        Required version of the server. Default: any version with the same interface.
     log
-        File for what a new server says. Default: one in the folder for temporary files.
+        Log file of a new server. Default: a file in the folder for temporary files.
     patience
-        Seconds to wait for a new server.
+        Longest time to wait for a new server [s].
     say
-        Called with a sentence on what was done.
+        Called with status messages.
 
     Returns
     -------
     Client
-        Of the server that answers at the address.
+        Client of the server at the address.
 
     Raises
     ------
     ServerUnavailable
-        If there is none and none can be started; it names the log.
+        If no server responds and none can be started; the message contains the path of the log.
 
     Examples
     --------
@@ -78,87 +78,87 @@ def ensure_server(
     found = find_server(client)
     if found is None:
         if python is None and own_python() is None:
-            raise ServerUnavailable("give the Python that has compas_cgc, as python=...; this program is not one that can run a server")
+            raise ServerUnavailable("this program cannot run a server; give the path of a Python with compas_cgc as python=...")
         server = start_server(url, key, python, log)
         say(f"starting a server of compas_cgc at {url}; its log is {server.log}")
         found = wait_for_server(client, server, patience)
     if version is not None and found["version"] != version:
-        raise ServerUnavailable(f"the server at {url} is compas_cgc {found['version']}, not {version}; stop it, or take another port")
+        raise ServerUnavailable(f"the server at {url} has version {found['version']}, not {version}; stop it, or use another port")
     return Client(url, key)
 
 
 def find_server(client: Client) -> Optional[dict]:
-    """Return name and version of the server that answers, None where none does.
+    """Return name and version of the running server, None if no server responds.
 
     Raises
     ------
     ServerUnavailable
-        If what answers is no server of this interface.
+        If the address belongs to another program or an incompatible server.
     """
     try:
         return client.version()
     except ServerUnavailable as error:
-        if "no server answers" in str(error):
+        if "no server responds" in str(error):
             return None
         raise
 
 
 def own_python() -> Optional[str]:
-    """Return the Python that runs this program, None inside of Rhino and other programs that are none."""
+    """Return the path of the running Python, None inside Rhino and other host programs."""
     return sys.executable if Path(sys.executable or "").name.lower().startswith("python") else None
 
 
 def start_server(
     url: str, key: Optional[str] = None, python: Optional[PathLike] = None, log: Optional[PathLike] = None, detached: bool = True
 ) -> ServerProcess:
-    """Start a server, without waiting for it to answer.
+    """Start a server without waiting for its response.
 
     Parameters
     ----------
     url, key, python, log
         As for :func:`ensure_server`.
     detached
-        Let it outlive this program.
+        Whether the server outlives this program.
 
     Raises
     ------
     ServerUnavailable
-        If it cannot be started.
+        If the server cannot be started.
     """
     port = _local_port(url)
     path = Path(tempfile.gettempdir()) / f"compas_cgc-{port}.log" if log is None else Path(log)
     try:
         file = open(path, "ab")
     except OSError as error:
-        raise ServerUnavailable(f"the log {path} cannot be written ({error.strerror}); give another as log=...") from None
+        raise ServerUnavailable(f"the log {path} cannot be written ({error.strerror}); choose another as log=...") from None
     command = [str(python or own_python() or "python"), "-m", "compas_cgc", "serve", "--port", port]
     environment = {**os.environ, **({"COMPAS_CGC_KEY": key} if key else {})}
     try:
         with file:
             process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=file, stderr=file, env=environment, **_creation(detached))
     except OSError as error:
-        raise ServerUnavailable(f"{command[0]} cannot be run ({error.strerror}); give the path of a Python that has compas_cgc") from None
+        raise ServerUnavailable(f"{command[0]} cannot be run ({error.strerror}); give the path of a Python with compas_cgc") from None
     return ServerProcess(process, path)
 
 
 def wait_for_server(client: Client, server: ServerProcess, patience: float = 60.0, waiting: Callable[[], object] = lambda: False) -> dict:
-    """Return name and version of a new server when it answers, or stop it.
+    """Return name and version of a new server when it responds; stop it if it does not.
 
     Parameters
     ----------
     client
-        Of the server.
+        Client of the server.
     server
         The server.
     patience
         Seconds to wait.
     waiting
-        Called again and again; True gives up.
+        Called periodically; True cancels the start.
 
     Raises
     ------
     ServerUnavailable
-        If it has ended, does not answer in time or was given up.
+        If the server ended, did not respond in time or was cancelled.
     """
     end = time.monotonic() + patience
     try:
@@ -169,7 +169,7 @@ def wait_for_server(client: Client, server: ServerProcess, patience: float = 60.
             if server.process.poll() is not None:
                 raise ServerUnavailable(f"the server did not start: {_last_line(server.log)} (its log is {server.log})")
             if time.monotonic() > end:
-                raise ServerUnavailable(f"the server did not answer within {patience:g} seconds; its log is {server.log}")
+                raise ServerUnavailable(f"the server did not respond within {patience:g} s; its log is {server.log}")
             time.sleep(POLL_INTERVAL)
         raise ServerUnavailable("stopped")
     except BaseException:
@@ -178,7 +178,7 @@ def wait_for_server(client: Client, server: ServerProcess, patience: float = 60.
 
 
 def stop_server(process: Optional[subprocess.Popen]) -> None:
-    """Stop a server that runs."""
+    """Stop a running server."""
     if process is not None and process.poll() is None:
         process.terminate()
 
@@ -186,12 +186,14 @@ def stop_server(process: Optional[subprocess.Popen]) -> None:
 def _local_port(url: str) -> str:
     host, _, port = url.split("//")[-1].rstrip("/").rpartition(":")
     if host not in LOCAL or not port.isdecimal():
-        raise ServerUnavailable(f"no server answers at {url}, and only one on this machine can be started, such as http://127.0.0.1:7331")
+        raise ServerUnavailable(
+            f"no server responds at {url}; a server can only be started on this machine, such as at http://127.0.0.1:7331"
+        )
     return port
 
 
 def _creation(detached: bool) -> dict:
-    """Return what keeps a process off the screen, and alive after this program where it is detached."""
+    """Return process options that hide the window and, if detached, let the process outlive this program."""
     if sys.platform == "win32":
         return {"creationflags": 0x00000208 if detached else 0x08000000}
     return {"start_new_session": True} if detached else {}
@@ -199,4 +201,4 @@ def _creation(detached: bool) -> dict:
 
 def _last_line(log: Path) -> str:
     lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
-    return lines[-1] if lines else "it said nothing"
+    return lines[-1] if lines else "its log is empty"

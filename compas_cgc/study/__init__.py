@@ -1,7 +1,7 @@
-"""Studies: many variants of one drawing, solved, judged and written as they come.
+"""Studies: many variants of one drawing, solved, judged and written in order.
 
-A :class:`Study` says what is varied and how it is sampled; :func:`run_study` solves every variant, on worker processes of this
-machine or of others, and :class:`Results` reads what is there, of a study that still runs too.
+A :class:`Study` defines the parameters and their sampling. :func:`run_study` solves every variant, on worker processes of this
+machine or of others. :class:`Results` reads the results, also of a running study.
 """
 
 from __future__ import annotations

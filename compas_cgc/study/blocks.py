@@ -1,7 +1,7 @@
-"""Blocks: consecutive variants that one worker solves in one go, the unit of work of a study.
+"""Blocks: consecutive variants that one worker solves together, the unit of work of a study.
 
-Which variants make a block depends on the study alone, and no block knows of another, so that the table is the same to the last bit
-however many workers there are.
+The blocks depend on the study only and are independent of each other, so that the table is bitwise identical for any number of
+workers.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from .variants import Plan
 
 __all__ = ["solve_block"]
 
-PLANS = 2  # that a worker keeps
+PLANS = 2  # number of plans cached by a worker
 
 _plans: OrderedDict[str, Plan] = OrderedDict()
 
 
 def solve_block(digest: str, content: bytes, first: int, last: int, alone: bool = False) -> list[Measured]:
-    """Return what was measured of the variants from the first up to, without, the last.
+    """Return the rows and surfaces of the variants from `first` up to, but not including, `last`.
 
     Parameters
     ----------
     digest, content
-        Name of the study, and itself with its drawing as bytes, which are read once.
+        Digest of the study, and the study with its drawing as bytes, which are decoded once.
     first, last
         Numbers of variants.
     alone
-        Whether each is solved without looking at others of its block, one of which may end the process.
+        Whether to solve each variant independently of its block, because one variant may crash the process.
     """
     plan = _plans.get(digest)
     if plan is None:

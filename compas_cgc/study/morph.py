@@ -1,7 +1,7 @@
-"""Harmonic morphing: a crease or some supports of a drawing moved, and the rest of its mesh drawn along.
+"""Harmonic morphing: moves a crease or supports of a drawing, and deforms the mesh accordingly.
 
-Displacements are linear along the lines of the drawing, between vertices that move and those that stay, and harmonic between
-the lines (Laplace's equation with the weights of edges, one over their length), so that the mesh keeps its faces.
+Displacements are linear along the lines of the drawing, between moved and fixed vertices, and harmonic between the lines (Laplace's
+equation with inverse edge lengths as weights), so that the faces of the mesh remain.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ from ..model.problem import CGCProblem
 
 __all__ = ["moved_along", "straight_on"]
 
-STRAIGHT = 0.87  # cosine between two creases in turn, 30 degrees, from which they are one line
-TURNED = 0.1  # cosine between the normals of a face before and after, below which the mesh is too much distorted
+STRAIGHT = 0.87  # cosine (30 degrees) above which consecutive creases form one line
+MIN_COSINE = 0.1  # cosine between the normals of a face before and after, below which the distortion is too large
 
 
 def moved_along(problem: CGCProblem, moving: Indices, direction: FloatArray, on_edge: bool) -> Callable[[float], CGCProblem]:
-    """Return the function that moves vertices by a distance along a direction and draws the mesh along.
+    """Return a function that moves vertices by a distance along a direction and deforms the mesh.
 
     Parameters
     ----------
     problem
         The drawing.
     moving
-        ``(k,)`` vertices that are moved, by their positions.
+        ``(k,)`` indices of the moved vertices.
     direction
-        ``(3,)`` of which the length counts too: a distance of 1 moves by it [L].
+        ``(3,)`` displacement for a distance of 1 [L].
     on_edge
-        What of the moving vertices lies on an open edge stays on the line that the edge is drawn along, as the ends of a crease do.
+        Whether moved vertices on an open edge slide along that edge, as for the ends of a crease.
 
     Raises
     ------
     CGCError
-        If there is nothing to move; the function raises it where faces would turn over.
+        If there are no vertices to move. The returned function raises it if faces would flip.
     """
     if not len(moving):
-        raise CGCError("there is nothing to move; name a crease of the drawing, or vertices")
+        raise CGCError("there are no vertices to move; give a crease of the drawing, or vertices")
     loops = boundary_loops(problem.faces)
     weights = _influence(problem, moving, loops)
     V, before = problem.vertices, face_normals(problem.vertices, problem.faces)
@@ -56,29 +56,29 @@ def moved_along(problem: CGCProblem, moving: Indices, direction: FloatArray, on_
 
     def moved(distance: float) -> CGCProblem:
         places = V + distance * weights[:, None] * direction
-        # Where the ends of a crease go along an edge, the rest of that edge slides on its own line too.
+        # If the ends of a crease slide along an edge, the other vertices of that edge also slide on it.
         for loop in sliding:
             places[loop] = np.where((weights[loop] != 0.0)[:, None], nearest_on_polyline(places[loop], V[loop], closed=True)[0], V[loop])
         after = face_normals(places, problem.faces)
-        flipped = np.einsum("ij,ij->i", before, after) < TURNED
+        flipped = np.einsum("ij,ij->i", before, after) < MIN_COSINE
         if flipped.any():
-            raise CGCError(f"moved by {distance:g}, {int(flipped.sum())} faces of the drawing turn over; move it less far")
+            raise CGCError(f"moving by {distance:.3g} flips {int(flipped.sum())} faces of the drawing; reduce the distance")
         return problem.with_vertices(places)
 
     return moved
 
 
 def straight_on(problem: CGCProblem, number: int) -> Indices:
-    """Return the vertices of a crease and of those that go straight on from it where creases cross: a line as it was drawn (k,).
+    """Return the vertices (k,) of a crease and its straight continuations beyond crossings: one line of the drawing.
 
     Raises
     ------
     CGCError
-        If there is no such crease.
+        If the crease does not exist.
     """
     paths = problem.crease_paths()
     if not 0 <= number < len(paths):
-        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)}, from 0 on")
+        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)} creases, counted from 0")
     line, left = list(paths[number]), [path for k, path in enumerate(paths) if k != number]
     for _ in range(2):
         while True:
@@ -99,17 +99,17 @@ def _cosine(V: Vectors, one: list[int], other: list[int]) -> float:
 
 
 def _influence(problem: CGCProblem, moving: Indices, loops: list[Indices]) -> FloatArray:
-    """Return the part of the move that every vertex makes (n,): 1 for those that are moved, 0 for those that stay."""
+    """Return the relative displacement of every vertex (n,): 1 for moved vertices, 0 for fixed ones."""
     n = len(problem.vertices)
     part = np.full(n, np.nan)
     paths = [np.array(path, dtype=np.int64) for path in problem.crease_paths()]
     for path in paths:
-        # Where creases end or cross they stay; closed ones stay as a whole.
+        # Ends and crossings of other creases are fixed; closed creases are fixed as a whole.
         part[path if path[0] == path[-1] else path[[0, -1]]] = 0.0
     on_loops = np.concatenate(loops) if loops else np.empty(0, np.int64)
     supports = problem.supports
     if len(np.setdiff1d(on_loops, supports)):
-        # Supports that stand apart stay; along an edge that is held as a whole they may slide.
+        # Isolated supports are fixed; supports along a fully supported edge may slide.
         part[supports] = 0.0
     else:
         part[np.setdiff1d(supports, on_loops)] = 0.0
@@ -126,14 +126,14 @@ def _influence(problem: CGCProblem, moving: Indices, loops: list[Indices]) -> Fl
 
 
 def _around(points: Vectors, part: FloatArray) -> FloatArray:
-    """Return the parts (b,) along a closed line (b, 3), linear between those that are known."""
+    """Return the relative displacements (b,) along a closed line (b, 3), linear between known values."""
     known = np.flatnonzero(np.isfinite(part))
     if not len(known) or not part[known].any():
         return np.where(np.isfinite(part), part, 0.0)
     at = arc_lengths(np.vstack([points, points[:1]]))
     total = at[-1]
     if part[known].all():
-        # Nothing of this line stays: the place farthest from what moves does.
+        # No vertex of this line is fixed: fix the one farthest from the moved vertices.
         away = np.abs(at[:-1, None] - at[known])
         far = int(np.argmax(np.minimum(away, total - away).min(axis=1)))
         part = part.copy()

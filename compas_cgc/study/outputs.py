@@ -1,4 +1,4 @@
-"""What a finished study is looked at by: the contact sheet, the Pareto picture and the best variants as files of their own."""
+"""Outputs of a finished study: contact sheet, Pareto picture, and files of the best variants."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .sheet import contact_sheet
 __all__ = ["best_variants", "write_best", "write_pictures"]
 
 BEST = "best"
-FIRST = 3  # of a front, where the study does not say which variants are the best
+FIRST = 3  # number of best variants taken from the Pareto front if the study has no ranking
 
 
 def write_pictures(results: Results) -> list[Path]:
-    """Write the contact sheet, and the Pareto picture where the study says what is wanted; return their paths.
+    """Write the contact sheet, and the Pareto picture if the study has objectives; return their paths.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def write_pictures(results: Results) -> list[Path]:
 
 
 def best_variants(results: Results) -> list[int]:
-    """Return the variants that the study calls the best: by its ranking, or the first of its Pareto front."""
+    """Return the best variants: by the ranking of the study, or the first ones of its Pareto front."""
     if results.study.best.columns:
         return results.best(results.study.best)
     if results.study.pareto.columns:
@@ -43,14 +43,14 @@ def best_variants(results: Results) -> list[int]:
 
 
 def write_best(results: Results, source: Optional[Path] = None) -> list[Path]:
-    """Solve the best variants again and write each as a ``.3dm`` with all that is told of a result; return their paths.
+    """Solve the best variants again and write each result as a ``.3dm`` file; return their paths.
 
     Parameters
     ----------
     results
         A study.
     source
-        The file of the drawing: what else is in a .3dm is kept, where its shape is not varied.
+        File of the drawing. The other contents of a .3dm file are kept if the shape is not varied.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Parameters: what of a drawing a study can change, by the kind that it is called in the file."""
+"""Parameters: the quantities of a drawing that a study can vary, by their kind in the file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["KINDS", "Parameter", "parameter_of"]
 
 Change = Callable[[CGCProblem, Any], CGCProblem]
 
-# Goals with the field that holds their number.
+# Goals, with the field of their number.
 GOALS = {
     "rise": "rise",
     "height": "height",
@@ -37,7 +37,7 @@ GOALS = {
     "near plane": "distance",
 }
 STRATEGIES = ("s", "e")
-SHAPES = ("supports", "move")  # change the drawing itself, before anything that is asked of it
+SHAPES = ("supports", "move")  # kinds that change the drawing itself, before targets and goals are set
 KINDS = ("K", *STRATEGIES, *SHAPES, *GOALS)
 _OF_VALUES = ("values", "from", "to", "count", "scale", "kind")
 _OF_KIND = {"K": ("region",), "s": ("crease",), "e": ("crease",), "supports": (), "move": ("crease", "vertices", "direction")}
@@ -45,25 +45,25 @@ _OF_KIND = {"K": ("region",), "s": ("crease",), "e": ("crease",), "supports": ()
 
 @dataclass(frozen=True)
 class Parameter:
-    """One thing that a study changes."""
+    """A parameter of a study."""
 
     name: str
     kind: str  # one of KINDS
     values: Values
-    more: Mapping[str, Any]  # which region, crease, vertices, direction or place
+    more: Mapping[str, Any]  # region, crease, vertices, direction or place
 
     @property
     def is_shape(self) -> bool:
-        """Whether it changes the drawing, not what is asked of it."""
+        """Whether it changes the drawing itself."""
         return self.kind in SHAPES
 
     def change(self, drawing: CGCProblem) -> Change:
-        """Return the function that gives a problem on the mesh of a drawing a value; what all values share is worked out here.
+        """Return a function that sets a value of the parameter in a problem; shared data are computed once here.
 
         Raises
         ------
         CGCError
-            If the drawing has no such region, crease or vertex.
+            If a region, crease or vertex does not exist in the drawing.
         """
         try:
             return self._change(drawing)
@@ -90,7 +90,7 @@ class Parameter:
         if isinstance(more.get("where"), str):
             places = dict(drawing.drawing.places)
             if more["where"] not in places:
-                known = f"there are {', '.join(places)}" if places else "the drawing names none"
+                known = f"the places are {', '.join(places)}" if places else "the drawing has no named places"
                 raise CGCError(f"there is no place {more['where']!r} in the drawing; {known}")
             more["where"] = places[more["where"]]
         number = GOALS[self.kind]
@@ -98,27 +98,27 @@ class Parameter:
 
 
 def parameter_of(name: str, given: object) -> Parameter:
-    """Return the parameter that a table of the study describes; a list stands for its values.
+    """Return the parameter described by a table of the study; a list gives its values.
 
     Raises
     ------
     CGCError
-        If it is not understood, with what is.
+        If the table is invalid; the message lists the valid entries.
     """
     table: Mapping[str, Any] = given if isinstance(given, Mapping) else {"values": given}
     kind = table.get("kind", name)
     if kind not in KINDS:
-        raise CGCError(f"the parameter {name} is of no kind that is known; say kind = one of {', '.join(KINDS)}")
+        raise CGCError(f"the kind of the parameter {name} is unknown; set kind to one of {', '.join(KINDS)}")
     more = {key: value for key, value in table.items() if key not in _OF_VALUES}
     unknown = [key for key in more if key not in _OF_KIND[kind]] if kind in _OF_KIND else []
     if unknown:
         known = ", ".join((*_OF_KIND[kind], *_OF_VALUES))
-        raise CGCError(f"the parameter {name}: {unknown[0]!r} says nothing of the kind {kind}; it takes {known}")
+        raise CGCError(f"the parameter {name}: unknown key {unknown[0]!r} for the kind {kind}; the keys are {known}")
     values = values_of(name, table, words=kind == "supports")
     if kind == "move":
         more["direction"] = _direction(name, more.get("direction"))
         if ("crease" in more) is ("vertices" in more):
-            raise CGCError(f"the parameter {name}: say what moves, either the number of a crease or a list of vertices")
+            raise CGCError(f"the parameter {name}: give either the number of a crease or a list of vertices to move")
     if kind in GOALS:
         if kind == "height":
             more.setdefault("vertices", "crown")
@@ -128,7 +128,7 @@ def parameter_of(name: str, given: object) -> Parameter:
 
 def _tried(name: str, data: dict[str, Any]) -> None:
     if isinstance(data.get("where"), str):
-        return  # a place of the drawing, which is known later
+        return  # a place of the drawing, checked later
     try:
         constraint_of(data)
     except (ValueError, TypeError) as error:
@@ -151,5 +151,5 @@ def _crease(problem: CGCProblem, number: Any) -> Indices:
     if number is None:
         return np.unique([v for path in paths for v in path]).astype(np.int64)
     if not 0 <= int(number) < len(paths):
-        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)}, from 0 on")
+        raise CGCError(f"there is no crease {number}; the drawing has {len(paths)} creases, counted from 0")
     return np.array(paths[int(number)], dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Pareto front: the variants that no other one beats in everything that is wanted."""
+"""Pareto front: the non-dominated variants of a study."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ if TYPE_CHECKING:
 
 __all__ = ["non_dominated", "pareto_figure", "pareto_front"]
 
-NAMED = 40  # variants of a front that are named in the picture
+NAMED = 40  # largest number of variants labelled in the picture
 
 
 def non_dominated(costs: FloatArray) -> Mask:
-    """Return which rows (k, c) no other row is at most equal to in all and smaller in some; equal rows all count.
+    """Return a mask of the non-dominated rows of costs (k, c); equal rows are all included.
 
     Parameters
     ----------
     costs
-        Finite numbers of which the least is wanted.
+        ``(k, c)`` finite costs to minimise.
     """
     order = np.lexsort(costs.T[::-1])
     sorted_costs = costs[order]
     keeps = np.ones(len(costs), bool)
     front = np.empty((0, costs.shape[1]))
     for k, row in enumerate(sorted_costs):
-        # Only rows before it in this order can beat it.
+        # Only earlier rows in this order can dominate a row.
         beaten = ((front <= row).all(axis=1) & (front < row).any(axis=1)).any()
         keeps[order[k]] = not beaten
         if not beaten:
@@ -49,14 +49,14 @@ def non_dominated(costs: FloatArray) -> Mask:
 
 @names_what_was_meant()
 def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices:
-    """Return the variants that no other good one beats, by the first column wanted (k,).
+    """Return the Pareto front of the good variants (k,), sorted by the first objective.
 
     Parameters
     ----------
     results
-        A study that has begun.
+        Results of a study.
     ranking
-        What is wanted. Default: what the study says.
+        The objectives. Default: those of the study.
 
     Returns
     -------
@@ -66,7 +66,7 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
     Raises
     ------
     CGCError
-        If nothing is wanted, or there is no such column.
+        If there are no objectives, or a column does not exist.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
     refuse_no_results(results)
     ranking = ranking or results.study.pareto
     if not ranking.columns:
-        raise CGCError("a Pareto front needs what is wanted, such as [pareto] least = ['area'], most = ['volume'] in the study")
+        raise CGCError("a Pareto front requires objectives, such as [pareto] least = ['area'], most = ['volume'] in the study")
     good = results.good()
     costs = _costs(results, ranking)[good]
     known = np.isfinite(costs).all(axis=1)
@@ -86,16 +86,16 @@ def pareto_front(results: Results, ranking: Optional[Ranking] = None) -> Indices
 
 @names_what_was_meant()
 def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure:
-    """Return a picture of all variants by two columns that are wanted, with the front among the good ones.
+    """Return a picture of all variants by two objectives, with the Pareto front of the good ones.
 
-    A third column colours the front.
+    A third objective colours the front.
 
     Parameters
     ----------
     results
-        Of a study.
+        Results of a study.
     ranking
-        What is wanted. Default: that of the study.
+        The objectives. Default: those of the study.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure
     Raises
     ------
     CGCError
-        If fewer than two columns are wanted, there is no such column, or matplotlib is not installed.
+        If there are fewer than two objectives, a column does not exist, or matplotlib is not installed.
 
     Examples
     --------
@@ -113,7 +113,7 @@ def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure
     """
     ranking = ranking or results.study.pareto
     if len(ranking.columns) < 2:
-        raise CGCError("a picture of a Pareto front needs two columns, such as [pareto] least = ['area', 'rise'] in the study")
+        raise CGCError("a picture of a Pareto front requires two objectives, such as [pareto] least = ['area', 'rise'] in the study")
     front = pareto_front(results, ranking)
     x, y = (results.numbers(name) for name in ranking.columns[:2])
     figure = new_figure(9.0, 6.5)
@@ -136,7 +136,7 @@ def pareto_figure(results: Results, ranking: Optional[Ranking] = None) -> Figure
         axes.annotate(str(variant), (x[variant], y[variant]), xytext=(5, 5), textcoords="offset points", fontsize=7)
     axes.set_xlabel(_wanted(ranking, 0))
     axes.set_ylabel(_wanted(ranking, 1))
-    axes.set_title(f"{results.folder.name}: {len(front)} of {len(results)} variants are beaten by no other", fontsize=11)
+    axes.set_title(f"{results.folder.name}: {len(front)} of {len(results)} variants are Pareto-optimal", fontsize=11)
     axes.legend(frameon=False, fontsize=9)
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -151,4 +151,4 @@ def _costs(results: Results, ranking: Ranking) -> FloatArray:
 
 def _wanted(ranking: Ranking, k: int) -> str:
     side = "least" if k < len(ranking.least) else "most"
-    return f"{ranking.columns[k]} ({side} wanted)"
+    return f"{ranking.columns[k]} ({side} preferred)"

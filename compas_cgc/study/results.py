@@ -1,4 +1,4 @@
-"""Results of a study: its table and its surfaces, as they are in the folder."""
+"""Results of a study: its table and its surfaces."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ STUDY, DRAWING, TABLE, PARQUET, SURFACES = "study.json", "drawing.json", "table.
 
 
 def refuse_no_results(given: object) -> None:
-    """Refuse what is no study that was run.
+    """Raise an error for an argument that is not :class:`Results`.
 
     Raises
     ------
     CGCError
     """
     if not isinstance(given, Results):
-        raise CGCError(f"the results of a study are read first: Results('folder'), not {given!r:.60}")
+        raise CGCError(f"the argument must be the results of a study, Results('folder'), not {given!r:.60}")
 
 
 @names_what_was_meant()
 class Results:
-    """A folder that a study was, or is being, written to.
+    """Results of a finished or running study in a folder.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ class Results:
     columns
         Names of the columns.
     rows
-        Values, variant by variant, None where there is none.
+        Values by variant, None if missing.
 
     Raises
     ------
     FileError
-        If there is no study.
+        If the folder does not hold a study.
 
     Examples
     --------
@@ -67,10 +67,10 @@ class Results:
 
     def __init__(self, folder: Union[str, os.PathLike[str]]):
         if not isinstance(folder, (str, os.PathLike)):
-            raise FileError(f"results are those in the folder of a study: Results('folder'), not {folder!r:.60}")
+            raise FileError(f"the argument must be the folder of a study, Results('folder'), not {folder!r:.60}")
         self.folder = Path(folder)
         self.columns, self.rows = read_rows(self.folder / TABLE)
-        # A row may be there a moment before it is whole.
+        # The last row may be incomplete while the study is running.
         self.rows = [row for row in self.rows if len(row) == len(self.columns)]
 
     def __len__(self) -> int:
@@ -78,7 +78,7 @@ class Results:
 
     @cached_property
     def study(self) -> Study:
-        """The study itself."""
+        """Definition of the study."""
         try:
             about = json.loads((self.folder / STUDY).read_text(encoding="utf-8"))
             return Study.from_dict(about["study"])
@@ -87,17 +87,17 @@ class Results:
 
     @cached_property
     def drawing(self) -> CGCProblem:
-        """What the variants are made of."""
+        """The drawing from which the variants are derived."""
         return read_problem(self.folder / DRAWING).checked()
 
     @cached_property
     def plan(self) -> Plan:
-        """The study of the drawing, which makes the problem of any variant."""
+        """The study applied to the drawing, which returns the problem of any variant."""
         return Plan(self.study, self.drawing)
 
     @cached_property
     def surfaces(self) -> FloatArray:
-        """Vertices of all variants (variants, n, 3), NaN where there is no surface, read from the file as they are used [L]."""
+        """Vertices of all variants (variants, n, 3) [L], NaN for variants without a surface; memory-mapped from the file."""
         return np.load(self.folder / SURFACES, mmap_mode="r")
 
     def column(self, name: str) -> list[Any]:
@@ -106,15 +106,15 @@ class Results:
         Raises
         ------
         CGCError
-            If there is no such column.
+            If the column does not exist.
         """
         if name not in self.columns:
-            raise CGCError(f"the table has no column {name!r}; it has {', '.join(self.columns)}")
+            raise CGCError(f"the table has no column {name!r}; the columns are {', '.join(self.columns)}")
         k = self.columns.index(name)
         return [row[k] for row in self.rows]
 
     def numbers(self, name: str) -> FloatArray:
-        """Return the numbers of a column, NaN where there is none."""
+        """Return the numbers of a column, NaN if missing."""
         return np.array([value if isinstance(value, (int, float)) else np.nan for value in self.column(name)], dtype=np.float64)
 
     def row(self, variant: int) -> dict[str, Any]:
@@ -123,10 +123,10 @@ class Results:
         Raises
         ------
         CGCError
-            If there is no such variant.
+            If the variant does not exist.
         """
         if not 0 <= variant < len(self.rows):
-            raise CGCError(f"there is no variant {variant}; the table has {len(self.rows)}, from 0 on")
+            raise CGCError(f"there is no variant {variant}; the table has {len(self.rows)} variants, counted from 0")
         return dict(zip(self.columns, self.rows[variant]))
 
     def has_surface(self, variant: int) -> bool:
@@ -134,12 +134,12 @@ class Results:
         return bool(np.isfinite(self.surfaces[variant]).all())
 
     def problem(self, variant: int) -> CGCProblem:
-        """Return the problem of a variant on its surface, with the K that was found.
+        """Return the problem of a variant with its solved surface and the K solved for.
 
         Raises
         ------
         CGCError
-            If there is no such variant, or it has no surface.
+            If the variant does not exist or has no surface.
         """
         vertices = self.vertices(variant)
         problem = self.plan.problem(variant).with_vertices(vertices)
@@ -154,7 +154,7 @@ class Results:
         Raises
         ------
         CGCError
-            If there is no such variant, or it has no surface.
+            If the variant does not exist or has no surface.
         """
         row = self.row(variant)
         if not self.has_surface(variant):
@@ -162,16 +162,16 @@ class Results:
         return np.array(self.surfaces[variant])
 
     def good(self) -> Indices:
-        """Return the variants that reached their K with a fair surface (k,); where none did, those that reached it."""
+        """Return the variants that reached K with a fair surface (k,); if there are none, all that reached K."""
         status, verdict = self.column("status"), self.column("verdict")
         fair = [k for k in range(len(self)) if status[k] == "converged" and verdict[k] == "fair"]
         return np.array(fair or [k for k in range(len(self)) if status[k] == "converged"], dtype=np.int64)
 
     def best(self, ranking: Ranking) -> list[int]:
-        """Return the best of the good variants: by the first column, and those after it where it is even."""
+        """Return the best of the good variants, sorted by the columns of the ranking in order."""
         good = self.good()
         keys = [self.numbers(name)[good] for name in ranking.least] + [-self.numbers(name)[good] for name in ranking.most]
         known = np.isfinite(keys).all(axis=0) if keys else np.zeros(len(good), bool)
-        # The last key counts first.
+        # In lexsort, the last key is the primary one.
         order = np.lexsort([good[known], *(key[known] for key in reversed(keys))])
         return good[known][order][: ranking.count].tolist()

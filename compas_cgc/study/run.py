@@ -1,4 +1,4 @@
-"""Run of a study: blocks go to an executor, rows come back in order, and a run that was ended goes on where it was."""
+"""Run of a study: blocks are sent to an executor and rows are written in order; an interrupted run can be resumed."""
 
 from __future__ import annotations
 
@@ -45,17 +45,17 @@ from .writer import set_aside
 
 __all__ = ["Progress", "run_study"]
 
-POLL_INTERVAL = 0.1  # seconds between two looks at whether to stop
-AHEAD = 3  # blocks for each worker that are under way or wait, at most
-TRIES = 2  # times that a block is begun whose worker ends; a variant alone does not look at others of its block the last time
+POLL_INTERVAL = 0.1  # time between two checks for a stop request [s]
+AHEAD = 3  # largest number of running and queued blocks per worker
+TRIES = 2  # attempts for a block whose worker ends; in the last attempt, variants are solved independently
 
 
 class Progress(NamedTuple):
-    """How far a study is."""
+    """Progress of a study."""
 
     done: int  # variants in the table
     variants: int
-    before: int  # that were there already
+    before: int  # variants that existed before this run
 
 
 @names_what_was_meant()
@@ -68,39 +68,39 @@ def run_study(
     executor: Optional[TaskExecutor] = None,
     on_progress: Optional[Callable[[Progress], object]] = None,
 ) -> Results:
-    """Solve the variants of a study into a folder, or those that are left.
+    """Solve the variants of a study, or the remaining ones, and write them to a folder.
 
-    The table is the same to the last bit whatever solves it: this process, any number of worker processes, or other machines of
-    the same kind; and whether it was done in one go or ended in between.
+    The table is bitwise identical whether it is solved by this process, any number of worker processes or other machines of the
+    same kind, and whether or not the run was interrupted.
 
     Parameters
     ----------
     drawing
         A mesh or problem.
     study
-        What is varied and measured.
+        Parameters, sampling and measures.
     folder
-        Where table and surfaces go; what is there of the same study is gone on from. While another process writes to it, this one
+        Output folder. If it holds results of the same study, the run is resumed. While another process writes to it, this one
         waits; what is damaged in it is computed again.
     workers
-        Number of processes that are started for it, 0 to solve in this one. A script that starts some needs
-        ``if __name__ == "__main__":`` around what it does.
+        Number of worker processes to start, 0 to solve in this process. A script that starts workers must be
+        protected by ``if __name__ == "__main__":``.
     executor
-        Solves the blocks instead, see :mod:`compas_cgc.execution`; it is not closed.
+        Executor of the blocks instead, see :mod:`compas_cgc.execution`; it is not closed.
     on_progress
-        Called with a :class:`Progress` when rows are written, and now and then; return True to stop.
+        Called with a :class:`Progress` when rows are written, and periodically; return True to stop.
 
     Returns
     -------
     Results
-        What is there, of a study that was stopped too.
+        The results so far, also if the run was stopped.
 
     Raises
     ------
     CGCError
-        If the folder holds another study, or the drawing has not what a parameter changes.
+        If the folder holds another study, or a parameter refers to something that the drawing does not have.
     FileError
-        If the folder cannot be written to.
+        If the folder is not writable.
 
     Examples
     --------
@@ -108,14 +108,14 @@ def run_study(
     """
     problem = problem_of(drawing, "is varied").without_dummies()
     if not isinstance(study, Study):
-        raise CGCError(f"a study says what is varied: Study.from_dict({{...}}), or read_study('study.toml'), not {study!r:.60}")
+        raise CGCError(f"study must be a Study, from Study.from_dict({{...}}) or read_study('study.toml'), not {study!r:.60}")
     plan = Plan(study, problem)
     home = Path(folder)
     count = len(study.variants)
     try:
         home.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise CGCError(f"{home} cannot be used for a study ({error}); give another folder") from None
+        raise CGCError(f"{home} cannot be used for a study ({error}); choose another folder") from None
     with one_writer(home, lambda: bool(on_progress and on_progress(Progress(0, count, 0)))) as held:
         if not held:
             return Results(home)
@@ -146,11 +146,11 @@ class _Run:
         self.before = table.rows
 
     def stopped(self) -> bool:
-        """Tell how far it is; tell whether to stop."""
+        """Report progress; return whether to stop."""
         return bool(self.on_progress and self.on_progress(Progress(self.table.rows, self.count, self.before)))
 
     def here(self) -> bool:
-        """Solve in this process; tell whether all is done."""
+        """Solve in this process; return whether all variants are done."""
         for first in range(self.before, self.count):
             if self.stopped():
                 return False
@@ -159,7 +159,7 @@ class _Run:
         return True
 
     def by(self, executor: TaskExecutor) -> bool:
-        """Solve by an executor; tell whether all is done."""
+        """Solve with an executor; return whether all variants are done."""
         ahead = AHEAD * max(1, executor.workers)
         left = self._blocks()
         running: dict[Future, tuple[int, int]] = {}
@@ -206,7 +206,7 @@ class _Run:
                 yield block
 
     def _outcome(self, task: Future, block: tuple[int, int], tries: int) -> Optional[list[Measured]]:
-        """Return what was measured of a block; None where its worker ended and it is to be tried again, at last one by one."""
+        """Return the rows of a block, None if its worker ended and the block is retried, finally variant by variant."""
         try:
             return task.result()
         except TaskStopped:
@@ -219,21 +219,21 @@ class _Run:
 
 
 def _claimed(home: Path, study: Study, problem: CGCProblem) -> str:
-    """Make a folder that of a study, or find that it is; return the name of the study."""
+    """Create the folder of a study, or check that it belongs to this study; return the digest of the study."""
     digest = study.digest(problem)
     try:
         known = json.loads((home / STUDY).read_text(encoding="utf-8")) if (home / STUDY).exists() else None
         if known is not None and not isinstance(known, dict):
             raise ValueError("it holds no object")
     except OSError as error:
-        raise CGCError(f"{home} cannot be used for a study ({error}); give another folder") from None
+        raise CGCError(f"{home} cannot be used for a study ({error}); choose another folder") from None
     except (ValueError, RecursionError):
         # Without it nobody knows of which study the rows are.
         for name in (STUDY, TABLE, SURFACES):
             set_aside(home / name)
         known = None
     if known is not None and (known.get("digest"), known.get("version")) != (digest, __version__):
-        raise CGCError(f"{home} holds another study, or one of another version of compas_cgc; give another folder, or remove this one")
+        raise CGCError(f"{home} holds another study, or one of another version of compas_cgc; choose another folder, or delete this one")
     about = {"version": __version__, "digest": digest, "study": dict(study.data)}
     write_text(home / STUDY, json.dumps(about, indent=1, ensure_ascii=False) + "\n")
     if known is None or not (home / DRAWING).exists():

@@ -1,4 +1,4 @@
-"""Sampling: grids, lists, random numbers and Latin hypercubes of values of parameters."""
+"""Sampling of parameters: grids, lists, random samples and Latin hypercubes."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from ..errors import CGCError
 __all__ = ["SAMPLES", "Values", "sample", "values_of"]
 
 SAMPLES = ("grid", "list", "random", "latin hypercube")
-MOST = 1_000_000  # variants
+MAX_VARIANTS = 1_000_000
 
 
 @dataclass(frozen=True)
 class Values:
-    """What one parameter takes: listed values, or a range between two numbers."""
+    """Values of a parameter: a list, or a range between two numbers."""
 
     listed: tuple[Any, ...] = ()
     low: float = 0.0
     high: float = 0.0
-    count: int = 0  # of a range in a grid or a list
-    log: bool = False  # steps by factors
+    count: int = 0  # number of values of a range in a grid or a list
+    log: bool = False  # whether the scale is logarithmic
 
     def all(self) -> tuple[Any, ...]:
         """Return the values of a grid, in order."""
@@ -37,7 +37,7 @@ class Values:
         return tuple(self.at(part) for part in parts)
 
     def at(self, part: float) -> Any:
-        """Return the value at a part of the range in 0..1; of listed values that which has this part of the list."""
+        """Return the value at a fraction (0..1) of the range or of the list."""
         if self.listed:
             return self.listed[min(int(part * len(self.listed)), len(self.listed) - 1)]
         if part >= 1.0:
@@ -48,65 +48,65 @@ class Values:
 
 
 def values_of(name: str, given: Mapping[str, Any], words: bool) -> Values:
-    """Return the values that ``values``, or ``from``, ``to``, ``count`` and ``scale``, ask for.
+    """Return the values given by ``values``, or by ``from``, ``to``, ``count`` and ``scale``.
 
     Parameters
     ----------
     name
-        Of the parameter.
+        Name of the parameter.
     given
-        What the study says of it.
+        Its table in the study.
     words
-        The values are words or lists, not numbers.
+        Whether the values are words or lists instead of numbers.
 
     Raises
     ------
     CGCError
-        If they are none.
+        If the values are missing or invalid.
     """
     if "values" in given:
         listed = given["values"]
         if not isinstance(listed, (list, tuple)) or not len(listed):
             raise CGCError(f"the parameter {name}: values must be a list of one or more, not {listed!r}")
         if any(key in given for key in ("from", "to", "count", "scale")):
-            raise CGCError(f"the parameter {name} has values and a range; leave one of them out")
+            raise CGCError(f"the parameter {name} has both values and a range; leave one of them out")
         return Values(tuple(listed) if words else tuple(_number(name, value) for value in listed))
     if words or "from" not in given or "to" not in given:
         range_too = "" if words else ", or a range: from, to and count"
-        raise CGCError(f"the parameter {name} needs its values{range_too}")
+        raise CGCError(f"the parameter {name} has no values; give values{range_too}")
     low, high = _number(name, given["from"]), _number(name, given["to"])
     count = given.get("count", 5)
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
-        raise CGCError(f"the parameter {name}: count must be a whole number from 1 up, not {count!r}")
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_VARIANTS:
+        raise CGCError(f"the parameter {name}: count must be an integer of at least 1, not {count!r}")
     scale = given.get("scale", "linear")
     if scale not in ("linear", "log"):
         raise CGCError(f"the parameter {name}: scale must be linear or log, not {scale!r}")
     if scale == "log" and not low * high > 0.0:
-        raise CGCError(f"the parameter {name}: a scale of factors needs two numbers of one sign, not {low:g} and {high:g}")
+        raise CGCError(f"the parameter {name}: a log scale requires two numbers of the same sign, not {low:g} and {high:g}")
     return Values(low=low, high=high, count=count, log=scale == "log")
 
 
 def sample(kind: str, values: Sequence[Values], count: int, seed: int) -> list[tuple[Any, ...]]:
     """Return the values of every variant.
 
-    A grid takes every combination, the last parameter fastest; a list takes the first values of all, then the second ones; random
-    ones are independent; of a Latin hypercube each parameter has one value in each of as many equal parts of its range as there
-    are variants (McKay, Beckman, Conover, doi:10.2307/1268522).
+    A grid has every combination, with the last parameter varying fastest. A list combines the first values of all parameters, then
+    the second ones, and so on. Random samples are independent. In a Latin hypercube, the range of each parameter is divided into as
+    many equal parts as there are variants, with one value in each (McKay, Beckman, Conover, doi:10.2307/1268522).
 
     Raises
     ------
     CGCError
-        If lists are of different lengths, or there are too many variants.
+        If lists have different lengths, or there are too many variants.
     """
     if kind == "grid":
         total = math.prod(len(own.listed) or own.count for own in values)
-        if total > MOST:
-            raise CGCError(f"this grid has {total} variants; the most are {MOST}: take fewer values, or a sample of another kind")
+        if total > MAX_VARIANTS:
+            raise CGCError(f"this grid has {total} variants, but the limit is {MAX_VARIANTS}: use fewer values, or another kind of sample")
         return list(product(*(own.all() for own in values)))
     if kind == "list":
         columns = [own.all() for own in values]
         if len({len(column) for column in columns}) > 1:
-            raise CGCError(f"a list needs as many values of each parameter, not {', '.join(str(len(column)) for column in columns)}")
+            raise CGCError(f"all parameters of a list require equally many values, not {', '.join(str(len(column)) for column in columns)}")
         return list(zip(*columns))
     random = np.random.Generator(np.random.PCG64(seed))
     if kind == "random":
@@ -119,5 +119,5 @@ def sample(kind: str, values: Sequence[Values], count: int, seed: int) -> list[t
 
 def _number(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise CGCError(f"the parameter {name}: {value!r} is no number")
+        raise CGCError(f"the parameter {name}: {value!r} is not a number")
     return float(value)

@@ -1,4 +1,4 @@
-"""Contact sheet: every variant of a study as a small picture, with its number and what it was made of."""
+"""Contact sheet: every variant of a study as a small picture, with its number and parameters."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ if TYPE_CHECKING:
 
 __all__ = ["contact_sheet"]
 
-WIDTH = 24.0  # of the sheet [in]
-ASPECT = 1.5  # width of the sheet against its height, nearly
-MOST = 2000  # pictures on one sheet
-LARGEST = 320  # pixels of a picture
-FEWEST = 4  # pictures in a row
-HEAD = 0.7  # of the sheet [in]
-LETTERS = 3  # lines under a picture
+WIDTH = 24.0  # width of the sheet [in]
+ASPECT = 1.5  # approximate ratio of width to height of the sheet
+MAX_PICTURES = 2000  # on one sheet
+MAX_PIXELS = 320  # width of a picture [pixel]
+MIN_COLUMNS = 4
+HEAD = 0.7  # height of the head of the sheet [in]
+LETTERS = 3  # number of text lines below a picture
 COLOURS = {"fair": (0.62, 0.76, 0.80), "rough": (0.93, 0.66, 0.47), "unfinished": (0.78, 0.78, 0.78)}
 
 
 @names_what_was_meant()
 def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, show: Optional[Sequence[str]] = None) -> Figure:
-    """Return the pictures of variants, all from one side and at one scale: fair ones blue, rough ones orange, unfinished ones grey.
+    """Return the pictures of variants in the same view and at the same scale: fair blue, rough orange, unfinished grey.
 
     Parameters
     ----------
     results
-        A study that has begun.
+        Results of a study.
     variants
-        Which. Default: all, or as many as a sheet holds, evenly chosen.
+        Numbers of the variants. Default: all, or an even selection if there are too many.
     show
-        Columns under the pictures. Default: the parameters, or the first two of them.
+        Columns below the pictures. Default: the first two parameters.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     Raises
     ------
     CGCError
-        If matplotlib is not installed, or there is no such column or variant.
+        If matplotlib is not installed, or a column or variant does not exist.
 
     Examples
     --------
@@ -68,15 +68,15 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
     shown = list(show or results.plan.inputs[: LETTERS - 1])
     frame = _frame(results, chosen)
     aspect = frame.height / frame.width
-    columns = max(FEWEST, math.ceil(math.sqrt(ASPECT * (aspect + 0.25) * len(chosen))))
+    columns = max(MIN_COLUMNS, math.ceil(math.sqrt(ASPECT * (aspect + 0.25) * len(chosen))))
     cell = WIDTH / columns  # [in]
-    points = min(9.0, 72 * cell / 13)  # of the letters
+    points = min(9.0, 72 * cell / 13)  # font size
     step = cell * aspect + LETTERS * 1.25 * points / 72
     height = HEAD + step * math.ceil(len(chosen) / columns)
     figure = new_figure(WIDTH, height)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
-    width = min(LARGEST, int(cell * figure.dpi))
+    width = min(MAX_PIXELS, int(cell * figure.dpi))
     pixels = width, max(1, int(width * aspect))
     faces, creases = results.drawing.faces, results.drawing.creases
     words = _words(results, shown)
@@ -94,13 +94,13 @@ def contact_sheet(results: Results, variants: Optional[Sequence[int]] = None, sh
 
 
 def _chosen(count: int) -> list[int]:
-    if count <= MOST:
+    if count <= MAX_PICTURES:
         return list(range(count))
-    return np.unique(np.linspace(0, count - 1, MOST).astype(int)).tolist()
+    return np.unique(np.linspace(0, count - 1, MAX_PICTURES).astype(int)).tolist()
 
 
 def _frame(results: Results, chosen: Sequence[int]) -> Frame:
-    """Return what of the sheet all pictures fit in."""
+    """Return the frame that contains all projected surfaces."""
     corners = []
     for variant in chosen:
         vertices = np.array(results.surfaces[variant])

@@ -1,4 +1,4 @@
-"""Study: what is varied, how it is sampled and what is measured, as a value and as a TOML file."""
+"""Definition of a study: parameters, sampling and measures, as a value and as a TOML file."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..solvers.registry import settings_for
 from ..solvers.settings import Settings
 from .parameters import Parameter
 from .parameters import parameter_of
-from .sampling import MOST
+from .sampling import MAX_VARIANTS
 from .sampling import SAMPLES
 from .sampling import sample
 
@@ -52,37 +52,37 @@ _MEMBRANE = ("pressure", "weight", "edge_beams")
 
 @dataclass(frozen=True)
 class Ranking:
-    """Columns of the table of which a designer wants the least or the most."""
+    """Objectives: columns of the table to minimise or maximise."""
 
     least: tuple[str, ...] = ()
     most: tuple[str, ...] = ()
-    count: int = 0  # of the best that are written as files of their own
+    count: int = 0  # number of best variants written as separate files
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """All columns, those of which the least is wanted first."""
+        """All columns, those to minimise first."""
         return (*self.least, *self.most)
 
 
 @names_what_was_meant()
 @dataclass(frozen=True)
 class Study:
-    """Variants of a drawing: made of plain data by :meth:`from_dict`, or of a file by :func:`read_study`.
+    """Definition of a study, from plain data by :meth:`from_dict` or from a file by :func:`read_study`.
 
     Parameters
     ----------
     parameters
-        What is varied, by name: values, or a range.
+        Parameters by name, each with values or a range.
     sample
-        How values are taken from the ranges.
+        Kind of sampling.
     count
-        Of random samples.
+        Number of random samples.
     seed
-        Of what is taken at random.
+        Seed of random samples.
     supports
-        Other supports than those of the drawing.
+        Supports that replace those of the drawing.
     target
-        K of all regions, or by region.
+        K of all regions, or by region [1/L^2].
     goals
         As for :func:`compas_cgc.solve`.
     unknown
@@ -92,15 +92,15 @@ class Study:
     settings
         As for :func:`compas_cgc.solve`.
     panels
-        How surfaces are divided, where panels are asked for.
+        Options of the division into panels, if panels are measured.
     membrane
-        Load, where forces are asked for.
+        Loads, if forces are measured.
     pareto
-        Columns that are wanted small or large.
+        Objectives of the Pareto front.
     best
-        How many of the best are written as files.
+        Ranking and number of the best variants that are written as files.
     data
-        That it was made of.
+        Plain data of the study.
 
     Examples
     --------
@@ -111,10 +111,10 @@ class Study:
 
     parameters: tuple[Parameter, ...]
     sample: str = "grid"
-    count: int = 0  # of random samples
+    count: int = 0  # number of random samples
     seed: int = 1
     supports: Optional[Union[str, list[int]]] = None
-    target: Any = None  # K of all regions, or by region
+    target: Any = None  # K of all regions, or by region [1/L^2]
     goals: tuple[Mapping[str, Any], ...] = ()
     unknown: Any = ()
     method: str = "auto"
@@ -123,41 +123,39 @@ class Study:
     membrane: Optional[Mapping[str, Any]] = None
     pareto: Ranking = Ranking()
     best: Ranking = Ranking()
-    data: Mapping[str, Any] = field(default_factory=dict)  # that it was made of
+    data: Mapping[str, Any] = field(default_factory=dict)  # plain data of the study
 
     def __post_init__(self) -> None:
         if not (isinstance(self.parameters, tuple) and all(isinstance(each, Parameter) for each in self.parameters)):
-            raise CGCError(
-                f"a study is made of plain data: Study.from_dict({{...}}), or read_study('study.toml'), not {self.parameters!r:.60}"
-            )
+            raise CGCError(f"create a study by Study.from_dict({{...}}) or read_study('study.toml'), not from {self.parameters!r:.60}")
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Study:
-        """Return the study that plain data describe.
+        """Return the study described by plain data.
 
         Raises
         ------
         CGCError
-            If they are not understood, with what is.
+            If the data are invalid; the message lists the valid entries.
         """
         data = _plain(data)
         _known("a study", data, _KEYS)
         named = data.get("parameters")
         if not isinstance(named, Mapping) or not named:
-            raise CGCError("a study needs parameters, such as K = { from = 0.002, to = 0.006, count = 9 } in the table [parameters]")
+            raise CGCError("a study requires parameters, such as K = { from = 0.002, to = 0.006, count = 9 } in the table [parameters]")
         parameters = tuple(parameter_of(name, given) for name, given in named.items())
         kind = data.get("sample", "grid")
         if kind not in SAMPLES:
             raise CGCError(f"sample must be one of {', '.join(SAMPLES)}, not {kind!r}")
         count = data.get("count", 0)
         drawn = kind in ("random", "latin hypercube")
-        if drawn and (isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST):
-            raise CGCError(f"a {kind} sample needs count, the number of its variants, up to {MOST}, not {count!r}")
+        if drawn and (isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MAX_VARIANTS):
+            raise CGCError(f"a {kind} sample requires count, the number of its variants, up to {MAX_VARIANTS}, not {count!r}")
         if not drawn and count:
-            raise CGCError(f"count belongs to random samples; a {kind} has as many variants as its values make")
+            raise CGCError(f"count is for random samples; the number of variants of a {kind} follows from its values")
         seed = data.get("seed", 1)
         if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-            raise CGCError(f"seed must be a whole number from 0 up, not {seed!r}")
+            raise CGCError(f"seed must be an integer of at least 0, not {seed!r}")
         goals, unknown = tuple(data.get("goals", ())), data.get("unknown", ())
         try:
             as_goals(goals)
@@ -182,31 +180,31 @@ class Study:
             dict(data),
         )
         if not study.variants:
-            raise CGCError("the study has no variants; give its parameters values")
+            raise CGCError("the study has no variants; give values for its parameters")
         return study
 
     @cached_property
     def variants(self) -> list[tuple[Any, ...]]:
-        """The values of the parameters, variant by variant."""
+        """Values of the parameters by variant."""
         return sample(self.sample, [own.values for own in self.parameters], self.count, self.seed)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the parameters."""
+        """Names of the parameters."""
         return tuple(own.name for own in self.parameters)
 
     @property
     def solver_settings(self) -> Optional[Settings]:
-        """The settings of the solves, None where all are left open."""
+        """Settings of the solves, None for the defaults."""
         return settings_for(self.method, self.settings) if self.settings else None
 
     def posed(self, problem: CGCProblem) -> CGCProblem:
-        """Return the drawing with what the study asks of every variant.
+        """Return the drawing with the supports, targets and goals that all variants share.
 
         Raises
         ------
         CGCError
-            If the drawing has no such vertex or region.
+            If a vertex or region does not exist in the drawing.
         """
         try:
             if self.supports is not None:
@@ -220,7 +218,7 @@ class Study:
             raise CGCError(f"the study: {error}") from None
 
     def digest(self, problem: CGCProblem) -> str:
-        """Return a name of what decides the table: this study of this drawing."""
+        """Return a digest of everything that determines the table: study, drawing and version."""
         told = {key: value for key, value in self.data.items() if key not in ("pareto", "best")}
         found = hashlib.blake2b(json.dumps(told, sort_keys=True).encode(), digest_size=16)
         for array in (problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases):
@@ -231,24 +229,24 @@ class Study:
 
 @names_what_was_meant()
 def read_study(path: Union[str, os.PathLike[str]]) -> Study:
-    """Return the study that a TOML file describes.
+    """Return the study described by a TOML file.
 
     Parameters
     ----------
     path
-        Of the file.
+        Path of the file.
 
     Returns
     -------
     Study
-        Checked.
+        The checked study.
 
     Raises
     ------
     FileError
-        If the file cannot be read or is no TOML.
+        If the file cannot be read or is not valid TOML.
     CGCError
-        If it is not understood.
+        If the study is invalid.
 
     Examples
     --------
@@ -263,7 +261,7 @@ def read_study(path: Union[str, os.PathLike[str]]) -> Study:
     except OSError as error:
         raise FileError(f"{path} cannot be read ({error.strerror}); give a TOML file that describes a study") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FileError(f"{path} is no TOML: {error}") from None
+        raise FileError(f"{path} is not valid TOML: {error}") from None
     try:
         return Study.from_dict(data)
     except CGCError as error:
@@ -271,17 +269,17 @@ def read_study(path: Union[str, os.PathLike[str]]) -> Study:
 
 
 def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a study as it can be written: numbers and arrays of NumPy as plain ones."""
+    """Return the data of a study with NumPy numbers and arrays converted to plain ones."""
     try:
         return json.loads(json.dumps(dict(data), default=lambda value: value.tolist()))
     except (TypeError, ValueError, AttributeError) as error:
-        raise CGCError(f"a study must be plain data, of numbers, texts, lists and tables ({error})") from None
+        raise CGCError(f"a study must consist of numbers, strings, lists and tables ({error})") from None
 
 
 def _known(what: str, given: Mapping[str, Any], keys: tuple[str, ...]) -> None:
     for key in given:
         if key not in keys:
-            raise CGCError(f"{what} has no {str(key)!r:.60}; it has {', '.join(keys)}{did_you_mean(str(key), keys)}")
+            raise CGCError(f"{what} has no key {str(key)!r:.60}; the keys are {', '.join(keys)}{did_you_mean(str(key), keys)}")
 
 
 def _table(name: str, data: Mapping[str, Any], keys: tuple[str, ...]) -> Optional[Mapping[str, Any]]:
@@ -289,7 +287,7 @@ def _table(name: str, data: Mapping[str, Any], keys: tuple[str, ...]) -> Optiona
     if given is None:
         return None
     if not isinstance(given, Mapping):
-        raise CGCError(f"{name} must be a table of {', '.join(keys)}, not {given!r}")
+        raise CGCError(f"{name} must be a table with keys from {', '.join(keys)}, not {given!r}")
     _known(name, given, keys)
     return dict(given)
 
@@ -303,11 +301,11 @@ def _ranking(name: str, data: Mapping[str, Any]) -> Ranking:
         columns = given.get(side, ())
         columns = (columns,) if isinstance(columns, str) else tuple(columns)
         if not all(isinstance(column, str) for column in columns):
-            raise CGCError(f"{name}: {side} must name columns of the table, not {given[side]!r}")
+            raise CGCError(f"{name}: {side} must be names of columns of the table, not {given[side]!r}")
         sides.append(columns)
     count = given.get("count", 3 if name == "best" else 0)
     if isinstance(count, bool) or not isinstance(count, int) or count < 0:
-        raise CGCError(f"{name}: count must be a whole number, not {count!r}")
+        raise CGCError(f"{name}: count must be an integer, not {count!r}")
     if not any(sides):
-        raise CGCError(f"{name} must say of which columns the least or the most is wanted, such as least = 'area'")
+        raise CGCError(f"{name} must name the columns to minimise (least) or maximise (most), such as least = 'area'")
     return Ranking(sides[0], sides[1], count)

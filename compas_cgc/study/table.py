@@ -1,4 +1,4 @@
-"""Table of a study: CSV that grows in the order of the variants, and a packed array of their surfaces."""
+"""Table of a study: a CSV file that grows in the order of the variants, and an array of their surfaces."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ __all__ = ["Table", "parsed", "read_rows", "write_parquet"]
 
 
 class Table:
-    """Rows and surfaces on their way to the disk, which a kill at any time leaves with whole rows and their surfaces.
+    """Writer of rows and surfaces; after a crash at any time, the files hold complete rows with their surfaces.
 
     Parameters
     ----------
     path, surfaces
-        The CSV file, and the ``.npy`` file of ``(variants, n, 3)`` float64 [L], NaN where there is no surface.
+        The CSV file, and the ``.npy`` file of ``(variants, n, 3)`` float64 [L], NaN for variants without a surface.
     columns
-        Of the table.
+        Names of the columns.
     variants, vertices
-        Numbers of them.
+        Number of variants and of vertices per variant.
 
     Attributes
     ----------
     rows
-        Number of rows that are written.
+        Number of written rows.
     """
 
     def __init__(self, path: Path, surfaces: Path, columns: Sequence[str], variants: int, vertices: int):
@@ -57,10 +57,10 @@ class Table:
             if not self.rows and not self._file.tell():
                 self._write([tuple(columns)])
         except (OSError, ValueError) as error:
-            raise FileError(f"{path.parent} cannot be written to ({error}); make room there or give another folder") from None
+            raise FileError(f"{path.parent} is not writable ({error}); free disk space or choose another folder") from None
 
     def add(self, block: Sequence[Measured]) -> None:
-        """Write the next variants; the surfaces first, as a row says that its surface is there.
+        """Write the next variants, surfaces first, so that every row has its surface.
 
         Raises
         ------
@@ -73,7 +73,7 @@ class Table:
                 self.rows += 1
             self._write([one.row for one in block])
         except OSError as error:
-            raise FileError(f"the table cannot be written ({error.strerror}); make room on the disk and start the study again") from None
+            raise FileError(f"the table cannot be written ({error.strerror}); free disk space and start the study again") from None
 
     def close(self) -> None:
         """Close the files."""
@@ -83,7 +83,7 @@ class Table:
     def _write(self, rows: Sequence[tuple]) -> None:
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([escaped(_text(value)) for value in row] for row in rows)
-        # In one go, so that a row is there or not.
+        # Write all rows at once, so that no row is partial.
         self._file.write(text.getvalue())
         self._file.flush()
 
@@ -141,12 +141,12 @@ def _whole_rows(path: Path, columns: Sequence[str]) -> int:
 
 
 def read_rows(path: Path) -> tuple[list[str], list[list[Any]]]:
-    """Return the columns and the rows of a table; numbers are numbers, and None what is empty.
+    """Return the columns and rows of a table, with numbers converted and None for empty cells.
 
     Raises
     ------
     FileError
-        If there is none.
+        If the table cannot be read or is empty.
     """
     try:
         with open(path, encoding="utf-8", newline="") as file:
@@ -155,12 +155,12 @@ def read_rows(path: Path) -> tuple[list[str], list[list[Any]]]:
         raise FileError(f"{path} cannot be read ({error.strerror}); give the folder of a study") from None
     rows = list(csv.reader(io.StringIO(text[: text.rfind("\n") + 1])))
     if not rows:
-        raise FileError(f"{path} is empty; the study has not begun")
+        raise FileError(f"{path} is empty; the study has not started")
     return [unescaped(name) for name in rows[0]], [[parsed(word) for word in row] for row in rows[1:]]
 
 
 def parsed(word: str) -> Any:
-    """Return the number that a word is, None for an empty one, else the word."""
+    """Return the number in a cell, None for an empty cell, else the text."""
     if not word:
         return None
     for kind in (int, float):
@@ -172,19 +172,19 @@ def parsed(word: str) -> Any:
 
 
 def write_parquet(path: Path, columns: Sequence[str], rows: Sequence[Sequence[Any]], needed: bool = False) -> Optional[Path]:
-    """Write a table as Parquet, where pyarrow is installed.
+    """Write a table as Parquet if pyarrow is installed.
 
     Raises
     ------
     CGCError
-        If it is needed and pyarrow is missing.
+        If `needed` is true and pyarrow is not installed.
     """
     try:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
         if needed:
-            raise CGCError('Parquet needs pyarrow: pip install "compas_cgc[study]"; the same table is there as CSV') from None
+            raise CGCError('Parquet requires pyarrow: pip install "compas_cgc[study]"; the table is also available as CSV') from None
         return None
     arrays = {name: pyarrow.array(_alike([row[k] for row in rows])) for k, name in enumerate(columns)}
     with replacing(path) as beside:
@@ -193,7 +193,7 @@ def write_parquet(path: Path, columns: Sequence[str], rows: Sequence[Sequence[An
 
 
 def _alike(values: list[Any]) -> list[Any]:
-    """Return values of one type, as a column of Parquet has them."""
+    """Return values converted to one type, as required by Parquet."""
     kinds = {type(value) for value in values} - {type(None)}
     if kinds <= {int} or kinds <= {str}:
         return values

@@ -1,4 +1,4 @@
-"""Thumbnails: many small shaded pictures of surfaces on one mesh, painted back to front into one image."""
+"""Thumbnails: small shaded pictures of surfaces on one mesh, painted back to front."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ __all__ = ["Image", "thumbnail"]
 Image = NDArray[np.uint8]
 
 VIEW = View(-58.0, 27.0)
-OVER = 3  # pixels painted for each that is kept, along each side
-AMBIENT = 0.3  # brightness of a face along the light
+OVERSAMPLING = 3  # samples per pixel, along each side
+AMBIENT = 0.3  # brightness of a face parallel to the light
 INK = (40, 40, 40)
 
 
 def thumbnail(vertices: Vertices, faces: Faces, colour: Sequence[float], pixels: tuple[int, int], frame: Frame, creases: Edges) -> Image:
-    """Return the picture of a surface (height, width, 3), white where nothing is.
+    """Return the picture of a surface (height, width, 3) on a white background.
 
     Parameters
     ----------
@@ -41,9 +41,9 @@ def thumbnail(vertices: Vertices, faces: Faces, colour: Sequence[float], pixels:
     pixels
         Width and height.
     frame
-        What of the sheet is shown, the same for all that are to be compared.
+        Visible part of the projection, the same for all compared surfaces.
     creases
-        ``(c, 2)`` edges that are drawn as lines, besides the open ones.
+        ``(c, 2)`` edges that are drawn as lines, in addition to open edges.
 
     Raises
     ------
@@ -54,8 +54,8 @@ def thumbnail(vertices: Vertices, faces: Faces, colour: Sequence[float], pixels:
         from PIL import Image as pillow
         from PIL import ImageDraw
     except ImportError:
-        raise CGCError('drawing needs matplotlib: pip install "compas_cgc[plot]"') from None
-    width, height = (OVER * number for number in pixels)
+        raise CGCError('drawing requires matplotlib: pip install "compas_cgc[plot]"') from None
+    width, height = (OVERSAMPLING * number for number in pixels)
     seen = project(vertices, VIEW, vertices)
     places = (seen[:, :2] - [frame.left, frame.top]) * [width / frame.width, -height / frame.height]
     light = np.abs(face_normals(vertices, faces) @ light_direction(VIEW))
@@ -65,14 +65,14 @@ def thumbnail(vertices: Vertices, faces: Faces, colour: Sequence[float], pixels:
     corners, lines = places[faces].reshape(len(faces), 6).tolist(), _lines(places, faces, creases)
     for face in np.argsort(seen[faces, 2].mean(axis=1), kind="stable").tolist():
         draw.polygon(corners[face], fill=tuple(shades[face]))
-        # With the face, so that what is nearer hides them.
+        # Drawn together with the face, so that nearer faces hide them.
         for line in lines.get(face, ()):
-            draw.line(line, fill=INK, width=OVER)
+            draw.line(line, fill=INK, width=OVERSAMPLING)
     return np.asarray(image.resize(pixels, pillow.Resampling.BOX))
 
 
 def _lines(places: FloatArray, faces: Faces, creases: Edges) -> dict[int, list[list[float]]]:
-    """Return the lines that are drawn with every face."""
+    """Return the lines to draw with each face."""
     edges = edge_faces(faces)
     n = len(places)
     creased = np.isin(np.sort(edges[:, :2], axis=1) @ [n, 1], np.sort(creases, axis=1) @ [n, 1])

@@ -1,4 +1,4 @@
-"""Variants: the problems that a study makes of a drawing, and what is measured of their surfaces."""
+"""Variants: the problems derived from a drawing by a study, and the measures of their surfaces."""
 
 from __future__ import annotations
 
@@ -31,41 +31,41 @@ from .spec import Study
 __all__ = ["Measured", "Plan", "block_size"]
 
 MEASURES = ("status", "verdict", "rise", "height", "area", "volume", "error", "roughness", "steps", "method")
-KEPT = 1_000_000  # vertices of surfaces that are kept for variants with the same
-SHAPES = 16  # drawings of moved creases and supports that are kept
-WORK, LARGEST = 4096, 16  # vertices and variants of a block
-LONG, MORE = 1024, 4  # variants of a study from which blocks grow with it, and how many times larger they get
-ENDS = 16  # results and branches that are kept
-SHORTEST = 4  # distance of two variants between which others are gone on from one of them
+CACHED_VERTICES = 1_000_000  # size of the cache of surfaces of identical variants [vertices]
+CACHED_SHAPES = 16  # number of cached drawings with moved creases and supports
+MAX_VERTICES, MAX_BLOCK = 4096, 16  # vertices and variants of a block
+LONG_STUDY, MAX_GROWTH = 1024, 4  # number of variants above which blocks grow, and their largest growth factor
+CACHED_ENDS = 16  # number of cached results and branches
+MIN_RUN = 4  # distance of two solved variants above which variants between them start from one of them
 
 
 def block_size(vertices: int, variants: int) -> int:
-    """Return the number of variants of a block, for those of a study on a mesh of so many vertices."""
-    growth = max(1, min(MORE, variants // LONG))
-    return max(1, growth * min(LARGEST, WORK // max(1, vertices)))
+    """Return the number of variants per block for a study on a mesh with `vertices` vertices."""
+    growth = max(1, min(MAX_GROWTH, variants // LONG_STUDY))
+    return max(1, growth * min(MAX_BLOCK, MAX_VERTICES // max(1, vertices)))
 
 
 class Measured(NamedTuple):
     """A variant with its surface."""
 
-    row: tuple[Any, ...]  # of the table, in the order of Plan.columns
-    vertices: Optional[FloatArray]  # (n, 3), None where there is no surface [L]
+    row: tuple[Any, ...]  # row of the table, in the order of Plan.columns
+    vertices: Optional[FloatArray]  # (n, 3) [L], None without a surface
 
 
 class Plan:
-    """A study of a drawing, with what does not change from variant to variant.
+    """A study applied to a drawing, with the data shared by all variants.
 
     Parameters
     ----------
     study
-        What is varied and measured.
+        Parameters, sampling and measures.
     drawing
         Vertices, faces, roles, targets and constraints, without dummies.
 
     Raises
     ------
     CGCError
-        If the drawing has not what a parameter changes.
+        If a parameter refers to something that the drawing does not have.
     """
 
     def __init__(self, study: Study, drawing: CGCProblem):
@@ -78,35 +78,35 @@ class Plan:
         self._settings = study.solver_settings
         self._unknown = list(unknown_regions(self.drawing))
         self._block = block_size(len(self.drawing.vertices), len(study.variants))
-        # Where variants share a solve whatever their block, none may depend on the others of its block.
+        # If variants of different blocks share a solve, it must not depend on other variants of a block.
         self._by_blocks = all(own.kind not in STRATEGIES for own in study.parameters)
         self._results: OrderedDict[int, SolveResult] = OrderedDict()
         self._runs: OrderedDict[int, list[tuple[int, int]]] = OrderedDict()
         self._branches: OrderedDict[int, Optional[Branch]] = OrderedDict()
         self._between: OrderedDict[tuple[int, int], Optional[Between]] = OrderedDict()
-        # A study that cannot be is refused before it begins.
+        # Report errors in the study before the first solve.
         for own in study.parameters:
             own.change(self.drawing)
         known = set(self.columns)
         for column in (*study.pareto.columns, *study.best.columns):
             if column not in known:
-                raise CGCError(f"the table has no column {column!r}; it has {', '.join(self.columns)}")
+                raise CGCError(f"the table has no column {column!r}; the columns are {', '.join(self.columns)}")
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns of the table."""
+        """Columns of the table."""
         panels = ("panels", "moulds") if self.study.panels is not None else ()
         forces = ("tension", "compression") if self.study.membrane is not None else ()
         return ("variant", *self.inputs, *MEASURES, *self.found, *panels, *forces, "note")
 
     @property
     def found(self) -> tuple[str, ...]:
-        """The columns of the K that is found, by region."""
+        """Columns of the unknown K, by region."""
         return tuple(f"K{region}" for region in self._unknown)
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The columns of the parameters: their names, told apart from what is measured."""
+        """Columns of the parameters: their names, made distinct from the measures."""
         return tuple(f"{name} asked" if name in MEASURES else name for name in self.study.names)
 
     def problem(self, variant: int) -> CGCProblem:
@@ -115,7 +115,7 @@ class Plan:
         Raises
         ------
         CGCError
-            If the drawing cannot be changed so.
+            If the values are not possible for the drawing.
         """
         values = self.study.variants[variant]
         problem, changes = self._shape(tuple(_hashable(values[k]) for k in self._shapes), values)
@@ -125,22 +125,23 @@ class Plan:
 
     @property
     def block_size(self) -> int:
-        """The number of variants of a block; a variant depends on no others than those of its block."""
+        """Number of variants per block; variants of different blocks are independent."""
         return self._block
 
     def solve(self, variant: int) -> SolveResult:
         """Return the result of a variant.
 
-        Between two of its block that have surfaces on one branch it is gone on from one of them, which comes to the same surface.
+        If two variants of its block have surfaces on one branch, a variant between them starts from one of them and gives the same
+        surface.
         """
         ends = self._ends(variant)
         found = None if ends is None else ends.solve(self.problem(variant))
         return found or self._alone(variant)
 
     def measured(self, variant: int, alone: bool = False) -> Measured:
-        """Return the row of a variant and its surface; what is wrong with it is told in its note.
+        """Return the row of a variant and its surface; errors are reported in the note of the row.
 
-        One alone is solved without looking at others of its block.
+        With `alone`, it is solved independently of its block.
         """
         try:
             problem = self.problem(variant)
@@ -151,7 +152,7 @@ class Plan:
             key = variant // self._block, key
         if key not in self._solved:
             self._solved[key] = self._solution(variant, alone)
-            if len(self._solved) > max(1, KEPT // len(problem.vertices)):
+            if len(self._solved) > max(1, CACHED_VERTICES // len(problem.vertices)):
                 self._solved.popitem(last=False)
         figures, note, vertices = self._solved[key]
         return Measured(self._row(variant, figures, note), vertices)
@@ -161,7 +162,7 @@ class Plan:
         return Measured(self._row(variant, {"status": status}, note), None)
 
     def _shape(self, key: tuple, values: tuple) -> tuple[CGCProblem, list[Change]]:
-        """Return the drawing with its shape changed, and the functions that ask something of it."""
+        """Return the drawing with its changed shape, and the functions that set the other parameters."""
         if key in self._drawn:
             self._drawn.move_to_end(key)
             return self._drawn[key]
@@ -169,18 +170,18 @@ class Plan:
         for k in self._shapes:
             problem = self.study.parameters[k].change(problem)(problem, values[k])
         self._drawn[key] = problem, [self.study.parameters[k].change(problem) for k in self._asked]
-        if len(self._drawn) > SHAPES:
+        if len(self._drawn) > CACHED_SHAPES:
             self._drawn.popitem(last=False)
         return self._drawn[key]
 
     def _decisive(self, problem: CGCProblem, values: tuple) -> tuple:
-        """Return what decides the result of a variant: its values, without the strategies that no method in question has."""
+        """Return the values that determine the result of a variant, without strategies that the method does not use."""
         own = [_hashable(value) for value, one in zip(values, self.study.parameters) if one.kind not in STRATEGIES]
         methods = [one.method for one in choose(problem, self._settings)] if self.study.method == "auto" else [self.study.method]
         return (*own, *((problem.s.tobytes(), problem.e.tobytes()) if "flow" in methods else ()))
 
     def _solution(self, variant: int, alone: bool) -> tuple[dict[str, Any], str, Optional[FloatArray]]:
-        """Return the figures of a variant's surface, what is wrong with it, and its vertices."""
+        """Return the measures of the surface of a variant, a note on errors, and its vertices."""
         try:
             result = self._alone(variant) if alone else self.solve(variant)
         except CGCError as error:
@@ -188,7 +189,7 @@ class Plan:
         return (*self._figures(result), result.vertices)
 
     def _alone(self, variant: int) -> SolveResult:
-        """Return the result of a variant, solved on its own."""
+        """Return the result of a variant, solved independently."""
         found = self._results.pop(variant, None)
         if found is None:
             found = solve(self.problem(variant), method=self.study.method, settings=self._settings)
@@ -198,9 +199,9 @@ class Plan:
         return found
 
     def _ends(self, variant: int) -> Optional[Between]:
-        """Return what solves a variant by two others with surfaces on one branch, as near to it as need be; None where there are none."""
+        """Return a solver of a variant between two others with surfaces on one branch, None if there are none."""
         first, last = self._run(variant)
-        while first < variant < last and last - first >= SHORTEST:
+        while first < variant < last and last - first >= MIN_RUN:
             if (first, last) not in self._between:
                 _keep(self._between, (first, last), self._joined(first, last))
             joined = self._between[first, last]
@@ -220,7 +221,7 @@ class Plan:
             return None
 
     def _run(self, variant: int) -> tuple[int, int]:
-        """Return the first and the last of the variants about one, within its block, that go from K to K on one drawing one way."""
+        """Return the first and last variant of the run around a variant: variants of its block with monotonic K on one drawing."""
         block = variant // self._block
         if block not in self._runs:
             _keep(self._runs, block, self._runs_of(block))
@@ -237,7 +238,7 @@ class Plan:
         for k, (here, there) in enumerate(zip(values, values[1:]), first):
             same = all(one == other for one, other, varies in zip(here, there, varied) if not varies)
             way = [other > one for one, other, varies in zip(here, there, varied) if varies] if same else None
-            # Where the way turns a new run begins, with the variant after the last of that before.
+            # Where the direction of K changes, a new run starts after the last variant of the previous run.
             if way is None or (k > start and way != before):
                 runs.append((start, k))
                 start = k + 1
@@ -299,13 +300,13 @@ class Plan:
 
 
 def _of_largest(heights: FloatArray) -> float:
-    """Return the height of the highest vertex, or the depth of the lowest where that is farther away."""
+    """Return the height of the highest vertex, or the depth of the lowest if its absolute value is larger."""
     high, low = float(heights.max()), float(heights.min())
     return high if high >= -low else low
 
 
 def _plain(value: Any) -> Any:
-    """Return a figure that a table can hold: no number that is none."""
+    """Return a value for the table, with None for NaN and infinity."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -314,7 +315,7 @@ def _hashable(value: Any) -> Any:
 
 
 def _keep(kept: OrderedDict, key: Any, value: Any) -> None:
-    """Keep a value with the last few."""
+    """Store a value in a least recently used cache."""
     kept[key] = value
-    if len(kept) > ENDS:
+    if len(kept) > CACHED_ENDS:
         kept.popitem(last=False)

@@ -1,4 +1,4 @@
-"""One writer at a time for the folder of a study, and damaged files set aside."""
+"""Lock of the folder of a study for one writer, and handling of damaged files."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..errors import FileError
 __all__ = ["one_writer", "set_aside"]
 
 LOCK = ".writer"
-POLL_INTERVAL = 0.1  # seconds between two tries to become the writer
+POLL_INTERVAL = 0.1  # time between two attempts to lock the folder [s]
 
 log = logging.getLogger(__name__)
 
 
 @contextmanager
 def one_writer(folder: Path, stopped: Callable[[], bool]) -> Iterator[bool]:
-    """Hold a folder for this process within a block, as soon as no other process holds it; one that is killed lets go of it.
+    """Lock a folder for this process within a block, after waiting for other processes; the lock ends with the process.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def one_writer(folder: Path, stopped: Callable[[], bool]) -> Iterator[bool]:
     try:
         lock = sqlite3.connect(folder / LOCK, timeout=0.0, isolation_level=None)
     except sqlite3.Error as error:
-        raise FileError(f"{folder} cannot be written to ({error}); give another folder") from None
+        raise FileError(f"{folder} is not writable ({error}); choose another folder") from None
     try:
         held = False
         while not held:
@@ -54,7 +54,7 @@ def one_writer(folder: Path, stopped: Callable[[], bool]) -> Iterator[bool]:
                 held = True
             except sqlite3.OperationalError as error:
                 if "locked" not in str(error):
-                    raise FileError(f"{folder} cannot be written to ({error}); give another folder") from None
+                    raise FileError(f"{folder} is not writable ({error}); choose another folder") from None
                 if stopped():
                     break
                 time.sleep(POLL_INTERVAL)

@@ -95,7 +95,7 @@ def test_no_server_and_another_server_are_told_apart():
 
     other = HTTPServer(("127.0.0.1", 0), Other)
     threading.Thread(target=other.serve_forever, daemon=True).start()
-    with pytest.raises(ServerUnavailable, match="no server of compas_cgc"):
+    with pytest.raises(ServerUnavailable, match="not a server of compas_cgc"):
         Client(f"http://127.0.0.1:{other.server_port}", retries=0).version()
     other.shutdown()
     other.server_close()

@@ -279,11 +279,11 @@ MISTAKES = {
     "a region to develop by its name": (lambda: develop(posed(), "roof"), "a region must be a whole number, not 'roof'"),
     "a width of a word": (lambda: widest_panel("K", 0.001), "K must be a number, not 'K'"),
     "sheets of a result": (lambda: draw_sheets(posed()), r"sheets are drawn from patterns: draw_sheets\(unroll\(surface\)\)"),
-    "a study of nothing": (lambda: Study(None), r"a study is made of plain data: Study.from_dict\(\{...\}\), .* not None"),
+    "a study of nothing": (lambda: Study(None), r"create a study by Study.from_dict\(\{...\}\) .* not from None"),
     "a file for a problem": (lambda: CGCProblem("a.3dm", [[0, 1, 2]]), "vertices and faces must be arrays of numbers"),
-    "a study as a dictionary": (lambda: run_study(posed(), {"parameters": {}}, "out"), r"Study.from_dict\(\{...\}\), or read_study"),
-    "results of nothing": (lambda: Results(None), r"results are those in the folder of a study: Results\('folder'\), not None"),
-    "a front of a folder": (lambda: pareto_front("out"), r"the results of a study are read first: Results\('folder'\), not 'out'"),
+    "a study as a dictionary": (lambda: run_study(posed(), {"parameters": {}}, "out"), r"Study.from_dict\(\{...\}\) or read_study"),
+    "results of nothing": (lambda: Results(None), r"the argument must be the folder of a study, Results\('folder'\), not None"),
+    "a front of a folder": (lambda: pareto_front("out"), r"the argument must be the results of a study, Results\('folder'\), not 'out'"),
     "a sample that is not there": (lambda: compas_cgc.get("roof"), "there is no sample 'roof'; there are"),
 }
 
