@@ -1,4 +1,4 @@
-"""``python -m compas_cgc`` is ``compas-cgc``."""
+"""Entry point of ``python -m compas_cgc``, the same as ``compas-cgc``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled kernels: how they are made, where they are stored, and how long compiling them takes."""
+"""Compiled kernels: decorator, storage and compilation time."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ log = logging.getLogger(__name__)
 
 
 class Compilation(NamedTuple):
-    """What has been compiled in this process."""
+    """Compilation in this process."""
 
-    kernels: int  # that Python calls
-    part: float  # of those that are loaded, from 0 to 1; not all of them need be called
-    seconds: float  # of wall time
+    kernels: int  # number of compiled kernels that Python calls
+    part: float  # compiled fraction of the loaded kernels, from 0 to 1; not all of them are needed
+    seconds: float  # wall time [s]
 
 
 Watcher = Callable[[Compilation], object]
 
 
 class _Clock(threading.local):
-    """What a thread compiles: how deep in calls of kernels by kernels, since when, and for how long so far."""
+    """Compilation in a thread: nesting depth, start time, and total time so far."""
 
     depth = 0
     started = 0.0
     seconds = 0.0
     part = 0.0
-    collects = False  # whether garbage was collected before
+    collects = False  # whether the garbage collector was enabled before
 
 
 _clock = _Clock()
@@ -54,15 +54,15 @@ _watchers: list[Watcher] = []
 
 
 def kernel(inner: bool = False, **options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Return the decorator of a compiled function, which is stored between runs.
+    """Return the decorator of a compiled function, which is cached on disk.
 
-    For a first solve that does not keep anybody waiting: no entry point for C, no checks of divisors, whose zeros give infinities
-    as in NumPy. Small kernels, arrays made by NumPy outside, and no slices, formatted texts or sorting inside compile fastest.
+    To reduce compile times, kernels have no C entry point and no checks for division by zero, which gives infinities as in NumPy.
+    Small kernels without array creation, slices, string formatting or sorting compile fastest.
 
     Parameters
     ----------
     inner
-        Only other kernels call it, so that it needs no entry point for Python and goes into what is stored of them.
+        Whether only other kernels call it: it then has no Python entry point and is stored with its callers.
     options
         Further options of ``numba.njit``.
     """
@@ -78,14 +78,14 @@ def kernel(inner: bool = False, **options: Any) -> Callable[[Callable[..., Any]]
 
 
 def compile_seconds() -> float:
-    """Return the wall time that this thread has spent compiling kernels."""
+    """Return the wall time that this thread has spent on compilation [s]."""
     running = time.perf_counter() - _clock.started if _clock.depth else 0.0
     return _clock.seconds + running
 
 
 @contextmanager
 def watch_compilation(watcher: Watcher) -> Iterator[None]:
-    """Call a function, within a block, when a kernel is about to be compiled or has been."""
+    """Within a block, call a function before and after the compilation of each kernel."""
     _listen()
     _watchers.append(watcher)
     try:
@@ -95,7 +95,7 @@ def watch_compilation(watcher: Watcher) -> Iterator[None]:
 
 
 def is_stored(made: Any) -> bool:
-    """Check whether a kernel has been compiled and stored by this or an earlier process."""
+    """Check whether a kernel is in the cache on disk."""
     try:
         return bool(made._cache._cache_file._load_index())
     except Exception:  # Numba has no public way to ask, and the index may be damaged
@@ -108,7 +108,7 @@ def _made(function: Callable[..., Any], options: dict[str, Any]) -> Any:
     try:
         return _guard_storage(numba.njit(**options)(function))
     except RuntimeError:
-        # Neither the folder of the package nor the user's can be written to.
+        # Neither the folder of the package nor that of the user is writable.
         from numba.core import config
 
         setattr(config, "CACHE_DIR", _temporary_folder())  # noqa: B010  # types know only what is set already
@@ -153,7 +153,7 @@ def _guard_storage(made: Any) -> Any:
 
 @cache
 def _temporary_folder() -> str:
-    """Return a folder for stored kernels that nobody else can write to; it outlasts the process where it is safe to."""
+    """Return a private folder for the kernel cache; it outlives the process if it is secure."""
     user = os.getuid() if sys.platform != "win32" else 0
     folder = os.path.join(tempfile.gettempdir(), f"{PACKAGE}-{user}")
     try:
@@ -173,7 +173,7 @@ def _is_private(stat: os.stat_result, user: int) -> bool:
 
 @cache
 def _listen() -> None:
-    """Have Numba tell of every compilation."""
+    """Listen to the compilation events of Numba."""
     from numba.core import event as events
 
     class Listener(events.Listener):
@@ -184,7 +184,7 @@ def _listen() -> None:
             if _clock.depth == 0:
                 _clock.started = time.perf_counter()
                 _tell()
-                # A compiler makes so many objects that looking for garbage would take a sixth of its time; one thread compiles at a time.
+                # Garbage collection would take a sixth of the compile time; only one thread compiles at a time.
                 _clock.collects = gc.isenabled()
                 gc.disable()
             _clock.depth += 1
@@ -205,7 +205,7 @@ def _listen() -> None:
 
 
 def _name(happening: Any) -> Optional[str]:
-    """Return the kernel that is compiled; what Numba compiles of its own is told within one of ours, or is none of our business."""
+    """Return the name of the compiled kernel, None for internal functions of Numba."""
     function = happening.data["dispatcher"].py_func
     module = function.__module__ or ""
     return f"{module}.{function.__qualname__}" if _clock.depth or module.startswith(f"{PACKAGE}.") else None
@@ -213,7 +213,7 @@ def _name(happening: Any) -> Optional[str]:
 
 def _tell() -> None:
     left = sum(not made.signatures for made in _kernels)
-    # More kernels may be loaded on the way, but a bar does not go back.
+    # More kernels may be loaded meanwhile, but the progress must not decrease.
     _clock.part = max(_clock.part, len(_compiled) / max(1, len(_compiled) + left))
     state = Compilation(len(_compiled), _clock.part, compile_seconds())
     for watcher in list(_watchers):

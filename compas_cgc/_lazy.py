@@ -1,4 +1,4 @@
-"""Lazy loading: names of a package are imported when they are first used, so that importing the package costs nothing."""
+"""Lazy loading: names of a package are imported when first used, to keep the import of the package fast."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[
     package
         Name of the package.
     file
-        Its ``__init__.py``; the stub ``__init__.pyi`` lies beside it.
+        Path of its ``__init__.py``; the stub ``__init__.pyi`` is in the same folder.
     """
     homes = _imports(Path(file).with_suffix(".pyi"))
     top = "." not in package
@@ -37,7 +37,7 @@ def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[
         if name in homes:
             with _garbage_collector_off():
                 return getattr(import_module(homes[name], package), name)
-        # The import system and other tools ask for private names, such as ``__path__``, that most modules lack.
+        # The import system and other tools request private names such as ``__path__``, which most modules lack.
         if name.startswith("_"):
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         if top and find_spec(f"{package}.{name}"):
@@ -51,7 +51,7 @@ def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[
 
 
 def _imports(stub: Path) -> dict[str, str]:
-    """Return the modules, relative to the package, that a stub imports names from."""
+    """Return the module, relative to the package, of every name imported in a stub."""
     body = ast.parse(stub.read_text(encoding="utf-8")).body
     imports = (own for own in body if isinstance(own, ast.ImportFrom))
     return {alias.name: "." * own.level + (own.module or "") for own in imports for alias in own.names}
@@ -59,7 +59,7 @@ def _imports(stub: Path) -> dict[str, str]:
 
 @contextmanager
 def _garbage_collector_off() -> Iterator[None]:
-    """Disable the garbage collector within a block: it takes a tenth of the time of an import, whose objects stay."""
+    """Disable the garbage collector within a block; it takes a tenth of the time of an import."""
     collects = gc.isenabled()
     gc.disable()
     try:

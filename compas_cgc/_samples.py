@@ -1,4 +1,4 @@
-"""Sample data: drawings that come with the package, by name, as ``compas.get`` has them."""
+"""Sample drawings included in the package, in the manner of ``compas.get``."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _FOLDER = Path(__file__).parent / "_sample_files"
 
 @names_what_was_meant()
 def samples() -> list[str]:
-    """Return the names of the drawings that come with the package.
+    """Return the names of the sample drawings in the package.
 
     Returns
     -------
     list of str
-        File names, each of which :func:`get` takes.
+        File names for :func:`get`.
 
     Examples
     --------
@@ -31,12 +31,12 @@ def samples() -> list[str]:
 
 @names_what_was_meant()
 def get(name: str) -> str:
-    """Return the path of a drawing that comes with the package.
+    """Return the path of a sample drawing in the package.
 
     Parameters
     ----------
     name
-        Its file name, such as ``"nine_regions.3dm"``; see :func:`samples`.
+        File name of the drawing, such as ``"nine_regions.3dm"``; see :func:`samples`.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def get(name: str) -> str:
     Raises
     ------
     FileError
-        If there is no such drawing; the sentence names those that there are.
+        If the drawing does not exist; the message lists all drawings.
 
     Examples
     --------
@@ -56,12 +56,12 @@ def get(name: str) -> str:
     9
     """
     if name not in samples():
-        raise FileError(f"there is no sample {name!r}; there are {', '.join(samples())}")
+        raise FileError(f"there is no sample {name!r}; the samples are {', '.join(samples())}")
     return str(_FOLDER / name)
 
 
 def no_file(path: object) -> str:
-    """Return the sentence on a file that is not there, which may be a drawing of the manual that was not copied yet."""
+    """Return the message on a missing file, with a hint if it is a sample drawing of the manual."""
     name = Path(str(path)).name
-    mend = f"the drawing {name} of the manual is {get(name)}, copy it" if name in samples() else "check the name"
+    mend = f"copy the sample drawing {name} from {get(name)}" if name in samples() else "check the name"
     return f"there is no file {path}; {mend}"

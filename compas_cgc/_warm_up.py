@@ -1,4 +1,4 @@
-"""Warm-up: every kernel that a solve may call is compiled and stored, before somebody waits for it."""
+"""Warm-up: compiles and stores every kernel that a solve may call."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["is_warm", "warm_up"]
 
 
 def is_warm() -> bool:
-    """Check whether there has been a warm-up, or a solve, of this version on this machine."""
+    """Check whether the kernels of this version have been compiled on this machine."""
     from ._compiled import is_stored
     from .discrete._kernels import write_cross_vectors
 
@@ -24,17 +24,17 @@ def is_warm() -> bool:
 
 
 def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
-    """Compile and store the kernels, of which those that are stored already are loaded only.
+    """Compile and store the kernels; those already stored are only loaded.
 
     Parameters
     ----------
     told
-        Called with the part that is done, from 0 to 1.
+        Called with the completed fraction, from 0 to 1.
 
     Returns
     -------
     int
-        How many calls were made.
+        Number of calls.
     """
     calls = list(_calls())
     for done, call in enumerate(calls):
@@ -47,7 +47,7 @@ def warm_up(told: Optional[Callable[[float], object]] = None) -> int:
 
 
 def _calls() -> Iterator[Callable[[], object]]:
-    """Yield calls that between them reach every kernel of a solve, its analysis and its checks."""
+    """Yield calls that together use every kernel of a solve, its analysis and its checks."""
     from .solvers.registry import METHODS
 
     for method in METHODS:
@@ -94,7 +94,7 @@ def _ordered() -> None:
 
 
 def _swept() -> None:
-    """Compile what only large meshes take."""
+    """Compile the kernels used only for large meshes."""
     import numpy as np
     from scipy import sparse
 
@@ -104,7 +104,7 @@ def _swept() -> None:
 
 
 def _drawn() -> None:
-    """Compile what the reading of drawings and pictures call."""
+    """Compile the kernels used to read drawings and to draw pictures."""
     import numpy as np
 
     from .discrete import energy_gradient

@@ -151,7 +151,7 @@ def wait_for_server(client: Client, server: ServerProcess, patience: float = 60.
     server
         The server.
     patience
-        Seconds to wait.
+        Longest time to wait [s].
     waiting
         Called periodically; True cancels the start.
 

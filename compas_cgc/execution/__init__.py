@@ -1,3 +1,3 @@
-"""Execution: tasks on worker processes, of this machine or of others, that tell how far they are and can be stopped."""
+"""Execution of tasks on worker processes, local or remote, with progress reports and cancellation."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Eye on a Dask cluster: a thread that keeps the connection to its scheduler and tells who works for it."""
+"""Monitor of a Dask cluster: a thread that keeps the connection to the scheduler and reports the workers."""
 
 from __future__ import annotations
 
@@ -11,35 +11,35 @@ from typing import NamedTuple
 from ..errors import CGCError
 from .dask_task import about
 
-__all__ = ["PATIENCE", "ClusterWatch", "Message", "let_go"]
+__all__ = ["CONNECT_TIMEOUT", "ClusterWatch", "Message", "let_go"]
 
-WATCH_INTERVAL = 0.5  # seconds between two looks at the cluster
-PATIENCE = 3.0  # seconds that a scheduler may take to be found
-BUSY = 30.0  # seconds that one may take to answer that is connected: when it ends that is seen at once
+WATCH_INTERVAL = 0.5  # polling interval of the cluster [s]
+CONNECT_TIMEOUT = 3.0  # of a scheduler [s]
+RESPONSE_TIMEOUT = 30.0  # of a connected scheduler [s]; its end is noticed immediately
 
 log = logging.getLogger(__name__)
 
 
 class Message(NamedTuple):
-    """What other threads tell the one that keeps the tasks."""
+    """Message of other threads to the thread that manages the tasks."""
 
     kind: str  # task, event, done, lost, workers, cut, close
     content: Any = None
 
 
 class ClusterWatch(threading.Thread):
-    """The thread that looks at a cluster until it is told to close.
+    """Thread that monitors a cluster until `closing` is set.
 
     Parameters
     ----------
     address
-        Of the scheduler.
+        Address of the scheduler.
     topic
-        Under which tasks report.
+        Dask topic of the reports of tasks.
     tell
-        Called with `event`s of tasks, with the `workers` at every look, when the connection is `cut`, and before the `close`.
+        Called with every `event` of a task, with the `workers` at every poll, when the connection is `cut`, and before the `close`.
     closing
-        Set at the end.
+        Event that ends the thread.
 
     Raises
     ------
@@ -52,12 +52,12 @@ class ClusterWatch(threading.Thread):
         try:
             import distributed
         except ImportError:
-            raise CGCError('a Dask cluster needs distributed: pip install "compas_cgc[dask]"') from None
+            raise CGCError('a Dask cluster requires distributed: pip install "compas_cgc[dask]"') from None
         self._distributed = distributed
         self._address, self._topic, self._tell, self._closing = address, topic, tell, closing
 
     def run(self) -> None:
-        """Keep a connection to the scheduler, and tell who works for it."""
+        """Keep a connection to the scheduler and report the workers."""
         client: Any = None
         known: dict[str, str] = {}  # version by worker
         scheduler = ""
@@ -66,15 +66,15 @@ class ClusterWatch(threading.Thread):
                 if client is None:
                     client = self._connected()
                     known, scheduler = {}, _scheduler_of(client)
-                # Dask connects anew by itself, to another scheduler too, which knows nothing of what was under way.
+                # Dask reconnects automatically, also to a new scheduler, which does not know the running tasks.
                 if client.status != "running" or _scheduler_of(client) != scheduler:
                     raise OSError("the connection is broken")
-                threads = client.sync(client.scheduler.ncores, callback_timeout=BUSY)
+                threads = client.sync(client.scheduler.ncores, callback_timeout=RESPONSE_TIMEOUT)
                 known = {address: known[address] if address in known else _version_on(client, address) for address in threads}
                 self._tell(Message("workers", (client, dict(threads), known)))
             except Exception as error:
                 if client is not None:
-                    log.error("the Dask scheduler %s is lost (%s); looking for it", self._address, error)
+                    log.error("the connection to the Dask scheduler %s is lost (%s); reconnecting", self._address, error)
                     self._tell(Message("cut"))
                     let_go(client)
                 client, known = None, {}
@@ -83,13 +83,13 @@ class ClusterWatch(threading.Thread):
             self._tell(Message("close"))
 
     def _connected(self) -> Any:
-        client = self._distributed.Client(self._address, timeout=PATIENCE, set_as_default=False, name="compas_cgc")
+        client = self._distributed.Client(self._address, timeout=CONNECT_TIMEOUT, set_as_default=False, name="compas_cgc")
         client.subscribe_topic(self._topic, lambda event: self._tell(Message("event", event[1])))
         return client
 
 
 def let_go(client: Any) -> None:
-    """Close a connection to a cluster, which goes on."""
+    """Close the connection to a cluster, without stopping the cluster."""
     try:
         client.close(timeout=1.0)
     except Exception as error:
@@ -97,11 +97,11 @@ def let_go(client: Any) -> None:
 
 
 def _scheduler_of(client: Any) -> str:
-    return str(client.sync(client.scheduler.identity, callback_timeout=BUSY)["id"])
+    return str(client.sync(client.scheduler.identity, callback_timeout=RESPONSE_TIMEOUT)["id"])
 
 
 def _version_on(client: Any, address: str) -> str:
-    """Return the version on a worker, or what is wrong with it."""
+    """Return the version of the package on a worker, or a description of the error."""
     try:
         return str(client.run(about, workers=[address])[address])
     except Exception as error:

@@ -1,8 +1,8 @@
-"""Executor on a Dask cluster: own queue, one task at a time for each thread of a worker, and an eye on what dies.
+"""Executor on a Dask cluster with its own queue, one task per worker thread, and recovery from failures.
 
-What Dask does by itself is left to it: connections, serialisation, transport of results. What a server must not leave to it is done
-here: a task goes to one worker and is never begun again on another (it may be what ended the first), workers of another version get
-none, and after the scheduler has died and come back, tasks that were under way are begun once more.
+Dask handles connections, serialisation and the transport of results. This module handles what a server cannot leave to Dask: a task
+is sent to one worker and never restarted on another, because it may have crashed the first; workers with another version get no
+tasks; and after a restart of the scheduler, running tasks are started once more.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Callable
 from typing import Optional
 
 from .._version import __version__
-from .dask_cluster import PATIENCE
+from .dask_cluster import CONNECT_TIMEOUT
 from .dask_cluster import ClusterWatch
 from .dask_cluster import Message
 from .dask_cluster import let_go
@@ -33,45 +33,45 @@ from .future import place
 
 __all__ = ["DaskExecutor"]
 
-POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
-GONE = 2  # looks in a row that a worker is missing in, until its task is given up
-BEGINNINGS = 2  # times that a task is begun whose scheduler dies under it
+POLL_INTERVAL = 0.02  # time between two checks of cancellations and limits [s]
+MAX_MISSED = 2  # consecutive polls without a worker after which its task fails
+MAX_STARTS = 2  # attempts for a task whose scheduler ends
 
 log = logging.getLogger(__name__)
 
 
 class _Run:
-    """A task on its way through the cluster."""
+    """A task on the cluster."""
 
     def __init__(self, task: Task, name: str, address: str, urgent: bool):
         self.task, self.name, self.address, self.urgent = task, name, address, urgent
         self.future: Any = None
         self.started: Optional[float] = None
-        self.asked = False  # to stop
-        self.lost = False  # Dask has forgotten it
-        self.missed = 0  # looks in a row without its worker, or after Dask has forgotten it
+        self.asked = False  # whether a stop was requested
+        self.lost = False  # whether Dask no longer knows the task
+        self.missed = 0  # consecutive polls without its worker, or since Dask lost the task
         self.restarted = False
 
     @property
     def is_deaf(self) -> bool:
-        """Whether it goes on although everybody has been told that it ended."""
+        """Whether the task keeps running although it was reported as ended."""
         return self.task.done()
 
 
 class DaskExecutor:
     """Tasks on the workers of a Dask cluster, see :class:`~compas_cgc.execution.protocol.TaskExecutor`.
 
-    Workers are best started as ``dask worker ADDRESS --nthreads 1``: then a task that does not end when it is asked to is ended with
-    its process, and Dask's nanny starts another. A report of a live surface larger than 100 kB is left out.
+    Start workers as ``dask worker ADDRESS --nthreads 1``: a task that does not stop on request is then ended with its process, which
+    Dask's nanny restarts. Live surfaces larger than 100 kB are omitted from progress reports.
 
     Parameters
     ----------
     address
-        Of the scheduler, such as ``tcp://127.0.0.1:8786``.
+        Address of the scheduler, such as ``tcp://127.0.0.1:8786``.
     grace
-        Seconds between being asked to stop and being ended by force.
+        Time between the request to stop a task and ending it by force [s].
     reserved
-        Number of tasks at once that are kept for urgent ones, where there is more than one.
+        Number of slots reserved for urgent tasks, if there is more than one slot.
 
     Raises
     ------
@@ -88,8 +88,8 @@ class DaskExecutor:
         self._waiting: deque[Task] = deque()
         self._runs: dict[str, _Run] = {}
         self._beginnings: dict[Task, int] = {}
-        self._slots: dict[str, int] = {}  # tasks at once by the address of the worker
-        self._refused: dict[str, str] = {}  # workers that are given nothing, and why
+        self._slots: dict[str, int] = {}  # number of simultaneous tasks by address of the worker
+        self._refused: dict[str, str] = {}  # workers that get no tasks, with the reason
         self._client: Any = None
         self._replaced = 0
         self._closing = threading.Event()
@@ -106,7 +106,7 @@ class DaskExecutor:
 
     @property
     def workers(self) -> int:
-        """Number of tasks that run at once."""
+        """Number of simultaneous tasks."""
         return sum(self._slots.values())
 
     def submit(self, function: Callable, /, *args: Any, **kwargs: Any) -> Task:
@@ -124,13 +124,13 @@ class DaskExecutor:
     ) -> Task:
         """Queue a call, see :meth:`~compas_cgc.execution.protocol.TaskExecutor.start`."""
         if self._closing.is_set():
-            raise RuntimeError("the executor is closed, no task can be started")
+            raise RuntimeError("the executor is closed; no task can be started")
         task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
         self._inbox.put(Message("task", task))
         return task
 
     def health(self) -> dict:
-        """Count workers by what they do and tasks that wait, and name what is wrong."""
+        """Return the number of workers by state, the number of queued tasks, and problems."""
         runs, slots = list(self._runs.values()), sum(self._slots.values())
         busy = min(len(runs), slots)
         return {
@@ -147,15 +147,15 @@ class DaskExecutor:
         }
 
     def processes(self) -> list[int]:
-        """Return no process ids: the workers may be on other machines."""
+        """Return an empty list, as the workers may be on other machines."""
         return []
 
     def wait_until_ready(self, timeout: Optional[float] = None) -> bool:
-        """Wait until there is a worker."""
+        """Wait until a worker is available."""
         return self._ready.wait(timeout)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Let go of the cluster, which goes on; tasks are finished first, or ended with `cancel_futures`."""
+        """Disconnect from the cluster, which keeps running; tasks are finished first, or stopped with `cancel_futures`."""
         while wait and not cancel_futures and not self._closing.is_set() and (self._runs or self._waiting or not self._inbox.empty()):
             time.sleep(POLL_INTERVAL)
         self._closing.set()
@@ -166,11 +166,11 @@ class DaskExecutor:
             self._errands.shutdown()
 
     # ------------------------------------------------------------------
-    # The thread that keeps the tasks
+    # The thread that manages the tasks
     # ------------------------------------------------------------------
 
     def _keep(self) -> None:
-        """Hand tasks out and follow them until the executor is closed; nothing else changes what is kept of them."""
+        """Distribute and follow tasks until the executor is closed; only this thread changes their state."""
         while True:
             try:
                 message: Optional[Message] = self._inbox.get(timeout=POLL_INTERVAL)
@@ -220,7 +220,7 @@ class DaskExecutor:
         self._client = client
         refused = {address: said for address, said in versions.items() if said != __version__}
         for address in refused.keys() - self._refused.keys():
-            log.error("the worker %s is given nothing: it has %s, not %s", address, refused[address], __version__)
+            log.error("the worker %s gets no tasks: it has version %s, not %s", address, refused[address], __version__)
         self._refused = refused
         slots = {address: int(count) for address, count in threads.items() if address not in refused}
         self._replaced += len(self._slots.keys() - slots.keys())
@@ -229,18 +229,18 @@ class DaskExecutor:
             self._ready.set()
         for run in list(self._runs.values()):
             run.missed = 0 if run.address in threads and not run.lost else run.missed + 1
-            if run.missed >= GONE:
+            if run.missed >= MAX_MISSED:
                 self._give_up(run)
 
     def _on_cut(self, content: object) -> None:
-        """The scheduler is lost with all that it knew: what was under way is begun again when it is back, but not for ever."""
+        """Handle the loss of the scheduler: running tasks are restarted later, up to MAX_STARTS times."""
         self._client, self._slots = None, {}
         for run in sorted(self._runs.values(), key=lambda run: run.task.since, reverse=True):
             if run.task.done():
                 continue
-            if self._beginnings[run.task] >= BEGINNINGS:
+            if self._beginnings[run.task] >= MAX_STARTS:
                 self._beginnings.pop(run.task)
-                text = f"the Dask scheduler ended {BEGINNINGS} times while this job ran; submit the job again"
+                text = f"the Dask scheduler ended {MAX_STARTS} times during this job; submit the job again"
                 if self._begun(run):
                     run.task.set_exception(WorkerDied(text))
             else:
@@ -248,7 +248,7 @@ class DaskExecutor:
         self._runs.clear()
 
     def _begun(self, run: _Run) -> bool:
-        """Note that a task runs; tell whether anybody still wants it."""
+        """Mark a task as running; return whether its result is still needed."""
         if run.started is None:
             run.started = time.monotonic()
             if run.task.running():
@@ -257,8 +257,8 @@ class DaskExecutor:
         return True
 
     def _give_up(self, run: _Run) -> None:
-        """Fail a task whose worker is gone; Dask is kept from beginning it again."""
-        text = f"the Dask worker {run.address} of this job ended unexpectedly, perhaps for lack of memory; submit the job again"
+        """Fail a task whose worker ended, and prevent Dask from restarting it."""
+        text = f"the Dask worker {run.address} of this job ended unexpectedly, probably for lack of memory; submit the job again"
         self._runs.pop(run.name, None)
         self._beginnings.pop(run.task, None)
         self._errands.submit(self._cancelled, run)
@@ -267,10 +267,10 @@ class DaskExecutor:
             run.task.set_exception(WorkerDied(text))
 
     def _look_after(self, run: _Run) -> None:
-        """Stop a task that is to be, or has run too long."""
+        """Stop a task on request or when it exceeds its time limit."""
         task, now = run.task, time.monotonic()
         if task.cancelled() and run.started is None:
-            # It waits on its worker still, behind one of somebody else.
+            # The task is still queued on its worker, behind a task of another client.
             self._runs.pop(run.name, None)
             self._beginnings.pop(task, None)
             self._errands.submit(self._cancelled, run)
@@ -278,7 +278,7 @@ class DaskExecutor:
         if run.started is None:
             return
         if task.time_limit is not None and now - run.started > task.time_limit:
-            task.stop(f"it took longer than the {task.time_limit:g} seconds allowed", self._grace)
+            task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace)
         if task.stop_reason is None:
             return
         if not run.asked:
@@ -288,12 +288,12 @@ class DaskExecutor:
             task.set_exception(TaskStopped(task.stop_reason))
         if now - task.stop_time > self._grace and not run.restarted:
             run.restarted = True
-            log.error("the task %s on %s does not end when it is asked to", run.name, run.address)
+            log.error("the task %s on %s does not stop on request", run.name, run.address)
             if self._slots.get(run.address) == 1:
                 self._errands.submit(self._restart, run)
 
     def _hand_out(self) -> None:
-        """Give waiting tasks to workers that are free."""
+        """Send queued tasks to free workers."""
         if self._client is None:
             return
         busy: dict[str, int] = {}
@@ -339,12 +339,12 @@ class DaskExecutor:
         run.future.add_done_callback(lambda future: self._inbox.put(self._told(run, future)))
 
     def _told(self, run: _Run, future: Any) -> Message:
-        """Return what to say of a future of Dask that is done."""
+        """Return the message for a finished Dask future."""
         try:
             if future.status == "finished":
                 return Message("done", (run.name, future.result(timeout=60)))
             if future.status == "error":
-                error = future.exception(timeout=PATIENCE)
+                error = future.exception(timeout=CONNECT_TIMEOUT)
                 text = f"the Dask worker {run.address} could not run this job ({type(error).__name__}); see its log"
                 return Message("done", (run.name, ("raised", WorkerDied(text))))
         except Exception as error:
@@ -352,21 +352,21 @@ class DaskExecutor:
         return Message("lost", run.name)
 
     def _on_lost(self, name: str) -> None:
-        """Dask has forgotten a task: with its scheduler, or its worker; the next looks at the cluster tell."""
+        """Mark a task that Dask no longer knows; the next polls show whether its scheduler or worker ended."""
         if name in self._runs:
             self._runs[name].lost = True
 
     # ------------------------------------------------------------------
-    # Errands, which may wait for the cluster
+    # Requests that may block on the cluster
     # ------------------------------------------------------------------
 
     def _ask(self, run: _Run) -> None:
         try:
             heard = self._client.run(ask_to_stop, run.name, workers=[run.address])
             if not heard.get(run.address):
-                run.asked = False  # not there yet, or just done
+                run.asked = False  # not started yet, or just finished
         except Exception as error:
-            log.error("the task %s on %s could not be asked to stop: %s", run.name, run.address, error)
+            log.error("the stop request for the task %s on %s failed: %s", run.name, run.address, error)
 
     def _cancelled(self, run: _Run) -> None:
         try:
@@ -378,10 +378,10 @@ class DaskExecutor:
         try:
             self._client.restart_workers([run.address], timeout=30)
         except Exception as error:
-            log.error("the worker %s could not be restarted (%s); end it by hand, or start it with its nanny", run.address, error)
+            log.error("the worker %s could not be restarted (%s); end it manually, or start it with its nanny", run.address, error)
 
     def _end(self) -> None:
-        """Stop what runs and let go of the cluster."""
+        """Stop running tasks and disconnect from the cluster."""
         for task in self._waiting:
             if not task.running():
                 task.cancel()
@@ -396,7 +396,7 @@ class DaskExecutor:
             try:
                 one.result(timeout=self._grace)
             except Exception as error:
-                log.debug("a task could not be asked to stop: %s", error)
+                log.debug("the stop request for a task failed: %s", error)
         client, self._client = self._client, None
         if client is not None:
             for run in self._runs.values():

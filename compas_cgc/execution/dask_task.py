@@ -1,4 +1,4 @@
-"""A task on a worker of Dask: it tells that it has begun and how far it is, and hears that it should end."""
+"""A task on a Dask worker, with progress reports and stop requests."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .worker import outcome
 
 __all__ = ["about", "ask_to_stop", "run_task"]
 
-LARGEST = 100_000  # bytes of a report's part that are sent by way of the scheduler; a live surface beyond is left out
+MAX_REPORT = 100_000  # size above which an item of a report is omitted, as reports go through the scheduler [bytes]
 
 _stops: dict[str, threading.Event] = {}
 
 
 class _Events:
-    """The channel of a task: reports are events of Dask, which go by way of the scheduler."""
+    """Channel of a task: reports are Dask events, which are sent through the scheduler."""
 
     def __init__(self, worker: Any, topic: str, name: str, stop: threading.Event):
         self.worker, self.topic, self.name, self.stop = worker, topic, name, stop
@@ -28,17 +28,17 @@ class _Events:
 
     def report(self, progress: object) -> None:
         if isinstance(progress, dict):
-            progress = {key: value for key, value in progress.items() if not (isinstance(value, bytes) and len(value) > LARGEST)}
+            progress = {key: value for key, value in progress.items() if not (isinstance(value, bytes) and len(value) > MAX_REPORT)}
         self.tell("progress", progress)
 
     def stop_wanted(self) -> bool:
         return self.stop.is_set() or self._is_abandoned()
 
     def _is_abandoned(self) -> bool:
-        """Check whether Dask has let go of the task, as it does when the process that waits for it is gone."""
+        """Check whether Dask has released the task, for example because the waiting process ended."""
         try:
             state = self.worker.state.tasks.get(self.name)
-        except AttributeError:  # as Dask names it today
+        except AttributeError:  # private attribute of Dask
             return False
         return state is None or state.state in ("cancelled", "forgotten", "released")
 
@@ -49,9 +49,9 @@ def run_task(topic: str, name: str, function: Callable, args: tuple, kwargs: dic
     Parameters
     ----------
     topic
-        Of the events.
+        Dask topic of the events.
     name
-        Of the task, Dask's key.
+        Dask key of the task.
     function, args, kwargs
         The call.
     """
@@ -69,7 +69,7 @@ def run_task(topic: str, name: str, function: Callable, args: tuple, kwargs: dic
 
 
 def ask_to_stop(name: str) -> bool:
-    """Ask a task that runs in this process to end; tell whether there is one that hears it."""
+    """Request that a task in this process stop; return whether the task exists."""
     stop = _stops.get(name)
     if stop is not None:
         stop.set()

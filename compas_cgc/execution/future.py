@@ -1,4 +1,4 @@
-"""Futures of calls that run in worker processes."""
+"""Futures of calls in worker processes."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Optional
 
 __all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
 
-POLL_INTERVAL = 0.1  # seconds between two checks whether somebody still waits
-FAIR = 5.0  # seconds after which a task is no longer overtaken
-GRACE = 0.15  # seconds that somebody waits for a task that was asked to stop
+POLL_INTERVAL = 0.1  # time between two checks whether the client is still connected [s]
+MAX_OVERTAKEN = 5.0  # waiting time after which urgent tasks no longer overtake a task [s]
+GRACE = 0.15  # time that a client waits for a task after a stop request [s]
 
 
 class WorkerDied(RuntimeError):
-    """The process of a task ended before the task did."""
+    """The worker process ended during the task."""
 
 
 class TaskStopped(RuntimeError):
@@ -35,7 +35,7 @@ class TaskError(RuntimeError):
     trace
         The worker's traceback.
     status
-        HTTP status that tells of it, None where it is a fault of the program.
+        HTTP status of the error, None for an error in the program.
     """
 
     def __init__(self, kind: str, text: str, trace: str, status: Optional[int] = None):
@@ -46,27 +46,27 @@ class TaskError(RuntimeError):
 
 
 class Task(Future):
-    """A future that can be stopped while it runs and tells how far it is.
+    """A future with progress reports that can be stopped while it runs.
 
     Attributes
     ----------
     on_progress
-        Called with everything that the task reports.
+        Called with every progress report.
     stop_reason
-        Why it was asked to stop, None if it was not.
+        Reason of the stop request, None if there was none.
     urgent
-        Goes before those that nobody waits for.
+        Whether a client waits for it, which gives it priority in the queue.
     since
-        When it was handed in.
+        Submission time.
     on_late
-        Called with the result where it comes after whoever waits was told that the task was stopped.
+        Called with a result that arrives after the task was reported as stopped.
     grace
-        Seconds after that in which it may still end by itself; then its worker ends it alone.
+        Further time in which the task may still end by itself before its worker is killed [s].
     """
 
     def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float], urgent: bool = False):
         super().__init__()
-        self.call: Optional[tuple] = call  # dropped once it is sent
+        self.call: Optional[tuple] = call  # released once it is sent
         self.on_progress = on_progress
         self.time_limit = time_limit
         self.on_late: Optional[Callable[[Any], object]] = None
@@ -77,7 +77,7 @@ class Task(Future):
         self.since = time.monotonic()
 
     def stop(self, reason: str = "cancelled", grace: float = GRACE) -> None:
-        """Cancel the task if it waits, ask it to end if it runs."""
+        """Cancel a queued task, or request that a running task stop."""
         if not self.cancel() and self.stop_reason is None:
             self.stop_time = time.monotonic()
             self.grace = grace
@@ -85,10 +85,10 @@ class Task(Future):
 
 
 def place(task: Task, waiting: Sequence[Task]) -> int:
-    """Return the place of a task in a queue: an urgent one goes before those that have not waited long."""
+    """Return the position of a task in a queue; urgent tasks overtake tasks that have not waited long."""
     if not task.urgent:
         return len(waiting)
-    ahead = [i for i, other in enumerate(waiting) if other.urgent or task.since - other.since > FAIR]
+    ahead = [i for i, other in enumerate(waiting) if other.urgent or task.since - other.since > MAX_OVERTAKEN]
     return max(ahead, default=-1) + 1
 
 
@@ -100,7 +100,7 @@ def start(
     time_limit: Optional[float] = None,
     urgent: bool = False,
 ) -> Future:
-    """Start a call; an executor that is no pool of this package runs it to its end, without reports."""
+    """Start a call; a plain executor runs it without reports, and it cannot be stopped."""
     own = getattr(executor, "start", None)
     if own is None:
         return executor.submit(function, *args)
@@ -116,7 +116,7 @@ def stop(task: Optional[Future], reason: str) -> None:
 
 
 def wait_for(task: Future, seconds: float, disconnected: Callable[[], bool]) -> object:
-    """Return the result of a task, or stop it when it takes too long or nobody waits for it any more.
+    """Return the result of a task, or stop it when the time limit is exceeded or the client has disconnected.
 
     Raises
     ------
@@ -134,8 +134,8 @@ def wait_for(task: Future, seconds: float, disconnected: Callable[[], bool]) -> 
                 late = time.monotonic() >= end
                 if late or disconnected():
                     begun = task.running()
-                    stop(task, "it took too long" if late else "the client is gone")
+                    stop(task, "it exceeded its time limit" if late else "the client disconnected")
                     raise TimeoutError(("late" if begun else "queued") if late else "gone") from None
     finally:
-        # The error of a task knows this frame: a circle, which would keep what the task was given for a long while.
+        # Break the reference cycle between the error of the task and this frame, which would keep the arguments in memory.
         del task

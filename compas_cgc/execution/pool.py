@@ -1,4 +1,4 @@
-"""Process pool: warm workers behind the interface of :class:`concurrent.futures.Executor`."""
+"""Process pool: preloaded workers with the interface of :class:`concurrent.futures.Executor`."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from .worker_handle import WorkerHandle
 
 __all__ = ["WorkerPool"]
 
-POLL_INTERVAL = 0.02  # seconds between two checks of cancellations and limits
-FAILED_STARTS = 3  # workers that end before they are ready, in a row, until waiting tasks are given up
+POLL_INTERVAL = 0.02  # time between two checks of cancellations and limits [s]
+FAILED_STARTS = 3  # consecutive failed starts of workers after which queued tasks fail
 
 log = logging.getLogger(__name__)
 
 
 class WorkerPool(Executor):
-    """Spawned processes that each run one task at a time.
+    """Pool of spawned processes that run one task at a time.
 
-    A process that ends (a crash, a lack of memory, a kill) fails its own task only and is
-    replaced. A task that does not end when asked to is ended with its process.
+    When a process ends (by a crash, lack of memory or a kill), only its task fails, and the process
+    is replaced. A task that does not stop on request is ended with its process.
 
     Parameters
     ----------
@@ -43,14 +43,14 @@ class WorkerPool(Executor):
     warm_up
         Function called in every process before its first task.
     grace
-        Seconds between being asked to stop and being killed.
+        Time between the request to stop a task and killing its process [s].
     reserved
-        Number of further processes that take urgent tasks only.
+        Number of additional processes for urgent tasks only.
 
     Attributes
     ----------
     workers
-        Number of processes that take any task.
+        Number of processes for all tasks.
     """
 
     def __init__(self, workers: int = 1, warm_up: Optional[Callable[[], object]] = None, grace: float = 1.0, reserved: int = 0):
@@ -81,17 +81,17 @@ class WorkerPool(Executor):
         time_limit: Optional[float] = None,
         urgent: bool = False,
     ) -> Task:
-        """Queue a call with a listener for its reports and a limit on its running time in seconds, an urgent one before others."""
+        """Queue a call with a listener for its reports, a time limit [s], and optional priority."""
         task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
         with self._change:
             if self._closed:
-                raise RuntimeError("the pool is closed, no task can be started")
+                raise RuntimeError("the pool is closed; no task can be started")
             self._waiting.insert(place(task, self._waiting), task)
             self._change.notify_all()
         return task
 
     def health(self) -> dict:
-        """Count workers by what they do, and the tasks that wait."""
+        """Return the number of workers by state, and the number of queued tasks."""
         states = [slot.state for slot in self._slots]
         counts = {name: states.count(name) for name in ("starting", "idle", "busy")}
         return {"workers": len(states), **counts, "waiting": len(self._waiting), "replaced": self.replaced}
@@ -107,7 +107,7 @@ class WorkerPool(Executor):
             return self._change.wait_for(lambda: all(slot.state in ("idle", "busy") for slot in self._slots), timeout)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the processes; running tasks are ended unless `wait` is set and `cancel_futures` is not."""
+        """End the processes; running tasks are ended unless `wait` is true and `cancel_futures` is false."""
         with self._change:
             if wait and not cancel_futures:
                 self._change.wait_for(lambda: not self._waiting and all(slot.state != "busy" for slot in self._slots))
@@ -122,7 +122,7 @@ class WorkerPool(Executor):
                 thread.join()
 
     def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None:
-        """Leave a block: its tasks are finished first, unless an exception leaves it, after which nobody would end them."""
+        """Shut down at the end of a block; tasks are finished first, unless the block ends with an exception."""
         self.shutdown(wait=True, cancel_futures=kind is not None)
 
     # ------------------------------------------------------------------
@@ -130,7 +130,7 @@ class WorkerPool(Executor):
     # ------------------------------------------------------------------
 
     def _keep(self, slot: WorkerHandle) -> None:
-        """Keep a worker running and fed until the pool is closed."""
+        """Keep a worker running and supply it with tasks until the pool is closed."""
         while not self._closed:
             if self._started(slot):
                 self._failed_starts = 0
@@ -144,7 +144,7 @@ class WorkerPool(Executor):
         try:
             return self._start(slot)
         except OSError as error:
-            # What ended the last worker, a lack of memory, may keep the next from being born for a while.
+            # Lack of memory, which ended the last worker, can delay the start of the next.
             log.error("a worker cannot be started: %s", error)
             return False
 
@@ -175,11 +175,11 @@ class WorkerPool(Executor):
                 self._waiting.clear()
             for task in left:
                 if task.set_running_or_notify_cancel():
-                    task.set_exception(WorkerDied("the workers of the server do not start; its log says why"))
+                    task.set_exception(WorkerDied("the workers of the server do not start; see its log"))
             time.sleep(1.0)
 
     def _feed(self, slot: WorkerHandle) -> None:
-        """Run tasks until the process is gone."""
+        """Run tasks until the process ends."""
         while True:
             with self._change:
                 slot.state = "idle"
@@ -197,11 +197,11 @@ class WorkerPool(Executor):
                 return
 
     def _next(self, slot: WorkerHandle) -> Optional[Task]:
-        """Return the first of the waiting tasks that a worker may take."""
+        """Return the first queued task that a worker may run."""
         return next((task for task in self._waiting if task.urgent or not slot.urgent_only), None)
 
     def _run(self, slot: WorkerHandle, task: Task) -> bool:
-        """Run a task; tell whether the process is still there."""
+        """Run a task; return whether the process is still alive."""
         slot.flag.value = 0
         started = time.monotonic()
         try:
@@ -216,11 +216,11 @@ class WorkerPool(Executor):
                 return False
             now = time.monotonic()
             if task.time_limit is not None and now - started > task.time_limit:
-                task.stop(f"it took longer than the {task.time_limit:g} seconds allowed", self._grace)
+                task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace)
             if task.stop_reason is not None:
                 slot.flag.value = 1
                 if not task.done() and now - task.stop_time > min(task.grace, self._grace):
-                    # Whoever waits is told; the worker has some more time, as a new one would have to warm up.
+                    # Report the stop now, but give the worker more time, as a new one would have to warm up.
                     task.set_exception(TaskStopped(task.stop_reason))
                 if now - task.stop_time > self._grace:
                     slot.end()
@@ -228,7 +228,7 @@ class WorkerPool(Executor):
             if slot.line not in connection.wait([slot.line, slot.process.sentinel], POLL_INTERVAL) and slot.process.is_alive():
                 continue
             try:
-                # What was sent before the end of the process can still be read.
+                # Messages sent before the end of the process can still be read.
                 content: Any
                 kind, content = slot.line.recv() if slot.line.poll() else ("gone", None)
             except (EOFError, OSError):

@@ -1,12 +1,12 @@
-"""Protocol of executors: what the server and studies ask of whatever runs their tasks.
+"""Protocol of executors that run the tasks of the server and of studies.
 
-The default is the :class:`~compas_cgc.execution.pool.WorkerPool`, processes of this machine; Dask is another,
-:class:`~compas_cgc.execution.dask_executor.DaskExecutor`. A third implements this protocol, and may be given to
-``create_app(executor=...)`` and ``run_study(executor=...)``.
+The default is the :class:`~compas_cgc.execution.pool.WorkerPool` with local processes. The
+:class:`~compas_cgc.execution.dask_executor.DaskExecutor` runs tasks on a Dask cluster. Other executors can implement this protocol and
+be passed to ``create_app(executor=...)`` and ``run_study(executor=...)``.
 
-A function that is run as a task is importable where it runs. While it runs it may call :func:`~compas_cgc.execution.worker.report`
-to tell how far it is, and :func:`~compas_cgc.execution.worker.stop_wanted` to learn whether it should end early; the executor carries
-both. Any other exception than those of :mod:`~compas_cgc.execution.future` is one of the executor itself.
+The function of a task must be importable in the worker. It may call :func:`~compas_cgc.execution.worker.report` to report progress and
+:func:`~compas_cgc.execution.worker.stop_wanted` to check for a stop request; the executor transmits both. Exceptions other than those of
+:mod:`~compas_cgc.execution.future` come from the executor itself.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ __all__ = ["AnyExecutor", "TaskExecutor"]
 
 
 class TaskExecutor(Protocol):
-    """Runs tasks elsewhere.
+    """Executor of tasks in other processes.
 
     Attributes
     ----------
     workers
-        Number of tasks that run at once; it may change.
+        Number of simultaneous tasks; it may change.
     """
 
     @property
@@ -48,23 +48,23 @@ class TaskExecutor(Protocol):
     ) -> Task:
         """Queue a call and return at once.
 
-        The task becomes *running* (``set_running_or_notify_cancel``) when a worker takes it. Its result is what the function returns;
-        its exception is a :class:`~compas_cgc.execution.future.TaskError` where the function raised one,
-        :class:`~compas_cgc.execution.future.TaskStopped` where it was ended by force, with the reason, and
-        :class:`~compas_cgc.execution.future.WorkerDied` where its worker ended: a task that has begun is not begun again by
-        the executor, as it may be what ended the worker (a poisoned task). ``task.stop(reason, grace)`` asks it to end; when it has
-        not within the grace period, it is ended by force, or, where nobody can do that, whoever waits is told so.
+        The task becomes *running* (``set_running_or_notify_cancel``) when a worker takes it. Its result is the return value of the
+        function. Its exception is a :class:`~compas_cgc.execution.future.TaskError` if the function raised one,
+        :class:`~compas_cgc.execution.future.TaskStopped` with the reason if it was ended by force, and
+        :class:`~compas_cgc.execution.future.WorkerDied` if its worker ended. The executor does not restart a started task, as it may
+        have crashed the worker. ``task.stop(reason, grace)`` requests that the task stop. If it does not within the grace period, it
+        is ended by force or, if that is impossible, reported as stopped.
 
         Parameters
         ----------
         function, args, kwargs
             The call.
         on_progress
-            Called with what the task reports, from a thread of the executor, before its end is told.
+            Called with the reports of the task, from a thread of the executor, before the end of the task is reported.
         time_limit
-            Seconds that it may run; then it is stopped.
+            Time limit after which the task is stopped [s].
         urgent
-            Somebody waits for it: it goes before those that nobody does, yet not for ever.
+            Whether a client waits for it: it then has priority, but does not overtake other tasks indefinitely.
 
         Raises
         ------
@@ -78,13 +78,13 @@ class TaskExecutor(Protocol):
         ...
 
     def wait_until_ready(self, timeout: Optional[float] = None) -> bool:
-        """Wait until tasks can be run; tell whether they can."""
+        """Wait until tasks can run; return whether they can."""
         ...
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Close it, and end what it has started; may be called again. Tasks are finished first, or ended as stopped with cancel_futures."""
+        """Close the executor and its processes; may be called again. Tasks are finished first, or stopped with `cancel_futures`."""
         ...
 
 
 AnyExecutor = Union[TaskExecutor, Executor]
-"""What runs tasks, or, as a plain executor, calls that cannot report or be stopped."""
+"""Executor of tasks, or a plain executor of calls without reports and stop requests."""

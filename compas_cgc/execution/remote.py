@@ -1,4 +1,4 @@
-"""Executors by their address."""
+"""Executors by address."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ def executor_at(address: str, reserved: int = 0) -> TaskExecutor:
     Parameters
     ----------
     address
-        Kind, host and port.
+        Address with kind, host and port.
     reserved
-        Number of tasks at once that are kept for those that somebody waits for.
+        Number of slots reserved for urgent tasks.
 
     Raises
     ------
     CGCError
-        If it is none, or what it needs is not installed.
+        If the address is invalid, or a required package is not installed.
     """
     kind, _, place = address.partition("://")
     host, colon, port = place.rpartition(":")
     if kind != "dask" or not (host and colon and port.isdecimal()):
-        raise CGCError(f"an executor is given as dask://HOST:PORT, the address of a Dask scheduler, not {address!r}")
+        raise CGCError(f"the address of an executor must be that of a Dask scheduler, dask://HOST:PORT, not {address!r}")
     from .dask_executor import DaskExecutor
 
     return DaskExecutor(f"tcp://{place}", reserved=reserved)

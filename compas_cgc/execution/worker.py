@@ -1,8 +1,7 @@
-"""Worker: a process that runs one task after another and can be told to stop.
+"""Worker: a process that runs one task after another and handles stop requests.
 
-A task is any function. While it runs it may call :func:`report` to tell how far it is and
-:func:`stop_wanted` to learn whether it should end early; outside of a worker both do nothing. What carries them is a channel:
-a pipe of the pool, or what another executor connects.
+A task is any function. It may call :func:`report` to report progress and :func:`stop_wanted` to check for a stop request; outside
+a worker, both have no effect. They use a channel: a pipe of the pool, or the channel of another executor.
 """
 
 from __future__ import annotations
@@ -25,10 +24,10 @@ __all__ = ["Channel", "connected", "outcome", "report", "run_tasks", "stop_wante
 
 
 class Channel(Protocol):
-    """What connects a running task with whoever waits for it."""
+    """Connection between a running task and its client."""
 
     def report(self, progress: object) -> None:
-        """Send something to whoever waits."""
+        """Send a progress report to the client."""
 
     def stop_wanted(self) -> bool:
         """Check whether the task should end early."""
@@ -36,7 +35,7 @@ class Channel(Protocol):
 
 
 class _Own(threading.local):
-    """The channel of the task that a thread runs."""
+    """Channel of the task of a thread."""
 
     channel: Optional[Channel] = None
 
@@ -46,7 +45,7 @@ _own = _Own()
 
 @contextmanager
 def connected(channel: Channel) -> Iterator[None]:
-    """Connect the task that this thread runs within a block."""
+    """Connect the task of this thread to a channel within a block."""
     _own.channel = channel
     try:
         yield
@@ -55,7 +54,7 @@ def connected(channel: Channel) -> Iterator[None]:
 
 
 def report(progress: object) -> None:
-    """Send something to whoever waits for the running task."""
+    """Send a progress report of the running task to its client."""
     if _own.channel is not None:
         _own.channel.report(progress)
 
@@ -66,7 +65,7 @@ def stop_wanted() -> bool:
 
 
 def outcome(function: Callable, args: tuple, kwargs: dict) -> tuple[str, Any]:
-    """Return ``("result", x)`` of a call, or ``("error", (class name, sentence, traceback, HTTP status or None))``."""
+    """Return ``("result", x)`` of a call, or ``("error", (class name, message, traceback, HTTP status or None))``."""
     try:
         return "result", function(*args, **kwargs)
     except Exception as error:
@@ -74,7 +73,7 @@ def outcome(function: Callable, args: tuple, kwargs: dict) -> tuple[str, Any]:
 
 
 class _Pipe(NamedTuple):
-    """The channel of a process of the pool."""
+    """Channel of a process of the pool."""
 
     line: connection.Connection
     flag: Any
@@ -87,19 +86,19 @@ class _Pipe(NamedTuple):
 
 
 def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Callable[[], object]]) -> None:
-    """Run the tasks that come down a line until it is closed; the body of a worker process.
+    """Run the tasks received from a pipe until it is closed; main function of a worker process.
 
     Parameters
     ----------
     line
-        Brings ``(function, args, kwargs)``; takes ``("ready", None)``, ``("progress", x)``,
-        ``("result", x)`` and ``("error", (class name, sentence, traceback, HTTP status or None))``.
+        Pipe that delivers ``(function, args, kwargs)`` and accepts ``("ready", None)``, ``("progress", x)``,
+        ``("result", x)`` and ``("error", (class name, message, traceback, HTTP status or None))``.
     flag
-        Shared byte that is not zero when the running task should end.
+        Shared byte that is nonzero when the running task should stop.
     warm_up
         Called before the first task.
     """
-    # Ctrl-C in a terminal reaches all processes of it; the server decides what to do.
+    # Ctrl-C in a terminal reaches all its processes; only the server handles it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     if warm_up is not None:

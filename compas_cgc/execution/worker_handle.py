@@ -1,4 +1,4 @@
-"""Handle of a worker process: the process, its pipe and its flag to stop."""
+"""Handle of a worker process: process, pipe and stop flag."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ __all__ = ["WorkerHandle"]
 
 
 class WorkerHandle:
-    """The process that runs at the moment, the pipe to it, and its flag to stop.
+    """The current worker process, its pipe and its stop flag.
 
     Parameters
     ----------
     urgent_only
-        It is kept for tasks that somebody waits for.
+        Whether the worker runs urgent tasks only.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class WorkerHandle:
             self.line.close()
 
     def exit_message(self) -> str:
-        """Say how the process ended."""
+        """Return a message on how the process ended."""
         code = self.process.exitcode
         how = f"killed by signal {-code}" if code is not None and code < 0 else f"exit code {code}"
-        return f"the worker process of this job ended unexpectedly ({how}), perhaps for lack of memory; submit the job again"
+        return f"the worker process of this job ended unexpectedly ({how}), probably for lack of memory; submit the job again"

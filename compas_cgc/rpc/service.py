@@ -1,6 +1,6 @@
-"""RPC service for :class:`compas.rpc.Proxy`: this machine only, and nothing but the functions below.
+"""RPC service for :class:`compas.rpc.Proxy`, restricted to this machine and to the functions below.
 
-From Rhino or Grasshopper, where `python` must be the Python that has compas_cgc::
+From Rhino or Grasshopper, `python` must be the path of a Python with compas_cgc::
 
     from compas.rpc import Proxy
 
@@ -11,10 +11,9 @@ From Rhino or Grasshopper, where `python` must be the Python that has compas_cgc
     proxy.status(id)["state"]
     proxy.result(id)["mesh"]
 
-Why these arguments: Proxy's default port, 1753, may be taken by another package's service,
-which Proxy would not notice (call ``version()`` to be sure); ``autoreload`` is accepted and
-does nothing; with ``capture_output`` nobody can read what the service says. Proxy's other
-defaults work.
+Reasons for these arguments: the default port of Proxy, 1753, may be used by the service of another
+package, which Proxy does not notice (check with ``version()``); ``autoreload`` has no effect; with
+``capture_output``, the output of the service is not visible. The other defaults of Proxy work.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class Service:
     Parameters
     ----------
     jobs
-        Runs the solves.
+        Engine that runs the solves.
     """
 
     def __init__(self, jobs: Jobs):
@@ -77,12 +76,12 @@ class Service:
         return {"name": "compas_cgc", "version": __version__}
 
     def submit(self, mesh: Optional[dict] = None, **options: object) -> str:
-        """Hand in a solve and return its id.
+        """Submit a solve and return the id of its job.
 
         Parameters
         ----------
         mesh
-            A COMPAS mesh; a ``CGCMesh`` brings supports, creases and targets.
+            A COMPAS mesh; a ``CGCMesh`` includes supports, creases and targets.
         options
             ``supports``, ``creases``, ``targets``, ``method``, ``settings``, ``flip``; ``vertices`` and ``faces``
             instead of a mesh.
@@ -97,13 +96,13 @@ class Service:
         return status(self._jobs.get(id))
 
     def result(self, id: str) -> dict:
-        """Return the result of a job: its mesh as it was given (a COMPAS mesh, or vertices and faces), with the report."""
+        """Return the result of a job: its mesh in the form of the input (a COMPAS mesh, or vertices and faces), with the report."""
         content = self._jobs.result(id)
         answer = json.loads(encoded("arrays", content))
         kind = self._given.get(id)
         if kind is None:
             return answer
-        # A client with COMPAS alone could not read a CGCMesh.
+        # A client without compas_cgc could not read a CGCMesh.
         mesh = {**json.loads(encoded("compas", content)), "dtype": kind}
         kept = ("status", "message", "method", "iterations", "seconds", "max_error", "curvature", "report")
         return {"mesh": mesh, **{name: answer[name] for name in kept}}
@@ -120,19 +119,19 @@ class Service:
         return self.result(id)
 
     def _dispatch(self, name: str, args: Sequence[object]) -> str:
-        """Answer a call of Proxy: JSON in and out; what follows the first argument, a path to import from, is left alone."""
+        """Answer a call of Proxy with JSON input and output; further arguments, such as an import path, are ignored."""
         try:
             if name not in self._functions:
-                raise RequestError(f"not part of the API: {name[:60]}; there are {', '.join(self._functions)}")
+                raise RequestError(f"not part of the API: {name[:60]}; the functions are {', '.join(self._functions)}")
             call = read_json(str(args[0]).encode(), self._jobs.limits) if args else None
             if not isinstance(call, dict) or not isinstance(call.get("args"), list) or not isinstance(call.get("kwargs"), dict):
-                raise RequestError("a call must be a JSON object with 'args' and 'kwargs', as compas.rpc.Proxy makes it")
+                raise RequestError("a call must be a JSON object with 'args' and 'kwargs', as sent by compas.rpc.Proxy")
             data, error = _bound(name, self._functions[name], call["args"], call["kwargs"])(), None
         except RequestError as refused:
             data, error = None, str(refused)
         except Exception:
             log.exception("%s failed", name)
-            data, error = None, "the service has a fault and could not answer"
+            data, error = None, "the call failed because of an error in the service; see its log"
         return json.dumps({"data": data, "error": error, "profile": None})
 
 
@@ -142,12 +141,12 @@ def _bound(name: str, function: Callable, args: list, options: dict) -> Callable
     Raises
     ------
     RequestError
-        If they are not those of the function.
+        If the arguments do not match the function.
     """
     try:
         given = inspect.signature(function).bind(*args, **options)
     except TypeError as error:
-        raise RequestError(f"{name} cannot be called so: {error}") from None
+        raise RequestError(f"{name} cannot be called with these arguments: {error}") from None
     id = given.arguments.get("id")
     if "id" in given.arguments and not isinstance(id, str):
         raise RequestError(f"the id of a job must be a string, as submit returns it, not {json.dumps(id)[:40]}")
@@ -155,7 +154,7 @@ def _bound(name: str, function: Callable, args: list, options: dict) -> Callable
 
 
 class Handler(SimpleXMLRPCRequestHandler):
-    """Refuses requests of web pages, and those that are too large."""
+    """Request handler that rejects requests from web pages and too large requests."""
 
     rpc_paths = ("/", "/RPC2")
 
@@ -172,7 +171,7 @@ class Handler(SimpleXMLRPCRequestHandler):
 
 
 class RPCServer(ThreadingMixIn, Server):
-    """A server that answers while it solves."""
+    """A server that remains responsive during a solve."""
 
     daemon_threads = True
 
@@ -181,9 +180,9 @@ class RPCServer(ThreadingMixIn, Server):
 
 
 def start_service(port: int = PORT, workers: Optional[int] = None) -> None:
-    """Serve on this machine until told to stop."""
+    """Run the service on this machine until it is interrupted."""
     limits = Limits()
-    # The address is taken first, so that a second service ends at once.
+    # Bind the address first, so that a second service ends immediately.
     server = RPCServer(("127.0.0.1", port))
     pool = WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace)
     jobs = Jobs(pool, Store(":memory:"), solve_job, limits)
@@ -200,17 +199,17 @@ def start_service(port: int = PORT, workers: Optional[int] = None) -> None:
 
 
 def main(argv: Optional[Sequence[str]] = None) -> int:
-    """Run the service from a command line as Proxy makes it."""
+    """Run the service with the command-line arguments of Proxy."""
     parser = argparse.ArgumentParser(prog="python -m compas_cgc.rpc.service", description="Serve compas.rpc on this machine.")
     parser.add_argument("--port", type=int, default=PORT, help=f"port (default {PORT})")
-    parser.add_argument("--workers", type=int, help="solves at the same time")
+    parser.add_argument("--workers", type=int, help="number of simultaneous solves")
     for name in ("--autoreload", "--no-autoreload"):
-        parser.add_argument(name, action="store_true", help="taken because Proxy sends it; does nothing")
+        parser.add_argument(name, action="store_true", help="accepted for compatibility with Proxy; no effect")
     arguments = parser.parse_args(argv)
     try:
         start_service(arguments.port, arguments.workers)
     except OSError as error:
-        print(f"port {arguments.port} cannot be used ({error.strerror}); give another with --port", file=sys.stderr)
+        print(f"port {arguments.port} cannot be used ({error.strerror}); choose another with --port", file=sys.stderr)
         return 2
     return 0
 

@@ -1,6 +1,6 @@
-"""Scene objects of COMPAS: CGC meshes in Rhino, Grasshopper, notebooks and compas_viewer, in curvature colours, with supports and creases.
+"""COMPAS scene objects for CGC meshes in Rhino, Grasshopper, notebooks and compas_viewer, with colours, supports and creases.
 
-COMPAS finds the functions of this module through ``compas_cgc.__all_plugins__``.
+COMPAS finds these plugins through ``compas_cgc.__all_plugins__``.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ __all__ = ["register_grasshopper", "register_notebook", "register_rhino", "regis
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["Rhino"])
 def register_rhino() -> None:
-    """Register how a CGC mesh is drawn in Rhino.
+    """Register the scene object for Rhino.
 
     Examples
     --------
@@ -27,7 +27,7 @@ def register_rhino() -> None:
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["Grasshopper"])
 def register_grasshopper() -> None:
-    """Register how a CGC mesh is drawn in Grasshopper.
+    """Register the scene object for Grasshopper.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def register_grasshopper() -> None:
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["compas_viewer"])
 def register_viewer() -> None:
-    """Register how a CGC mesh is drawn in compas_viewer.
+    """Register the scene object for compas_viewer.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def register_viewer() -> None:
 
 @plugin(category="factories", pluggable_name="register_scene_objects", requires=["compas_notebook"])
 def register_notebook() -> None:
-    """Register how a CGC mesh is drawn in a notebook.
+    """Register the scene object for notebooks.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Appearance of CGC meshes: the options of scene objects."""
+"""Appearance of CGC meshes: options of scene objects."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ CREASE = Color.from_rgb255(20, 60, 160)
 
 
 def real_mesh(mesh: CGCMesh) -> CGCMesh:
-    """Return the mesh itself, or a copy without its dummies."""
+    """Return the mesh, or a copy without its dummies if it has any."""
     return mesh.without_dummies() if any(mesh.is_dummy(key) for key in mesh.vertices()) else mesh
 
 
 def appearance(mesh: CGCMesh, show: str) -> dict:
-    """Return the options of a mesh object: supports as vertices, creases as edges, a figure as vertex colours.
+    """Return the options of a mesh object: supports as vertices, creases as edges, a quantity as vertex colours.
 
     Parameters
     ----------
     mesh
         The mesh, without dummies.
     show
-        A name of :data:`compas_cgc.scene.figures.FIGURES`.
+        A name in :data:`compas_cgc.scene.figures.FIGURES`.
     """
     colours = coloured(mesh, show).colours.tolist()
     return {

@@ -1,4 +1,4 @@
-"""Vertex colours: figures of a CGC mesh, and their colours."""
+"""Vertex colours: quantities at the vertices of a CGC mesh, and their colours."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ FIGURES = ("K", "H", "k_max", "k_min", "error")
 
 
 class Coloured(NamedTuple):
-    """A figure in colours."""
+    """Colours of a quantity."""
 
-    values: FloatArray  # (n,) NaN where there is none
+    values: FloatArray  # (n,) NaN where undefined
     limit: float  # largest |value|
     colours: IntArray  # (n, 3) red, green, blue, 0..255
 
 
 def coloured(mesh: CGCMesh, show: str = "K") -> Coloured:
-    """Return a figure of every vertex in colours: blue below zero, white at zero, red above, grey for none.
+    """Return the colours of a quantity at each vertex: blue below zero, white at zero, red above, grey where undefined.
 
     Raises
     ------
     ValueError
-        If there is no such figure.
+        If the quantity is unknown.
     """
     if show not in FIGURES:
         raise ValueError(f"show must be one of {', '.join(FIGURES)}, not {show!r}")
@@ -47,11 +47,11 @@ def coloured(mesh: CGCMesh, show: str = "K") -> Coloured:
 
 
 def figures(mesh: CGCMesh) -> dict[str, FloatArray]:
-    """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] of every vertex (n,), NaN where K is not asked."""
+    """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] at each vertex (n,), NaN where K is not prescribed."""
     vertices, faces = mesh.arrays()
     problem = CGCProblem.from_mesh(mesh.without_dummies())
     K = np.where(problem.asked, gaussian_curvature(vertices, faces), np.nan)
     H = np.where(problem.asked, mean_curvature(vertices, faces), np.nan)
-    # Rounding can take H² below K where the two principal curvatures are equal.
+    # Rounding can make H² smaller than K if the two principal curvatures are equal.
     half = np.sqrt(np.maximum(H * H - K, 0.0))
     return dict(zip(FIGURES, (K, H, H + half, H - half, K - problem.targets)))

@@ -1,4 +1,4 @@
-"""Scene object of Grasshopper; it can be imported inside of it only."""
+"""Scene object for Grasshopper; importable only inside Grasshopper."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ __all__ = ["CGCMeshObject"]
 
 
 class CGCMeshObject(MeshObject):
-    """Gives a CGC mesh in double precision, points at its supports and polylines along its creases.
+    """Scene object: a CGC mesh in double precision, points at its supports and polylines along its creases.
 
     Parameters
     ----------
     item
         The mesh; a dummy mesh is not drawn.
     show_figure
-        What the colours show: K, H, k_max, k_min or error.
+        Quantity shown by the colours: K, H, k_max, k_min or error.
     """
 
     def __init__(self, item: CGCMesh, show_figure: str = "K", **options: object):
@@ -34,7 +34,7 @@ class CGCMeshObject(MeshObject):
         self.show_figure = show_figure
 
     def draw(self) -> list:
-        """Return the Rhino geometry to put out."""
+        """Return the Rhino geometry."""
         vertices, faces = self.mesh.arrays()
         mesh = mesh_from_arrays(vertices, faces, coloured(self.mesh, self.show_figure).colours)
         creases = [polyline_to_rhino(self._points(path)) for path in self.mesh.creases()]

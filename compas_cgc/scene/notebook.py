@@ -1,4 +1,4 @@
-"""Scene object of compas_notebook; it can be imported only where that is installed."""
+"""Scene object for compas_notebook; importable only if it is installed."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ LIGHT = np.array([-0.48, -0.36, 0.8])
 
 
 class CGCMeshObject(ThreeMeshObject):
-    """Draws a CGC mesh in the colours of a figure, with points at its supports and lines along its creases and open edges.
+    """Scene object: a coloured CGC mesh with points at its supports and lines along its creases and open edges.
 
     Parameters
     ----------
     item
         The mesh; a dummy mesh is not drawn.
     show_figure
-        What the colours show: K, H, k_max, k_min or error.
+        Quantity shown by the colours: K, H, k_max, k_min or error.
     """
 
     def __init__(self, item: CGCMesh, show_figure: str = "K", **options: object):
@@ -38,11 +38,11 @@ class CGCMeshObject(ThreeMeshObject):
         self.show_figure = show_figure
 
     def draw(self) -> list:
-        """Return the objects of three.js: the surface, its supports, creases and open edges."""
+        """Return the three.js objects: surface, supports, creases and open edges."""
         mesh = self.mesh
         vertices, faces = mesh.arrays()
         colours = coloured(mesh, self.show_figure).colours / 255.0
-        # The scenes of compas_notebook have no lights, so they are in the colours.
+        # The scenes of compas_notebook have no lights, so the shading is included in the colours.
         lit = colours[faces] * (0.62 + 0.38 * np.abs(face_normals(vertices, faces) @ LIGHT))[:, None, None]
         material = pythreejs.MeshBasicMaterial(side="DoubleSide", vertexColors="VertexColors")
         surface = pythreejs.Mesh(_geometry(vertices[faces].reshape(-1, 3), lit.reshape(-1, 3)), material)
@@ -63,7 +63,7 @@ class CGCMeshObject(ThreeMeshObject):
         if not keys:
             return None
         places = np.array([self.mesh.vertex_coordinates(key) for key in keys])
-        # In pixels, so that they are seen in models of any size.
+        # Sized in pixels, independent of the size of the model.
         material = pythreejs.PointsMaterial(size=7.0, sizeAttenuation=False, vertexColors="VertexColors")
         return pythreejs.Points(_geometry(places, np.tile(SUPPORT.rgb, (len(places), 1))), material)
 

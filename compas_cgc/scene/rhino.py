@@ -1,4 +1,4 @@
-"""Scene object of Rhino; it can be imported inside of it only."""
+"""Scene object for Rhino; importable only inside Rhino."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ __all__ = ["CGCMeshObject"]
 
 
 class CGCMeshObject(RhinoMeshObject):
-    """Draws a CGC mesh in double precision, with points at its supports and lines along its creases.
+    """Scene object: a CGC mesh in double precision, with points at its supports and lines along its creases.
 
     Parameters
     ----------
     item
         The mesh; a dummy mesh is not drawn.
     show_figure
-        What the colours show: K, H, k_max, k_min or error.
+        Quantity shown by the colours: K, H, k_max, k_min or error.
     """
 
     def __init__(self, item: CGCMesh, show_figure: str = "K", **options: object):
@@ -30,7 +30,7 @@ class CGCMeshObject(RhinoMeshObject):
         self.show_figure = show_figure
 
     def draw(self) -> list:
-        """Draw the mesh and return the GUIDs of what was drawn."""
+        """Draw the mesh and return the GUIDs of the objects."""
         import scriptcontext
 
         self._guids = []

@@ -1,4 +1,4 @@
-"""Scene object of compas_viewer; it can be imported only where that is installed."""
+"""Scene object for compas_viewer; importable only if it is installed."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ __all__ = ["CGCMeshObject"]
 
 
 class CGCMeshObject(MeshObject):
-    """Draws a CGC mesh with points at its supports and lines along its creases and open edges.
+    """Scene object: a CGC mesh with points at its supports and lines along its creases and open edges.
 
     Parameters
     ----------
     item
         The mesh; a dummy mesh is not drawn.
     show_figure
-        What the colours show: K, H, k_max, k_min or error.
+        Quantity shown by the colours: K, H, k_max, k_min or error.
     """
 
     def __init__(self, item: CGCMesh, show_figure: str = "K", **options: object):

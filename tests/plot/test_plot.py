@@ -371,7 +371,7 @@ class TestSaving:
 
     def test_other_suffixes_and_places_that_are_no_folder_are_named(self, tmp_path):
         figure = plot.draw_shape(CORNERS, SQUARE, np.zeros(4)).figure
-        with pytest.raises(FileError, match="as .png, .svg or .pdf, not as 'a.gif'"):
+        with pytest.raises(FileError, match="one of .png, .svg, .pdf, not that of 'a.gif'"):
             plot.save(figure, tmp_path / "a.gif")
         (tmp_path / "file").write_text("no folder")
         with pytest.raises(FileError, match="cannot be written"):

@@ -80,7 +80,7 @@ def test_errors_are_sentences_without_traces(proxy):
         (lambda: proxy.solve(roof(), targets=9.0), "more than this boundary"),
         (lambda: proxy.submit({"dtype": "os/system", "data": {}}), "COMPAS Mesh"),
         (lambda: proxy.status("nobody-here"), "no job"),
-        (lambda: proxy.status(), "status cannot be called so: missing a required argument: 'id'"),
+        (lambda: proxy.status(), "status cannot be called with these arguments: missing a required argument: 'id'"),
         (lambda: proxy.result("nobody-here", colour="red"), "unexpected keyword argument 'colour'"),
         *(
             (lambda call=call, id=id: call(id), "the id of a job must be a string")
@@ -112,7 +112,7 @@ def test_a_port_in_use_is_said(proxy):
     port = proxy.address.rsplit(":", 1)[1]
     command = [sys.executable, "-m", "compas_cgc.rpc.service", "--port", port, "--autoreload"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
-    assert done.returncode == 2 and "give another with --port" in done.stderr
+    assert done.returncode == 2 and "choose another with --port" in done.stderr
 
 
 def test_the_service_needs_no_web_framework(tmp_path):

@@ -89,7 +89,7 @@ def test_jobs_outlive_kills_of_the_server_and_come_out_the_same(tmp_path, clean)
             for name in JOBS:
                 status = server.client.poll(f"{name}-{attempt}")
                 if status["state"] == "failed":
-                    assert re.match(r"the server ended \d times while this job ran", status["message"])
+                    assert re.match(r"the server crashed \d times during this job", status["message"])
                 else:
                     assert status["state"] == "succeeded"
                     assert figures(server.client.result(status["id"])) == clean[name], (name, attempt)

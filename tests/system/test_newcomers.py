@@ -212,7 +212,7 @@ MISTAKES = {
     "a file that is not there": (lambda: read("nothing.3dm"), "there is no file nothing.3dm"),
     "a drawing of the manual that was not copied": (
         lambda: read("vault.3dm"),
-        r"the drawing vault.3dm of the manual is .*vault.3dm, copy it",
+        r"copy the sample drawing vault.3dm from .*vault.3dm",
     ),
     "a folder": (lambda: read("."), "is a folder; give the path of a file in it"),
     "a kind of file that is not known": (lambda: write("roof.dwg", posed()), r"use .3dm, .json"),
@@ -247,7 +247,7 @@ MISTAKES = {
     ),
     "one column without a list": (lambda: CGCMesh.from_outline(SQUARE, 1.0, points=[3, 3, 0]), r"points=\[\[3.0, 3.0, 0.0\]\]"),
     "a number for holes": (lambda: CGCMesh.from_outline(SQUARE, 1.0, holes=3), r"holes must be a list of curves: holes=\[curve\], not 3"),
-    "a curve for a surface": (lambda: CGCMesh.from_surface(Circle(1.0), 1.0), "a Circle is no surface; give a surface of COMPAS"),
+    "a curve for a surface": (lambda: CGCMesh.from_surface(Circle(1.0), 1.0), "a Circle is not a surface; give a surface of COMPAS"),
     "flat faces": (lambda: CGCMesh.from_vertices_and_faces(SQUARE, [0, 1, 2]), r"faces must be lists of vertices, .*not \[0, 1, 2\]"),
     "no vertices": (lambda: CGCMesh.from_vertices_and_faces(None, [[0, 1, 2]]), "vertices must be points of three numbers, .*not None"),
     "the role of a vertex that is not there": (lambda: plan().vertex_role(999), "there is no vertex 999 in the mesh"),
@@ -368,7 +368,7 @@ def test_what_is_meant_is_taken():
 def test_a_file_of_lines_says_how_they_are_meshed(tmp_path):
     path = tmp_path / "plan.obj"
     path.write_text("v 0 0 0\nv 6 0 0\nv 6 6 0\nl 1 2 3 1\n")
-    with pytest.raises(ValueError, match=r"plan.obj holds lines and no faces; .*CGCMesh.from_outline\(points, edge_length\)"):
+    with pytest.raises(ValueError, match=r"plan.obj holds lines but no faces; .*CGCMesh.from_outline\(points, edge_length\)"):
         read(path)
 
 

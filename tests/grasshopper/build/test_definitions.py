@@ -208,7 +208,7 @@ def test_forces_follow_their_load(canvas):
         values = opened.settle()
         assert opened.panel(values, "status") == ["converged"] and opened.balloons("Error") == []
         found.append(np.array(opened.panel(values, "line loads")))
-    assert np.allclose(found[1], 2 * found[0]) and "balanced" in "".join(opened.panel(values, "report"))
+    assert np.allclose(found[1], 2 * found[0]) and "equilibrium" in "".join(opened.panel(values, "report"))
 
 
 def test_laths_at_a_spacing_and_lines_of_curvature(canvas):

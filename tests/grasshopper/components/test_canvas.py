@@ -89,13 +89,13 @@ def test_outlines_are_filled_with_columns_and_creases_as_drawn():
     [
         ({"surfaces": [SQUARE, Brep(None)]}, "the input has both curves and surfaces"),
         ({"surfaces": [PolylineCurve(SQUARE.points[:3])], "edge_length": 1.0}, "curve 0 is open"),
-        ({"surfaces": [SQUARE], "edge_length": 0.0}, "edge_length must be above zero, not 0"),
+        ({"surfaces": [SQUARE], "edge_length": 0.0}, "edge_length must be greater than zero, not 0"),
         ({"surfaces": [SQUARE], "mesh": square(2)}, "either a mesh or surfaces"),
-        ({"surfaces": [square(2)]}, "the input surfaces gets a Mesh; connect surfaces"),
-        ({"surfaces": ["roof"]}, "the input surfaces gets the text 'roof'"),
-        ({"surfaces": [SQUARE], "edge_length": "fine"}, "the input edge_length gets the text 'fine'; connect a number"),
-        ({"mesh": Brep(None)}, "the input mesh gets a Brep; connect a mesh; surfaces and outlines go to the input surfaces"),
-        ({"mesh": square(2), "creases": [Brep(None)]}, "the input creases gets a Brep; connect curves"),
+        ({"surfaces": [square(2)]}, "the input surfaces received a Mesh; connect surfaces"),
+        ({"surfaces": ["roof"]}, "the input surfaces received the text 'roof'"),
+        ({"surfaces": [SQUARE], "edge_length": "fine"}, "the input edge_length received the text 'fine'; connect a number"),
+        ({"mesh": Brep(None)}, "the input mesh received a Brep; connect a mesh; surfaces and outlines go to the input surfaces"),
+        ({"mesh": square(2), "creases": [Brep(None)]}, "the input creases received a Brep; connect curves"),
     ],
 )
 def test_what_cannot_be_meshed_is_said(inputs, sentence):
@@ -107,7 +107,7 @@ def test_what_cannot_be_meshed_is_said(inputs, sentence):
 def test_a_subd_is_no_mesh():
     placed = place("Mesh")
     placed.run(mesh=SubD(None))
-    assert "the input mesh gets a SubD" in placed.said("Error")[0]
+    assert "the input mesh received a SubD" in placed.said("Error")[0]
 
 
 def test_without_the_extra_the_sentence_names_it(monkeypatch):
@@ -208,7 +208,7 @@ def test_analyse_does_not_wait_for_the_compiler(monkeypatch):
     placed, mesh = place("Analyse"), dome(0.013)
     began = time.monotonic()
     out = placed.run(cgc_mesh=mesh)
-    assert out["mesh"] is None and time.monotonic() - began < analyse_module.PATIENCE
+    assert out["mesh"] is None and time.monotonic() - began < analyse_module.MAX_WAIT
     assert placed.component.Message.startswith("compiling (first use) [###")
     assert placed.component.document.tick() == 1 and not placed.component.expired
     go.append(True)

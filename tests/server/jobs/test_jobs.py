@@ -162,7 +162,7 @@ def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
 
 def test_where_no_worker_starts_nobody_waits_for_ever():
     with WorkerPool(1, warm_up=die) as none:
-        with pytest.raises(WorkerDied, match="do not start; its log says why"):
+        with pytest.raises(WorkerDied, match="do not start; see its log"):
             none.submit(add, 1, 2).result(PATIENCE)
 
 
