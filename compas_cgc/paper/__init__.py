@@ -1,3 +1,3 @@
-"""The paper's examples, tables, figures and benchmarks."""
+"""Examples, tables, figures and benchmarks of the paper."""
 
 from __future__ import annotations

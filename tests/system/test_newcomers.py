@@ -284,7 +284,7 @@ MISTAKES = {
     "a study as a dictionary": (lambda: run_study(posed(), {"parameters": {}}, "out"), r"Study.from_dict\(\{...\}\) or read_study"),
     "results of nothing": (lambda: Results(None), r"the argument must be the folder of a study, Results\('folder'\), not None"),
     "a front of a folder": (lambda: pareto_front("out"), r"the argument must be the results of a study, Results\('folder'\), not 'out'"),
-    "a sample that is not there": (lambda: compas_cgc.get("roof"), "there is no sample 'roof'; there are"),
+    "a sample that is not there": (lambda: compas_cgc.get("roof"), "there is no sample 'roof'; the samples are"),
 }
 
 

@@ -1,4 +1,4 @@
-"""Benchmarks as ratios within one run, so that they say the same on any machine."""
+"""Benchmarks as ratios within one run, which are comparable between machines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Benchmark of the flow: the examples of the paper, and the growth of the cost with the mesh."""
+"""Benchmark of the flow: examples of the paper, and growth of the cost with mesh size."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ __all__ = ["example_times", "growth"]
 
 
 def example_times() -> list[dict]:
-    """Return seconds of the examples that the paper timed, ours beside the paper's.
+    """Return the run times [s] of the examples timed in the paper, with the published times.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each example.
+        Results by name, one dict per example.
 
     Examples
     --------
@@ -57,12 +57,12 @@ def growth(sizes: tuple[int, ...] = (9, 18, 36, 72, 97)) -> list[dict]:
     Parameters
     ----------
     sizes
-        Squares along a side.
+        Number of squares per side.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each size.
+        Results by name, one dict per size.
 
     Examples
     --------
@@ -75,9 +75,9 @@ def growth(sizes: tuple[int, ...] = (9, 18, 36, 72, 97)) -> list[dict]:
         mesh.set_supports("boundary")
         mesh.set_target(1.0)
         problem = CGCProblem.from_mesh(mesh)
-        # μ0 goes with the square of the radius: the stability of an explicit step.
+        # μ0 scales with the square of the radius, for the stability of an explicit step.
         settings = FlowSettings(steps=100, tolerance=0.0, mu0=0.1 * (9 / n) ** 2, filter_radius=5 * cell)
-        # Loading and the first neighbour lists are taken out by a difference of two lengths.
+        # The difference of two run lengths excludes loading and the first neighbour lists.
         long = best_of(partial(flow, problem, settings=settings), budget=0.5)
         short = best_of(partial(flow, problem, settings=replace(settings, steps=10)), budget=0.2)
         per_step = (long - short) / 90

@@ -1,4 +1,4 @@
-"""Benchmark of the curvature kernel against that of libigl."""
+"""Benchmark of the curvature kernel against libigl."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ __all__ = ["kernel_ratio"]
 
 
 def kernel_ratio(sizes: tuple[int, ...] = (23, 71, 224)) -> list[dict]:
-    """Return the time of :func:`gaussian_curvature` over that of libigl's pair, on wavy grids.
+    """Return the time of :func:`gaussian_curvature` relative to the two corresponding functions of libigl, on wavy grids.
 
     Parameters
     ----------
     sizes
-        Squares along a side.
+        Number of squares per side.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each size.
+        Results by name, one dict per size.
 
     Raises
     ------

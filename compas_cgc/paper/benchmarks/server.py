@@ -1,4 +1,4 @@
-"""Benchmark of the server: jobs and calls of Hops against the solve itself."""
+"""Benchmark of the server: jobs and Hops calls relative to the solve itself."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ from .solves import square
 
 __all__ = ["server_overhead"]
 
-LEAST, MOST, BUDGET = 3, 25, 20.0  # turns, and seconds for those beyond the first
+MIN_ROUNDS, MAX_ROUNDS, BUDGET = 3, 25, 20.0  # time budget [s] for rounds beyond the minimum
 
 
 def server_overhead(sizes: tuple[int, ...] = (1_024, 10_000)) -> list[dict]:
-    """Return what a dome over a fixed square takes by the server, as ratios to what it takes here.
+    """Return the time of solving a dome over a fixed square on the server, relative to a local solve.
 
-    A job goes from numbers to numbers with the analysis, and is compared with a solve and its analysis; a call of Hops is compared
-    with the solve of a mesh. All take turns, and the medians of their ratios are told: on a busy machine too these are of one kind of
-    minute. Ratios of CPU seconds, of client, server and workers together, hang less on what else runs.
+    A job, including its analysis, is compared with a local solve and analysis; a Hops call is compared with the solve of a mesh. All are
+    run alternately and the medians of their ratios are reported, to reduce the influence of other load. Ratios of CPU time (client,
+    server and workers together) depend even less on other load.
 
     Parameters
     ----------
     sizes
-        Numbers of vertices, roughly.
+        Approximate numbers of vertices.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each size.
+        Results by name, one dict per size.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def _row(client: Client, process: int, problem: CGCProblem) -> dict:
     }
 
 
-Spent = dict[str, list[tuple[float, float]]]  # wall time and CPU time [s] of every turn, by what was done
+Spent = dict[str, list[tuple[float, float]]]  # wall time and CPU time [s] of every round, by task
 
 
 def _taking_turns(doings: dict[str, Callable[[], object]], process: int) -> Spent:
@@ -88,7 +88,7 @@ def _taking_turns(doings: dict[str, Callable[[], object]], process: int) -> Spen
         doing()
     spent: Spent = {name: [] for name in doings}
     began = time.perf_counter()
-    while len(spent["job"]) < LEAST or (time.perf_counter() - began < BUDGET and len(spent["job"]) < MOST):
+    while len(spent["job"]) < MIN_ROUNDS or (time.perf_counter() - began < BUDGET and len(spent["job"]) < MAX_ROUNDS):
         for name, doing in doings.items():
             cpu, wall = _cpu(process), time.perf_counter()
             doing()
@@ -105,26 +105,26 @@ def _ratio(spent: Spent, name: str, other: str) -> float:
 
 
 def _cpu_ratio(spent: Spent, name: str, other: str) -> Optional[float]:
-    # The system counts in hundredths of a second, so sums are what can be compared.
+    # CPU time has a resolution of 0.01 s, so sums are compared.
     one, against = (sum(cpu for _, cpu in spent[own]) for own in (name, other))
     return one / against if against > 0 else None
 
 
 def _cpu(process: int) -> float:
-    """Return the CPU seconds of this process, a server and its workers so far, 0 where the system does not tell."""
+    """Return the CPU time of this process, a server and its workers so far [s], 0 if not available."""
     found = time.process_time()
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             _, parent, *_, user, system = path.read_text().rpartition(")")[2].split()[:13]
         except (OSError, ValueError):
-            continue  # it has ended
+            continue  # the process has ended
         if process in (int(path.parent.name), int(parent)):
             found += (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
     return found if Path("/proc/self/stat").exists() else 0.0
 
 
 def _cancel(client: Client, problem: CGCProblem, times: int = 5) -> float:
-    """Return the longest time from the wish to cancel a running solve until the job is over."""
+    """Return the longest time from the request to cancel a running solve until the job has ended [s]."""
     longest = 0.0
     for _ in range(times):
         endless = {"steps": 100_000, "tolerance": 0.0, "finish": False}
@@ -140,7 +140,7 @@ def _cancel(client: Client, problem: CGCProblem, times: int = 5) -> float:
 
 
 def _hang_up(client: Client, problem: CGCProblem, times: int = 3) -> float:
-    """Return the longest time from when a client of Hops hangs up until the worker that solved for it is free."""
+    """Return the longest time from the disconnection of a Hops client until its worker is free [s]."""
     longest = 0.0
     for _ in range(times):
         connection = http.client.HTTPConnection(client.url.split("//")[1], timeout=30.0)
@@ -167,7 +167,7 @@ def _hops_request(problem: CGCProblem, function: str = "dome", **more: int) -> b
 
 @contextmanager
 def _server() -> Iterator[tuple[Client, int]]:
-    """Run a server of its own at any free port while a block runs; yield a client and the id of its process."""
+    """Run a separate server on a free port within a block; yield a client and the process id."""
     command = [sys.executable, "-m", "compas_cgc", "serve", "--port", "0", "--workers", "1", "--store", ":memory:"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
@@ -178,7 +178,7 @@ def _server() -> Iterator[tuple[Client, int]]:
 
 
 def _address(lines: Iterable[str]) -> str:
-    """Return where a server is by what it says, once it is ready."""
+    """Return the address of a server from its output, once it is ready."""
     url = ""
     for line in lines:
         found = re.search(r"is at (http://\S+)", line)

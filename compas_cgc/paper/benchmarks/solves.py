@@ -1,4 +1,4 @@
-"""Benchmark of solves: against one factorisation, against general optimisers, and as meshes grow."""
+"""Benchmark of solves: relative to one factorisation and to general optimisers, and growth with mesh size."""
 
 from __future__ import annotations
 
@@ -45,19 +45,19 @@ def square(cells: int) -> CGCProblem:
 
 
 def newton_growth(sizes: tuple[int, ...] = (100, 1_000, 10_000, 100_000), backend: str = "auto") -> list[dict]:
-    """Return what Newton's method costs from a flat start, each size in a process of its own for its peak memory.
+    """Return the cost of Newton's method from a flat initial guess, each size in a separate process to measure peak memory.
 
     Parameters
     ----------
     sizes
-        Numbers of vertices, roughly.
+        Approximate numbers of vertices.
     backend
         Linear solver.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each size.
+        Results by name, one dict per size.
 
     Examples
     --------
@@ -98,17 +98,17 @@ def _newton_row(cells: int, backend: str) -> dict:
 
 
 def fairest_growth(sizes: tuple[int, ...] = (1_000, 10_000, 100_000)) -> list[dict]:
-    """Return what the fairest surface on four corners takes, with its checks and verdict, on finer and finer meshes.
+    """Return the cost of the fairest surface on four corners, including checks and verdict, on increasingly fine meshes.
 
     Parameters
     ----------
     sizes
-        Numbers of vertices, roughly.
+        Approximate numbers of vertices.
 
     Returns
     -------
     list of dict
-        Figures by name, two for each size, for K = 1 and K = -1; ``ratio`` is against one factorisation of the Laplacian of the mesh.
+        Results by name, two dicts per size, for K = 1 and K = -1; ``ratio`` is relative to one factorisation of the Laplacian.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def fairest_growth(sizes: tuple[int, ...] = (1_000, 10_000, 100_000)) -> list[di
 
 
 def _fairest_row(cells: int, target: float) -> dict:
-    # What this compiles and loads is another row's.
+    # Compile and load everything before the measurement.
     for small in (10, 100):
         solve(square(small).with_supports("corners").with_targets(target))
     problem = square(cells).with_supports("corners").with_targets(target)
@@ -146,7 +146,7 @@ def _fairest_row(cells: int, target: float) -> dict:
 
 
 def _laplacian_seconds(problem: CGCProblem) -> float:
-    """Return the time of a factorisation of the cotangent Laplacian by SciPy's SuperLU, where K is asked for."""
+    """Return the time of a factorisation of the cotangent Laplacian of internal vertices by SciPy's SuperLU [s]."""
     rows = np.flatnonzero(problem.asked)
     stiffness = cotangent_stiffness(problem.vertices, RingPattern(problem.faces, len(problem.vertices), rows, rows)).tocsc()
 
@@ -157,7 +157,7 @@ def _laplacian_seconds(problem: CGCProblem) -> float:
 
 
 def _peak_memory() -> Optional[int]:
-    """Return the largest memory this process has held, or None where the system does not tell."""
+    """Return the peak memory of this process [bytes], None if not available."""
     try:
         import resource
     except ImportError:
@@ -167,19 +167,19 @@ def _peak_memory() -> Optional[int]:
 
 
 def fitted_exponent(rows: list[dict], name: str) -> float:
-    """Return the power of the number of vertices with which a figure grows over the larger half of the rows.
+    """Return the exponent of the growth of a result with the number of vertices, fitted to the larger half of the rows.
 
     Parameters
     ----------
     rows
-        Figures by name, with ``vertices``.
+        Results by name, including ``vertices``.
     name
-        Of the figure that grows.
+        Name of the result.
 
     Returns
     -------
     float
-        The power.
+        The exponent.
 
     Examples
     --------
@@ -191,21 +191,21 @@ def fitted_exponent(rows: list[dict], name: str) -> float:
 
 
 def against_optimisers(cells: int = 30, lbfgs_cells: int = 9) -> list[dict]:
-    """Return the time of SciPy's least squares and L-BFGS over that of Newton's method, on the same residual.
+    """Return the time of SciPy's least squares and L-BFGS relative to Newton's method, on the same residual.
 
-    All move vertices along the vertical from the same low dome, with the exact Jacobian.
+    All methods move vertices vertically, from the same low dome and with the exact Jacobian.
 
     Parameters
     ----------
     cells
-        Squares along a side, for least squares.
+        Number of squares per side, for least squares.
     lbfgs_cells
         The same for L-BFGS.
 
     Returns
     -------
     list of dict
-        Figures by name, one dict for each method.
+        Results by name, one dict per method.
 
     Examples
     --------
@@ -261,17 +261,17 @@ def _against(name: str, cells: int) -> dict:
 
 
 def interactive(cells: int = 44) -> dict:
-    """Return the time to solve a roof on four corners again from its last shape after K̄ has changed by 5 %.
+    """Return the time of solving a roof on four corners again from its last shape, after a change of K̄ by 5 %.
 
     Parameters
     ----------
     cells
-        Squares along a side.
+        Number of squares per side.
 
     Returns
     -------
     dict
-        Figures by name.
+        Results by name.
 
     Examples
     --------

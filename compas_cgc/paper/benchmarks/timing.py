@@ -9,16 +9,16 @@ __all__ = ["best_of"]
 
 
 def best_of(function: Callable[[], object], repeats: int = 3, budget: float = 2.0) -> float:
-    """Return the shortest of several runs in seconds: what the machine can do when it is left alone.
+    """Return the shortest time of several runs [s], which is least affected by other load.
 
     Parameters
     ----------
     function
-        Called once more before, to load what it needs.
+        Function to time; one additional call before loads everything it needs.
     repeats
-        Fewest runs.
+        Minimum number of runs.
     budget
-        Go on for this many seconds.
+        Time for which runs are repeated [s].
     """
     function()
     times: list[float] = []

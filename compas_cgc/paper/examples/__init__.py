@@ -1,4 +1,4 @@
-"""The examples of the paper: meshes, settings and published figures."""
+"""Examples of the paper: meshes, settings and published values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Catalogue: every example and variant of the paper with what the paper published about it."""
+"""Catalogue of all examples and variants of the paper with the published values."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class CurveExample:
     Parameters
     ----------
     number
-        Of the paper's example.
+        Number of the example in the paper.
     variant
-        Its letter or name.
+        Letter or name of the variant.
     title
-        In words.
+        Title of the variant.
     build
-        Makes the points and the arguments of the flow.
+        Function that returns the points and the arguments of the flow.
 
     Examples
     --------
@@ -62,25 +62,25 @@ class SurfaceExample:
     Parameters
     ----------
     number
-        Of the paper's example.
+        Number of the example in the paper.
     variant
-        Empty for an example with one variant only.
+        Letter or name of the variant, empty for an example with one variant only.
     title
-        In words.
+        Title of the variant.
     build
-        Makes the mesh and the settings of the flow.
+        Function that returns the mesh and the settings of the flow.
     paper_size
-        Vertices and faces with dummies.
+        Number of vertices and faces, including dummies.
     paper_seconds
-        On a Core i7-8850H.
+        Time on a Core i7-8850H [s].
     paper_error
-        Largest |K - K̄|.
+        Largest |K - K̄| of the result [1/L^2].
     paper_start_error
-        The same of the start.
+        Largest |K - K̄| of the initial surface [1/L^2].
     counterpart
-        The paper's mesh is known from a picture only.
+        Whether the mesh of the paper is known from a picture only.
     error_map
-        The paper shows one.
+        Whether the paper shows an error map.
 
     Examples
     --------
@@ -93,12 +93,12 @@ class SurfaceExample:
     variant: str  # empty for an example with one variant only
     title: str
     build: Callable[[], tuple[CGCMesh, FlowSettings]]
-    paper_size: tuple[int, int]  # vertices and faces with dummies
-    paper_seconds: Optional[float] = None  # on a Core i7-8850H
+    paper_size: tuple[int, int]  # vertices and faces, including dummies
+    paper_seconds: Optional[float] = None  # time on a Core i7-8850H [s]
     paper_error: Optional[float] = None  # largest |K - K̄|
-    paper_start_error: Optional[float] = None  # the same of the start
-    counterpart: bool = False  # the paper's mesh is known from a picture only
-    error_map: bool = False  # the paper shows one
+    paper_start_error: Optional[float] = None  # largest |K - K̄| of the initial surface
+    counterpart: bool = False  # whether the mesh of the paper is known from a picture only
+    error_map: bool = False  # whether the paper shows an error map
 
     @property
     def name(self) -> str:
@@ -148,24 +148,24 @@ CATALOGUE: list[Union[CurveExample, SurfaceExample]] = [*_curves(), *_grids(), *
 
 
 def examples_of(number: int, variant: Optional[str] = None) -> list[Union[CurveExample, SurfaceExample]]:
-    """Return the variants of an example, or the one that is named.
+    """Return the variants of an example, or one variant.
 
     Parameters
     ----------
     number
         From 1 to 7.
     variant
-        Its name. Default: all of them.
+        Name of the variant. Default: all variants.
 
     Returns
     -------
     list
-        Of examples.
+        The examples.
 
     Raises
     ------
     ValueError
-        If there is no such example or variant.
+        If the example or variant does not exist.
 
     Examples
     --------
@@ -180,5 +180,5 @@ def examples_of(number: int, variant: Optional[str] = None) -> list[Union[CurveE
     named = [example for example in found if example.variant == variant]
     if not named:
         known = ", ".join(repr(example.variant) for example in found)
-        raise ValueError(f"Example {number} has no variant {variant!r}; it has {known}")
+        raise ValueError(f"Example {number} has no variant {variant!r}; its variants are {known}")
     return named

@@ -1,4 +1,4 @@
-"""Example 5: a waisted ring that becomes a developable cone."""
+"""Example 5: a ring with a waist that becomes a developable cone."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ __all__ = ["example5", "waisted_ring"]
 
 
 def waisted_ring(bottom: float, top: float, height: float, waist: float, rows: int, around: int) -> CGCMesh:
-    """Return a surface of revolution between two horizontal circles, drawn in halfway up.
+    """Return a surface of revolution between two horizontal circles, with a waist at half height.
 
     Parameters
     ----------
     bottom, top
         Radii of the circles [L].
     height
-        Between them [L].
+        Distance between the circles [L].
     waist
-        How far the middle is drawn in from the cone [L].
+        Inward offset of the middle from the cone [L].
     rows, around
-        Numbers of vertices; every row is turned by half an edge.
+        Number of vertices in both directions; every row is rotated by half an edge.
     """
     t, j = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, rows), np.arange(around), indexing="ij"))
     radius = bottom + (top - bottom) * t - 4 * waist * t * (1 - t)

@@ -15,13 +15,13 @@ def example1(kind: str = "C1", s: float = 1.0, e: int = 0, crease: bool = True) 
     Parameters
     ----------
     kind
-        ``"C1"`` with k̄ = 0.2, or ``"C2"`` with k̄ = 1. For C2 the paper's μ = 0.05 is
-        ten times above what is stable (half the square of an edge), so μ = 0.0045 and
+        ``"C1"`` with k̄ = 0.2, or ``"C2"`` with k̄ = 1. For C2, μ = 0.05 in the paper is
+        ten times the stability limit (half of the squared edge length), so μ = 0.0045 and
         6000 steps are used instead of 500.
     s, e
         Strategy S1 or S2 at the vertex in the centre.
     crease
-        Whether the curve may break there.
+        Whether the curve may fold there.
 
     Returns
     -------

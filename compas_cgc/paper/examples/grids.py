@@ -20,7 +20,7 @@ def grid_with_ring(n: int, cell: float) -> CGCMesh:
     Parameters
     ----------
     n
-        Squares along a side, without the ring.
+        Number of squares per side, without the ring.
     cell
         Side of a square [L].
     """
@@ -48,7 +48,7 @@ def example2(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
     Parameters
     ----------
     filtered
-        With the filter; without, the flow diverges as in the paper.
+        Whether to use the filter; without it, the flow diverges as in the paper.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def example3(filtered: bool = True) -> tuple[CGCMesh, FlowSettings]:
     Parameters
     ----------
     filtered
-        With the filter; without, the flow diverges as in the paper.
+        Whether to use the filter; without it, the flow diverges as in the paper.
 
     Returns
     -------
@@ -124,13 +124,13 @@ def example4(s: float = 0.8, e: int = 0, centre: float = 4.0, around: float = 4.
 def table2(n: int) -> tuple[CGCMesh, FlowSettings]:
     """Return a row of Table 2: n x n squares on a square 10 wide with a fixed boundary, K̄ = 0.01.
 
-    The paper gives μ0 = 100 and d̄ = 5, which belong to a mesh ten times larger than
-    that of Example 2, and with it to a target a hundred times smaller.
+    The values μ0 = 100 and d̄ = 5 of the paper correspond to a mesh ten times larger than
+    that of Example 2, and thus to a target a hundred times smaller.
 
     Parameters
     ----------
     n
-        Squares along a side.
+        Number of squares per side.
 
     Returns
     -------

@@ -16,9 +16,9 @@ __all__ = ["example7", "octant"]
 
 
 def octant(k: int) -> dict[tuple[int, int], FloatArray]:
-    """Return the points of one eighth, in k rows from the centre (0, 0) to the arc (k, 0) ... (k, k).
+    """Return the points of one octant, in k rows from the centre (0, 0) to the arc (k, 0) ... (k, k).
 
-    Between the line from (0, 0, 0) to (0, 7, 0), the arc through (0, 7, 0), (3, 7, 0)
+    The octant is bounded by the line from (0, 0, 0) to (0, 7, 0), the arc through (0, 7, 0), (3, 7, 0)
     and (5, 5, 0), and the quadratic Bezier curve with the control points (5, 5, 0),
     (2.5, 2.5, 2.5) and (0, 0, 0).
     """
@@ -39,7 +39,7 @@ def octant(k: int) -> dict[tuple[int, int], FloatArray]:
 
 
 def mirrored(k: int) -> tuple[FloatArray, list[list[int]]]:
-    """Return vertices and faces of the whole: the octant mirrored at x = y, y = 0 and x = 0."""
+    """Return vertices and faces of the octant mirrored at x = y, y = 0 and x = 0."""
     points = octant(k)
     index: dict[tuple, int] = {}
     vertices: list[FloatArray] = []
@@ -58,7 +58,7 @@ def mirrored(k: int) -> tuple[FloatArray, list[list[int]]]:
                 place = {
                     at: vertex(np.array([x * p[swap], y * p[not swap], p[2]])) for at, p in ((at, p.tolist()) for at, p in points.items())
                 }
-                # Clockwise in the first octant; each mirror turns the faces over.
+                # Clockwise in the first octant; each mirroring reverses the faces.
                 turned = (x * y < 0) == swap
                 for i in range(1, k + 1):
                     for j in range(i):
@@ -72,13 +72,13 @@ def mirrored(k: int) -> tuple[FloatArray, list[list[int]]]:
 def example7(target: float = 0.05) -> tuple[CGCMesh, FlowSettings]:
     """Return the counterpart of Example 7: creases on the four planes of symmetry, 353 vertices with dummies.
 
-    The curves are the paper's; how it divided them (389 vertices) and that the four
-    points (±5, ±5, 0) are the supports is read from its pictures.
+    The curves are given in the paper. Their division (389 vertices) and the supports at the
+    four points (±5, ±5, 0) are taken from its pictures.
 
     Parameters
     ----------
     target
-        0.05 or 0 in the paper [1/L^2].
+        Target curvature, 0.05 or 0 in the paper [1/L^2].
 
     Returns
     -------
@@ -95,7 +95,7 @@ def example7(target: float = 0.05) -> tuple[CGCMesh, FlowSettings]:
     x, y = np.abs(vertices[:, 0]), np.abs(vertices[:, 1])
     on_plane = np.minimum.reduce([x, y, np.abs(x - y)]) < 1e-9
     mesh.set_supports(np.flatnonzero((np.abs(x - 5) < 1e-9) & (np.abs(y - 5) < 1e-9)).tolist())
-    # An edge is a crease when both its ends lie on the same plane of symmetry.
+    # An edge is a crease if both ends lie on the same plane of symmetry.
     planes = np.column_stack([x < 1e-9, y < 1e-9, np.abs(x - y) < 1e-9])
     mesh.set_creases([(u, v) for u, v in mesh.edges() if on_plane[u] and on_plane[v] and (planes[u] & planes[v]).any()])
     mesh.set_target(target)

@@ -43,7 +43,7 @@ def closed_bezier(control: FloatArray, count: int) -> FloatArray:
 
 
 def hexagonal_disk(rings: int) -> tuple[IntArray, IntArray, IntArray]:
-    """Return faces (6 rings^2, 3), ring (n,) and place in the ring (n,) of a disk where all inner vertices have valence 6."""
+    """Return faces (6 rings^2, 3), ring (n,) and position in the ring (n,) of a disk whose inner vertices have valence 6."""
     first = np.concatenate([[0], 1 + 3 * np.arange(rings + 1) * np.arange(1, rings + 2)])
     faces = []
     for r in range(1, rings + 1):
@@ -67,9 +67,9 @@ def plan_dome(control: FloatArray, rings: int, height: float) -> CGCMesh:
     control
         ``(c, 2)`` control points of the boundary [L].
     rings
-        Rings of vertices around the one in the centre.
+        Number of rings of vertices around the centre.
     height
-        Of the dome [L].
+        Height of the dome [L].
     """
     faces, ring, place = hexagonal_disk(rings)
     rim = closed_bezier(control, 6 * rings)
@@ -98,9 +98,9 @@ def _relaxed(points: FloatArray, faces: IntArray, fixed: Mask, rounds: int = 30)
 def example6() -> tuple[CGCMesh, FlowSettings]:
     """Return the counterpart of Example 6: K̄ = 0.03 over a free-form plan, 625 vertices with dummies.
 
-    The paper shows the control points and the start (648 vertices) in a picture only. The
-    dome of the start is as high as the solution: with so small a filter the flow carries
-    curvature over a few edges per hundred steps, too slowly for a flat start.
+    The paper shows the control points and the initial mesh (648 vertices) in a picture only.
+    The initial dome is as high as the solution: with such a small filter, curvature spreads
+    over only a few edges per hundred steps, too slowly for a flat initial mesh.
 
     Returns
     -------

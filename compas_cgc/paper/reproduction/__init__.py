@@ -1,4 +1,4 @@
-"""Reproduction of the paper: its examples solved, recorded, drawn and set beside what was published."""
+"""Reproduction of the paper: examples are solved, recorded, drawn and compared with published values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of examples, with all that is drawn and recorded of them."""
+"""Runs of examples, with their records."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ class CurveRun:
     Parameters
     ----------
     example
-        What was run.
+        The example.
     points
-        (n, 2) start.
+        (n, 2) initial points.
     options
         Arguments of the flow.
     result
-        What it gave.
+        Result of the run.
     seconds
-        Of the run, after compilation.
+        Time of the run, without compilation [s].
     early
-        After 3 steps, as in Fig. 6.
+        Result after 3 steps, as in Fig. 6.
 
     Examples
     --------
@@ -57,14 +57,14 @@ class CurveRun:
     """
 
     example: CurveExample
-    points: FloatArray  # (n, 2) start
+    points: FloatArray  # (n, 2) initial points
     options: dict
     result: CurveResult
     seconds: float
-    early: CurveResult  # after 3 steps, as in Fig. 6
+    early: CurveResult  # result after 3 steps, as in Fig. 6
 
     def record(self) -> dict:
-        """Return what is worth keeping, ready for JSON."""
+        """Return the record of the run as JSON data."""
         options = {**self.options, "s": float(self.options["s"])}
         edges = np.diff(self.result.points, axis=0)
         angles = np.unwrap(np.arctan2(edges[:, 1], edges[:, 0]))
@@ -89,15 +89,15 @@ class SurfaceRun:
     Parameters
     ----------
     example
-        What was run.
+        The example.
     mesh
-        Start, with dummies.
+        Initial mesh, including dummies.
     settings
-        Of the flow.
+        Settings of the flow.
     result
-        What it gave.
+        Result of the run.
     before_divergence
-        Last shape that is still one, when the run diverged.
+        Last usable shape, if the run diverged.
 
     Examples
     --------
@@ -108,18 +108,18 @@ class SurfaceRun:
     """
 
     example: SurfaceExample
-    mesh: CGCMesh  # start, with dummies
+    mesh: CGCMesh  # initial mesh, including dummies
     settings: FlowSettings
     result: SolveResult
-    before_divergence: Optional[SolveState]  # last shape that is still one, when the run diverged
+    before_divergence: Optional[SolveState]  # last usable shape, if the run diverged
 
     @property
     def problem(self) -> CGCProblem:
-        """The start as arrays, with dummies."""
+        """Initial mesh as arrays, including dummies."""
         return CGCProblem.from_mesh(self.mesh)
 
     def final_vertices(self) -> FloatArray:
-        """Return the last shape (n, 3) with the dummies of the start; of a diverged run the one before it tore."""
+        """Return the final shape (n, 3) including dummies; for a diverged run, the last usable shape."""
         vertices = self.problem.vertices.copy()
         real = self.problem.roles != DUMMY
         if self.before_divergence is not None:
@@ -129,17 +129,17 @@ class SurfaceRun:
         return vertices
 
     def errors(self, vertices: FloatArray) -> FloatArray:
-        """Return K - K̄ (n,), NaN where K is not asked."""
+        """Return K - K̄ (n,), NaN where K is not prescribed."""
         problem = self.problem
         error = gaussian_curvature(vertices, problem.faces) - problem.targets
         return np.where(problem.asked, error, np.nan)
 
     def start_error(self) -> float:
-        """Return the largest |K - K̄| of the start."""
+        """Return the largest |K - K̄| of the initial mesh."""
         return float(np.nanmax(np.abs(self.errors(self.problem.vertices))))
 
     def record(self) -> dict:
-        """Return what is worth keeping, ready for JSON."""
+        """Return the record of the run as JSON data."""
         example, result = self.example, self.result
         n, m = self.mesh.number_of_vertices(), self.mesh.number_of_faces()
         return {
@@ -169,17 +169,17 @@ class SurfaceRun:
 
 
 def run_example(example: Union[CurveExample, SurfaceExample]) -> Union[CurveRun, SurfaceRun]:
-    """Solve an example as the paper does.
+    """Solve an example with the method and settings of the paper.
 
     Parameters
     ----------
     example
-        Of the catalogue.
+        An example of the catalogue.
 
     Returns
     -------
     CurveRun or SurfaceRun
-        With the result and the time it took.
+        The run with its result and time.
 
     Examples
     --------
@@ -200,7 +200,7 @@ def run_example(example: Union[CurveExample, SurfaceExample]) -> Union[CurveRun,
 
 
 def _shape_before(mesh: CGCMesh, settings: FlowSettings) -> Optional[SolveState]:
-    """Run again and return the last shape with no vertex farther off than a tenth of the mesh."""
+    """Run again and return the last shape in which no vertex has moved by more than a tenth of the mesh size."""
     vertices, _ = mesh.arrays()
     reach = 0.1 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     last: list[SolveState] = []
@@ -216,12 +216,12 @@ def _shape_before(mesh: CGCMesh, settings: FlowSettings) -> Optional[SolveState]
 
 
 def run_table2(sizes: tuple[int, ...] = (5, 10, 15, 20)) -> dict[int, dict]:
-    """Return the figures of Table 2 by the number of squares along a side.
+    """Return the results of Table 2 by the number of squares per side.
 
     Parameters
     ----------
     sizes
-        Squares along a side.
+        Number of squares per side.
 
     Returns
     -------
@@ -249,7 +249,7 @@ def run_table2(sizes: tuple[int, ...] = (5, 10, 15, 20)) -> dict[int, dict]:
 
 
 def warm_up() -> None:
-    """Load the compiled kernels, so that the first run is not timed with them.
+    """Load the compiled kernels, so that their loading is not included in the first time.
 
     Examples
     --------

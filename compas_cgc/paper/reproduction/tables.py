@@ -1,4 +1,4 @@
-"""Tables 1 and 2 and all published errors, compared with those of this package."""
+"""Tables 1 and 2 and all published errors, compared with the results of this package."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ REMARKS = """\
 
 
 def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, dict]) -> str:
-    """Return the page with all tables.
+    """Return a page with all tables.
 
     Parameters
     ----------

@@ -28,21 +28,21 @@ __all__ = ["write_run"]
 
 
 def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pictures: bool = True) -> list[Path]:
-    """Write what belongs to a run and return the paths.
+    """Write the files of a run and return their paths.
 
     Parameters
     ----------
     run
-        Of an example.
+        Run of an example.
     directory
-        Made when it is missing.
+        Output folder, created if missing.
     pictures
-        Draw too, which needs the extra ``plot``.
+        Whether to draw pictures, which requires the extra ``plot``.
 
     Returns
     -------
     list of Path
-        Of the files.
+        Paths of the files.
 
     Examples
     --------
@@ -67,19 +67,19 @@ def write_run(run: Union[CurveRun, SurfaceRun], directory: Union[str, Path], pic
 
 
 def comparison_figures(runs: Sequence[Union[CurveRun, SurfaceRun]], directory: Union[str, Path]) -> list[Path]:
-    """Draw what the paper shows side by side, Figs. 4 to 6, 18 and 28, and return the paths.
+    """Draw the comparison figures of the paper (4 to 6, 18 and 28) and return their paths.
 
     Parameters
     ----------
     runs
-        Of which those that belong together are drawn together.
+        Runs of examples.
     directory
-        Where the pictures go.
+        Output folder.
 
     Returns
     -------
     list of Path
-        Of the pictures.
+        Paths of the pictures.
 
     Examples
     --------
