@@ -35,17 +35,17 @@ _JOURNAL = re.compile(r"\.cgc-([0-9a-f]{8})-(\d+)-\w+\.journal")
 
 
 class PartlyPublished(FileError):
-    """Outputs other than the first could not take their places."""
+    """Some outputs, but not the first, could not be written to their targets."""
 
 
 class _Outputs:
-    """Complete files beside their targets, in the order in which they were written."""
+    """Complete temporary files beside their targets, in the order of writing."""
 
     def __init__(self) -> None:
         self.files: list[tuple[Path, Path]] = []  # temporary file and target
 
     def publish(self) -> None:
-        """Put all files in their places; a journal lets the next command finish what a kill interrupts."""
+        """Rename all files to their targets; a journal lets the next command finish after a kill."""
         journal = self._journal() if len(self.files) > 1 else None
         failures = []
         for place, (temporary, target) in enumerate(self.files):
@@ -64,16 +64,16 @@ class _Outputs:
             journal.unlink()
         self.discard()
         if failures:
-            raise PartlyPublished("; ".join(failures) + "; close it elsewhere, or choose another name or folder")
+            raise PartlyPublished("; ".join(failures) + "; close it in other programs, or choose another name or folder")
 
     def discard(self) -> None:
-        """Remove the temporary files that are left."""
+        """Remove the remaining temporary files."""
         for temporary, _ in self.files:
             with suppress(OSError):
                 temporary.unlink()
 
     def _journal(self) -> Path:
-        """Write the list of files, which is complete or not there, beside the first target."""
+        """Write the list of files atomically beside the first target."""
         folder = self.files[0][1].parent
         handle, name = tempfile.mkstemp(prefix=f".cgc-{_HOST}-{os.getpid()}-", suffix=".journal-new", dir=folder)
         with open(handle, "w", encoding="utf-8") as file:
@@ -91,17 +91,17 @@ _outputs: ContextVar[Optional[_Outputs]] = ContextVar("_outputs", default=None)
 
 @contextmanager
 def published_together() -> Iterator[None]:
-    """Publish all files that are written within a block together when it ends well, and none of them otherwise.
+    """Publish all files written within a block together if it ends without error, and none of them otherwise.
 
-    Files take their places in the order in which they were written. A signal arrives before or after this, not in between; after
-    a kill in between, the next command that writes to or reads from the folder completes it.
+    Files are renamed to their targets in the order of writing. Signals are delayed until this is complete. After a kill in between,
+    the next command that accesses the folder completes it.
 
     Raises
     ------
     PartlyPublished
-        If a file other than the first cannot take its place; the others have.
+        If a file other than the first cannot be renamed to its target; the others are published.
     FileError
-        If the first file cannot take its place; no file has.
+        If the first file cannot be renamed to its target; no file is published.
     """
     if _outputs.get() is not None:
         yield
@@ -125,11 +125,11 @@ def published_together() -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
-    """Yield a temporary file beside `path`, which takes its place when the block ends well.
+    """Yield the path of a temporary file, which is renamed to `path` if the block ends without error.
 
-    If the block raises, the temporary file is removed and `path` stays as it was. The temporary file has the suffix of `path`, for
-    writers that go by it. Links are followed; a device or pipe at `path` receives the content instead of being replaced. Within
-    :func:`published_together` the file takes its place at the end of that block.
+    If the block raises, the temporary file is removed and `path` is unchanged. The temporary file has the suffix of `path`, on which
+    some writers depend. Links are followed; a device or pipe at `path` receives the content instead of being replaced. Within
+    :func:`published_together`, the file is renamed at the end of that block.
     """
     special = os.path.exists(path) and not os.path.isfile(path)
     target = Path(path) if special else Path(os.path.realpath(path))
@@ -146,7 +146,7 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
     try:
         yield temporary
         os.chmod(temporary, target.stat().st_mode if target.is_file() else 0o666 & ~_UMASK)
-        # The content is on the disk before the name points to it.
+        # Flush the content to the disk before the rename.
         with open(temporary, "r+b") as file:
             os.fsync(file.fileno())
     except BaseException:
@@ -159,13 +159,13 @@ def replacing(path: Union[str, os.PathLike]) -> Iterator[Path]:
 
 
 def write_text(path: Union[str, os.PathLike], text: str) -> None:
-    """Write a text file in UTF-8 with plain line ends."""
+    """Write a text file in UTF-8 with LF line ends."""
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
 
 
 def recover(folder: Path) -> None:
-    """Complete what killed processes of this machine began to publish in a folder, and remove the files that they left."""
+    """Complete interrupted publications of killed processes of this machine in a folder, and remove their temporary files."""
     try:
         names = [entry.name for entry in os.scandir(folder) if entry.name.startswith(".") and ".cgc-" in entry.name]
     except OSError:
@@ -186,7 +186,7 @@ def recover(folder: Path) -> None:
 
 
 def _belongs(temporary: Path, target: Path, journal: Path) -> bool:
-    """Check whether a file in a journal is one that is still to be published, and nothing that somebody else wrote there."""
+    """Check whether a file in a journal is still to be published and was not replaced by another file."""
     named = _TEMPORARY.fullmatch(temporary.name)
     if not named or temporary.parent != target.parent or not temporary.is_file() or temporary.is_symlink():
         return False
@@ -194,12 +194,12 @@ def _belongs(temporary: Path, target: Path, journal: Path) -> bool:
 
 
 def _is_gone(found: re.Match[str]) -> bool:
-    """Check whether the process that made a file ran on this machine and has ended."""
+    """Check whether the process that created a file ran on this machine and has ended."""
     host, process = found.group(1), int(found.group(2))
     if host != _HOST or process == os.getpid():
         return False
     if sys.platform == "win32":
-        return False  # os.kill would end the process
+        return False  # on Windows, os.kill would end the process
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -219,7 +219,7 @@ def _put(temporary: Path, target: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Put the names in a folder on the disk, where the system can."""
+    """Flush the names in a folder to the disk, if the system supports it."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -230,7 +230,7 @@ def _sync_folder(folder: Path) -> None:
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Hold signals that end the process until the end of a block."""
+    """Delay signals that end the process until the end of a block."""
     if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -1,6 +1,6 @@
 """Draw the icons of the components: ``python ghuser/icons.py`` (needs Pillow).
 
-One family: ink lines of one width, sand for surfaces, teal for what is asked, red for what holds.
+Common style: ink lines of one width, sand for surfaces, teal for targets, red for supports.
 """
 
 from __future__ import annotations

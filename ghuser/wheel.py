@@ -1,4 +1,4 @@
-"""Put the components, which lie beside the package, into the wheel, as ``compas_cgc/ghuser``; pyproject.toml names the class."""
+"""Build step that adds the components to the wheel as ``compas_cgc/ghuser``; referenced in pyproject.toml."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BuildWithComponents(build_py):
         return {**super().get_output_mapping(), **self._components()}
 
     def run(self) -> None:
-        """Build; an editable install reads the components where they lie."""
+        """Copy the components; an editable install reads them from the source folder."""
         super().run()
         if not self.editable_mode:
             for target, source in self._components().items():

@@ -111,7 +111,7 @@ def check_mesh(source: Path, vertices: FloatArray, faces: Sequence[Sequence[int]
 
 
 def _follow(paths: list[list[int]], faces: IntArray) -> list[bool]:
-    """Tell which vertex paths run along edges of faces (m, 3)."""
+    """Check which vertex paths follow edges of faces (m, 3)."""
     n = int(faces.max()) + 1
     edges = np.concatenate([faces * n + np.roll(faces, shift, axis=1) for shift in (1, -1)]) if paths else faces
     pairs = [(k, u, v) for k, path in enumerate(paths) for u, v in zip(path[:-1], path[1:])]

@@ -79,11 +79,11 @@ def guard() -> None:
             "the key is missing or wrong; send the server's key as RhinoComputeKey (in Hops: Preferences, Solver, Hops, API key)"
         )
     if request.path in OPERATOR_PATHS and (g.caller is None or g.caller.role != OPERATOR):
-        raise (Unauthorized if g.caller is None else Forbidden)("this address needs the key of an operator")
+        raise (Unauthorized if g.caller is None else Forbidden)("this address requires the key of an operator")
 
 
 def _identified() -> Optional[Key]:
-    """Return the key of a request, None where it is missing or wrong; of an address that tried many, none is looked at."""
+    """Return the key of a request, None if it is missing or wrong, or if the address sent too many wrong keys."""
     keys, throttle = current_app.config["KEYS"], current_app.extensions["throttle"]
     if not keys:
         return LOCAL
@@ -122,18 +122,18 @@ def owner() -> str:
     Raises
     ------
     Forbidden
-        If somebody else than an operator names one.
+        If the request names an owner without the key of an operator.
     """
     own, named = caller(), request.headers.get(OWNER_HEADER)
     if named is None:
         return own.name
     if own.role != OPERATOR or not (named == "" or NAME.fullmatch(named)):
-        raise Forbidden(f"only an operator may send {OWNER_HEADER}, with the name of an owner")
+        raise Forbidden(f"only an operator may send the header {OWNER_HEADER}")
     return named
 
 
 def client_name() -> str:
-    """Return the client for which limits are counted: the owner, or the address where there is only one owner."""
+    """Return the client to which limits apply: the owner, or the address if there is only one owner."""
     return f"key:{caller().name}" if caller().name else request.remote_addr or ""
 
 

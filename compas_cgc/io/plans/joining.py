@@ -18,9 +18,9 @@ from .plan import size
 
 __all__ = ["Joined", "joined"]
 
-ROUNDING = 1e-6  # of the size of a drawing, within which ends count as drawn at one place
-WIDEST_GAP = 5e-4  # of the size of a drawing; wider gaps are closed only on request
-SHORTEST_CURVE = 10.0  # gaps; curves shorter than this may be details that end beside each other
+ROUNDING = 1e-6  # distance within which ends coincide, relative to the size of the drawing
+MAX_GAP = 5e-4  # largest gap closed automatically, relative to the size of the drawing
+MIN_LENGTH = 10.0  # length of a curve relative to a gap, below which it may be a separate detail
 
 
 class Joined(NamedTuple):
@@ -172,7 +172,7 @@ def _small_gaps(curves: Sequence[PlanCurve], whole: float) -> FloatArray:
     end = np.arange(len(other))
     mutual = (other[other] == end) & (end < other) & (distance > 0)
     length = np.minimum(lengths[end // 2], lengths[other // 2])
-    small = (distance <= WIDEST_GAP * whole) & (SHORTEST_CURVE * distance < length)
+    small = (distance <= MAX_GAP * whole) & (MIN_LENGTH * distance < length)
     return distance[mutual & small]
 
 

@@ -17,13 +17,13 @@ __all__ = ["Layer", "Plan", "PlanCurve", "PlanMesh", "plan_data", "roles", "size
 class PlanCurve(NamedTuple):
     """A curve of a drawing."""
 
-    points: FloatArray  # (k, 3), the first again at the end where it is closed [L]
+    points: FloatArray  # (k, 3) [L]; the last equals the first if the curve is closed
     layer: str
-    circle: Optional[tuple[float, float, float]] = None  # centre x, y and radius, where it is a circle in plan [L]
+    circle: Optional[tuple[float, float, float]] = None  # centre x, y and radius of a circle in plan [L]
 
     @property
     def is_closed(self) -> bool:
-        """Whether the curve ends where it begins."""
+        """Whether the last point equals the first."""
         return len(self.points) > 3 and bool((self.points[0] == self.points[-1]).all())
 
 
@@ -39,25 +39,25 @@ class Layer(NamedTuple):
     """A layer of a drawing."""
 
     name: str
-    objects: int  # curves, points and faces on it
+    objects: int  # number of curves, points and faces on it
     visible: bool
     read: bool
 
 
 class Plan(NamedTuple):
-    """A drawing as it was read."""
+    """Contents of a drawing."""
 
     curves: list[PlanCurve]
     points: FloatArray  # (k, 3), columns [L]
     meshes: list[PlanMesh]
     layers: list[Layer]
-    unit: str  # of Rhino, such as Millimeters; empty where the file states none
-    tolerance: float  # within which ends of curves were joined [L]
-    notes: list[str]  # what was done and what was left out
+    unit: str  # unit of Rhino such as Millimeters, empty if not stated in the file
+    tolerance: float  # distance within which ends of curves were joined [L]
+    notes: list[str]  # changes made and objects ignored
 
 
 def size(curves: Sequence[PlanCurve]) -> float:
-    """Return the diagonal of the box around curves [L], 0 without any."""
+    """Return the diagonal of the bounding box of curves [L], 0 without curves."""
     points = np.concatenate([curve.points for curve in curves]) if curves else np.zeros((1, 3))
     return float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -65,7 +65,7 @@ def size(curves: Sequence[PlanCurve]) -> float:
 def roles(plan: Plan) -> list[str]:
     """Return the role of every curve: ``outline``, ``hole``, ``crease`` or ``outside``.
 
-    The closed curve that encloses most area in plan is the outline. Closed curves within it are holes, open ones creases.
+    The closed curve with the largest area in plan is the outline. Closed curves inside it are holes, open ones are creases.
     """
     areas = [_area(curve.points) if curve.is_closed else -1.0 for curve in plan.curves]
     outline = int(np.argmax(areas)) if areas and max(areas) > 0 else -1
@@ -82,10 +82,10 @@ def roles(plan: Plan) -> list[str]:
 
 
 def plan_data(plan: Plan) -> dict:
-    """Return a plan as plain data for the drawing board: lines, columns, layers and notes; curves outside of the outline are left out."""
+    """Return a plan as JSON data for the drawing board: lines, columns, layers and notes, without curves outside the outline."""
     part = roles(plan)
     outside = part.count("outside")
-    notes = [*plan.notes, *([f"{outside} curves outside of the outline were left out"] if outside else [])]
+    notes = [*plan.notes, *([f"{outside} curves outside the outline were ignored"] if outside else [])]
     lines = [
         {
             "points": (curve.points[:-1] if curve.is_closed else curve.points).tolist(),
@@ -102,7 +102,7 @@ def plan_data(plan: Plan) -> dict:
 
 
 def _area(points: FloatArray) -> float:
-    # About the first point: far from the origin the products would cancel.
+    # Relative to the first point, to avoid cancellation far from the origin.
     x, y = (points[:-1, :2] - points[0, :2]).T
     return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
 

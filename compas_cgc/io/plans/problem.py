@@ -39,13 +39,13 @@ def read_dxf(
     path
         The file, text or binary.
     layers
-        Names of the layers to read as values, under any key. Default: all visible layers.
+        Mapping whose values are the names of the layers to read. Default: all visible layers.
     crease
-        ``"trace"`` or ``"split"``, for creases over the faces of the file.
+        ``"trace"`` or ``"split"``, for creases on the faces of the file.
     tolerance
         Distance within which ends of curves are joined [L]. Default: small gaps are closed.
     edge_length
-        Edge length of the mesh within the outline [L]; not needed where the file holds faces.
+        Edge length of the mesh inside the outline [L]; not needed if the file holds faces.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def read_dxf(
 
 
 def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease: str = "trace") -> ReadProblem:
-    """Return the problem that a plan states: faces, or a mesh within the outline; points are supports, open curves are creases.
+    """Return the problem of a plan: its faces, or a mesh inside the outline; points are supports, open curves are creases.
 
     Raises
     ------
@@ -80,20 +80,20 @@ def problem_of_plan(plan: Plan, name: str, edge_length: Optional[float], crease:
     outside = part.count("outside")
     if plan.meshes:
         parts = [Part(f"the faces on layer {mesh.layer}", mesh.vertices, mesh.faces, 0.0, None, {}) for mesh in plan.meshes]
-        notes += [f"{len(part) - len(creases)} closed curves were left out beside the faces"] if len(part) > len(creases) else []
+        notes += [f"{len(part) - len(creases)} closed curves were ignored beside the faces"] if len(part) > len(creases) else []
     else:
         rings = [(drawn.label, drawn.points) for role, drawn in zip(part, labelled) if role in ("outline", "hole")]
         if not rings or "outline" not in part:
             raise FileError(f"there is no closed curve to mesh{_widest_gap(plan, unit)}")
         if edge_length is None:
-            raise FileError("the drawing holds curves only; give an edge length (--edge-length) to mesh the outline")
+            raise FileError("the drawing has only curves; give an edge length (--edge-length) to mesh the outline")
         try:
             made = outlined(rings, creases, plan.points, edge_length, plan.tolerance)
         except MeshError as error:
             raise FileError(str(error)) from None
         parts, creases = [made.part], made.creases
         notes += made.notes
-        notes += [f"{outside} curves outside of the outline were left out"] if outside else []
+        notes += [f"{outside} curves outside the outline were ignored"] if outside else []
     return assemble(
         name=name,
         parts=parts,
@@ -113,11 +113,11 @@ def _names(value: object) -> Iterable[str]:
 
 
 def _widest_gap(plan: Plan, unit: str) -> str:
-    """Return the end of a sentence on the gap that keeps the longest curve open."""
+    """Return a clause on the gap in the longest open curve."""
     if not plan.curves:
         return "; draw the outline of the roof as a closed curve in model space"
     longest = max(plan.curves, key=lambda curve: size([curve]))
     gap = float(np.linalg.norm(longest.points[0] - longest.points[-1]))
     x, y = longest.points[-1, :2]
-    where = f"the longest curve ends at ({x:.6g}, {y:.6g}), {gap:.3g}{unit} from where it begins"
-    return f"; {where}: close it, or join ends within that distance (--weld)"
+    where = f"the longest curve has a gap of {gap:.3g}{unit} between start and end at ({x:.6g}, {y:.6g})"
+    return f"; {where}: close it, or join ends within this distance (--weld)"

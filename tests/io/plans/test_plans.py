@@ -180,7 +180,7 @@ def test_an_open_outline_is_refused_with_its_gap(tmp_path):
     document = ezdxf.new(units=6)
     document.modelspace().add_lwpolyline([(0, 0), (9, 0), (9, 5), (0, 5), (0, 0.4)])
     document.saveas(tmp_path / "open.dxf")
-    with pytest.raises(FileError, match=r"ends at \(0, 0.4\), 0.4 m from where it begins"):
+    with pytest.raises(FileError, match=r"gap of 0.4 m between start and end at \(0, 0.4\)"):
         read_dxf(tmp_path / "open.dxf", edge_length=1.0)
 
 
