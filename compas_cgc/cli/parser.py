@@ -12,7 +12,7 @@ from typing import cast
 from ..errors import nearest_name
 from .exits import REFUSED
 
-__all__ = ["Parser"]
+__all__ = ["Parser", "count"]
 
 # Synonyms that are not similar to the name of the option.
 SYNONYMS = {"k": "--target", "curvature": "--target", "fix": "--supports", "fixed": "--supports", "mesh-size": "--edge-length"}
@@ -53,3 +53,10 @@ class Parser(argparse.ArgumentParser):
             if isinstance(action, argparse._SubParsersAction) and command in action.choices:
                 return cast(Parser, action.choices[command])
         return self
+
+
+def count(text: str) -> int:
+    """Return a number from 1 up."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1 up, not {text!r}")
+    return int(text)

@@ -7,6 +7,7 @@ import os
 
 from ..errors import CGCError
 from .exits import DONE
+from .parser import count
 
 __all__ = ["add_arguments", "run"]
 
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--keys", metavar="FILE", help=".toml file with the keys of several owners, each with a name and a role; see the manual"
     )
-    parser.add_argument("--workers", type=_positive, help="number of simultaneous solves (default: number of processors minus one)")
+    parser.add_argument("--workers", type=count, help="number of simultaneous solves (default: number of processors minus one)")
     parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines, such as dask://scheduler:8786")
     parser.add_argument(
         "--store", metavar="FILE", help="file that stores the jobs (default: a file in the user's data folder, one per port)"
@@ -77,12 +78,6 @@ def run(arguments: argparse.Namespace) -> int:
         executor=arguments.executor,
     )
     return DONE
-
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number from 1 up, not {text!r}")
-    return int(text)
 
 
 def _port(text: str) -> int:

@@ -22,6 +22,7 @@ from .console import interruptible
 from .console import printer
 from .exits import DONE
 from .exits import INTERRUPTED
+from .parser import count
 
 if TYPE_CHECKING:
     from ..study import Results
@@ -58,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_input(parser)
     parser.add_argument("study", metavar="STUDY", help=".toml file with the parameters to vary")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder to write to")
-    parser.add_argument("--workers", type=_count, metavar="N", help="number of processes (default: number of processors)")
+    parser.add_argument("--workers", type=count, metavar="N", help="number of processes (default: number of processors)")
     parser.add_argument("--executor", metavar="ADDRESS", help="solve on other machines, such as dask://scheduler:8786")
     parser.add_argument("--no-pictures", action="store_true", help="do not draw pictures")
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
@@ -159,9 +160,3 @@ def _summary(results: Results) -> str:
     rough = sum(own == "converged" and word != "fair" for own, word in zip(status, verdict))
     left = len(results) - fair - rough
     return f"{len(results)} variants: {fair} fair, {rough} rough, {left} not converged\nwrote {results.folder / 'table.csv'}"
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number from 1 up, not {text!r}")
-    return int(text)

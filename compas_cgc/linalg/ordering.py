@@ -17,13 +17,19 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from ..discrete.arrays import IntArray
 
-__all__ = ["elimination_order", "minimum_degree", "nested_dissection"]
+__all__ = ["elimination_order", "has_pattern", "minimum_degree", "nested_dissection"]
 
 DISSECT_FROM = 3000  # unknowns; below, minimum degree is as good, and SciPy has it compiled
 
 LANDMARKS = 3
 SHORT = 0.3  # extent, against the largest, of a direction in which no cut is tried
 LEFT, RIGHT = 1, 2
+
+
+def has_pattern(matrix: sparse.csr_matrix, pattern: Optional[tuple[CSRIndices, CSRIndices]]) -> bool:
+    """Return whether the entries of a matrix have the row pointers and column indices of a pattern."""
+    own = (matrix.indptr, matrix.indices)
+    return pattern is not None and all(old is new or np.array_equal(old, new) for old, new in zip(pattern, own))
 
 
 def elimination_order(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None) -> Indices:

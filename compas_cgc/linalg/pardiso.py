@@ -15,6 +15,7 @@ from scipy import sparse
 from ..discrete.arrays import CSRIndices
 from ..discrete.arrays import FloatArray
 from .errors import SingularMatrixError
+from .ordering import has_pattern
 
 __all__ = ["Pardiso", "works"]
 
@@ -90,7 +91,7 @@ class Pardiso:
         if not np.diff(matrix.indptr).all():
             raise SingularMatrixError("the matrix has an empty row")
         self._matrix = matrix
-        if not self._same_pattern(matrix):
+        if not has_pattern(matrix, self._pattern):
             self._pattern = matrix.indptr, matrix.indices
             self._call(ANALYSE, np.zeros(matrix.shape[0]))
         self._call(FACTORISE, np.zeros(matrix.shape[0]))
@@ -106,11 +107,6 @@ class Pardiso:
         if not np.abs(self._whole @ x - rhs).max(initial=0.0) <= POOR * np.abs(rhs).max(initial=0.0):
             raise SingularMatrixError("the solution does not fulfil the equations")
         return x
-
-    def _same_pattern(self, matrix: sparse.csr_matrix) -> bool:
-        if self._pattern is None:
-            return False
-        return all(old is new or np.array_equal(old, new) for old, new in zip(self._pattern, (matrix.indptr, matrix.indices)))
 
     def _call(self, phase: int, rhs: FloatArray) -> FloatArray:
         from pypardiso.pardiso_wrapper import PyPardisoError

@@ -15,6 +15,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Indices
 from .errors import SingularMatrixError
 from .ordering import elimination_order
+from .ordering import has_pattern
 from .sweeps import Sweeps
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class SuperLU:
         matrix.sort_indices()
         self._lu = None  # free the old factors before the new ones are made
         self._matrix = matrix
-        if not self._same_pattern(matrix):
+        if not has_pattern(matrix, self._pattern):
             self._order(matrix)
         try:
             self._factorise(matrix)
@@ -86,11 +87,6 @@ class SuperLU:
         if not np.isfinite(x).all():
             raise SingularMatrixError("the solution is not finite")
         return x
-
-    def _same_pattern(self, matrix: sparse.csr_matrix) -> bool:
-        if self._pattern is None:
-            return False
-        return all(old is new or np.array_equal(old, new) for old, new in zip(self._pattern, (matrix.indptr, matrix.indices)))
 
     def _order(self, matrix: sparse.csr_matrix) -> None:
         """Find the order, and where each entry of the matrix goes by it."""

@@ -8,7 +8,7 @@ from uuid import UUID
 
 from .tree import Chunk
 
-__all__ = ["definition_problems"]
+__all__ = ["definition_problems", "walk"]
 
 
 def definition_problems(root: Chunk) -> list[str]:
@@ -68,7 +68,7 @@ def _container_problems(where: str, container: Chunk, known: set[UUID]) -> Itera
         if container.has(count):
             parts = [p.index for p in container.children(entry)] or [p.index for p in container.items if p.name == entry]
             yield from _numbered(f"{where}: {entry}", count, container.get(count), parts)
-    for part in _walk(container):
+    for part in walk(container):
         sources = [entry for entry in part.items if entry.name == "Source"]
         if sources or part.has("SourceCount"):
             yield from _numbered(f"{where}: Source", "SourceCount", part.get("SourceCount"), [entry.index for entry in sources])
@@ -96,12 +96,13 @@ def _numbered(where: str, name: str, count: object, indices: list) -> Iterator[s
 
 
 def _instances(part: Chunk) -> Iterator[UUID]:
-    for child in _walk(part):
+    for child in walk(part):
         if child.has("InstanceGuid"):
             yield child.get("InstanceGuid")
 
 
-def _walk(part: Chunk) -> Iterator[Chunk]:
+def walk(part: Chunk) -> Iterator[Chunk]:
+    """Yield a chunk and all chunks below it."""
     yield part
     for child in part.chunks:
-        yield from _walk(child)
+        yield from walk(child)

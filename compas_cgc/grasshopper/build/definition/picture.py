@@ -7,6 +7,7 @@ from uuid import UUID
 from xml.sax.saxutils import escape
 
 from ..archive import Chunk
+from ..archive.rules import walk
 from ..guids import COMPONENT_TYPES
 
 __all__ = ["definition_svg"]
@@ -40,7 +41,7 @@ def definition_svg(root: Chunk) -> str:
     objects = [(KINDS.get(part.get("GUID"), "parameter"), part.part("Container")) for part in _objects(root)]
     places: dict[UUID, tuple] = {}
     for _, container in objects:
-        for part in _walk(container):
+        for part in walk(container):
             attributes = part.child("Attributes")
             if attributes is not None and attributes.has("Bounds"):
                 places[part.get("InstanceGuid")] = attributes.get("Bounds")
@@ -65,14 +66,8 @@ def _objects(root: Chunk) -> list[Chunk]:
     return root.part("Definition").part("DefinitionObjects").children("Object")
 
 
-def _walk(part: Chunk) -> Iterator[Chunk]:
-    yield part
-    for child in part.chunks:
-        yield from _walk(child)
-
-
 def _wires(container: Chunk, places: dict) -> Iterator[str]:
-    for part in _walk(container):
+    for part in walk(container):
         for i in range(part.get("SourceCount", default=0)):
             start, end = places[part.get("Source", i)], places[part.get("InstanceGuid")]
             x, y, u, v = start[0] + start[2], start[1] + start[3] / 2, end[0], end[1] + end[3] / 2
