@@ -1,4 +1,4 @@
-"""Topology of meshes with creases and supports: checks, regions, dummy rings, crease paths."""
+"""Mesh topology: checks, boundaries, regions, creases, dummy rings, triangulation."""
 
 from __future__ import annotations
 

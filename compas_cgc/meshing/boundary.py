@@ -1,4 +1,4 @@
-"""Boundary loops, and the supports that are named after them."""
+"""Boundary loops and named supports."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["SUPPORT_NAMES", "boundary_loops", "named_supports"]
 
 SUPPORT_NAMES = ("boundary", "outline", "corners")
 
-SHARPER = 0.05  # cosine by which a neighbour turns more where it was lifted out of the edge
+SHARPER_COSINE = 0.05  # difference of cosines by which a lifted neighbour turns more sharply
 
 
 @names_what_was_meant()
 def boundary_loops(faces: IntArray) -> list[IntArray]:
-    """Return the loops of vertices around the open edges, with the surface to their left.
+    """Return the boundary loops as vertices, with the surface to their left.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def boundary_loops(faces: IntArray) -> list[IntArray]:
     Returns
     -------
     list of (b,) int64
-        The longest first; each starts at its smallest vertex.
+        Loops, the longest first; each starts at its smallest vertex.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def _boundary_loops(F: IntArray) -> list[IntArray]:
     near = rim[u] & rim[v]
     u, v = u[near], v[near]
     open_ = ~np.isin(u * n + v, v * n + u)
-    # Where loops touch in a vertex the first edge out of it counts.
+    # Where loops touch in a vertex, its first outgoing edge counts.
     after = dict(zip(u[open_][::-1].tolist(), v[open_][::-1].tolist()))
     loops = []
     for start in sorted(after):
@@ -67,26 +67,25 @@ def _boundary_loops(F: IntArray) -> list[IntArray]:
 
 @names_what_was_meant()
 def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray:
-    """Return the vertices on open edges that a name stands for.
+    """Return the boundary vertices with a name.
 
     Parameters
     ----------
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     name
-        ``"boundary"`` for all of them, ``"outline"`` for those around each piece and not around its holes, ``"corners"`` for those
-        where an open edge turns by more than 30 degrees. Beside a corner that was lifted out of the edge it turns too; that is
-        no corner.
+        ``"boundary"`` for all boundary vertices, ``"outline"`` for those of the outer boundary of each piece without holes,
+        ``"corners"`` for those where the boundary turns by more than 30 degrees. The turns beside a lifted corner do not count.
 
     Returns
     -------
     (k,) int64
-        Vertices.
+        Indices of vertices.
 
     Raises
     ------
     ValueError
-        If the name is another.
+        If the name is unknown.
 
     Examples
     --------
@@ -105,7 +104,7 @@ def named_supports(vertices: FloatArray, faces: IntArray, name: str) -> IntArray
 
 
 def _outlines(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> list[IntArray]:
-    """Return of the boundary loops of each piece the one that reaches farthest."""
+    """Return the boundary loop of largest extent of each piece."""
     n = len(vertices)
     joined = sparse.coo_matrix((np.ones(faces.size), (faces.ravel(), np.roll(faces, -1, axis=1).ravel())), shape=(n, n))
     piece = connected_components(joined, directed=False)[1]
@@ -117,7 +116,7 @@ def _outlines(vertices: FloatArray, faces: IntArray, loops: list[IntArray]) -> l
 
 
 def _corners(points: FloatArray, angle: float = 30.0) -> Mask:
-    """Tell where a closed polyline (b, 3) turns by more than an angle in degrees (b,), and not only towards a lifted corner."""
+    """Return where a closed polyline (b, 3) turns by more than an angle in degrees (b,), without neighbours of lifted corners."""
     least = np.cos(np.radians(angle))
     cosine = _cosines(points)
     turns = cosine < least
@@ -126,11 +125,11 @@ def _corners(points: FloatArray, angle: float = 30.0) -> Mask:
     if not square > 0.0:
         return turns
     in_plan = _cosines(points - np.outer(points @ facing, facing) / square) < least
-    sharper = np.minimum(np.roll(cosine, 1), np.roll(cosine, -1)) < cosine - SHARPER
+    sharper = np.minimum(np.roll(cosine, 1), np.roll(cosine, -1)) < cosine - SHARPER_COSINE
     return turns & (in_plan | ~sharper)
 
 
 def _cosines(points: FloatArray) -> FloatArray:
-    """Return the cosines of the angles by which a closed polyline (b, 3) turns (b,)."""
+    """Return the cosines of the turning angles of a closed polyline (b, 3): (b,)."""
     ahead = unit_vectors(np.roll(points, -1, axis=0) - points)
     return np.asarray(np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0)))

@@ -1,4 +1,4 @@
-"""Values at some points carried over to others, smoothly: local polynomials, blended."""
+"""Smooth interpolation of scattered values by blended local polynomials."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from ..discrete.arrays import IntArray
 __all__ = ["CarryOver"]
 
 DEGREE = 4
-SURPLUS = 2.2  # points for every coefficient
-BLENDED = 5  # polynomials at a place
-OWN = 0.05  # squared distance, against the mean one of the neighbours, that softens a point's own weight
-TOUCHING = 1e-9  # distance, against that of the points around, at which a point's own polynomial is all that counts
+POINTS_PER_COEFFICIENT = 2.2  # points per coefficient of a fit
+BLENDED_FITS = 5  # polynomials blended at a place
+SOFTENING = 0.05  # softening of a point's own weight, relative to the mean squared distance of its neighbours
+COINCIDENCE = 1e-9  # relative distance below which only the polynomial of the point itself counts
 
 
 class CarryOver:
-    """Values at points in the plane carried over to places, by polynomials fitted around each of the points and blended.
+    """Interpolation of values from points to places in the plane by blended local polynomials.
 
-    Polynomials of degree four are carried over exactly; with few points the degree is lower.
+    Polynomials of degree four are reproduced exactly; with few points the degree is lower.
 
     Parameters
     ----------
     points
-        ``(k, 2)`` where values are known [L].
+        ``(k, 2)`` points with known values [L].
     places
-        ``(n, 2)`` where they are wanted [L].
+        ``(n, 2)`` places of evaluation [L].
 
     Examples
     --------
@@ -46,36 +46,36 @@ class CarryOver:
         self._points, self._places = points, np.ascontiguousarray(places)
         tree = cKDTree(points)
         self._degree, self._around, self._scale, self._solver = _fits(points, tree)
-        many = min(BLENDED + 1, len(points))
+        many = min(BLENDED_FITS + 1, len(points))
         distance, near = tree.query(places, many)
         distance, self._near = distance.reshape(len(places), -1), near.reshape(len(places), -1)
         self._weight = np.ones((len(places), 1))
         if many > 1:
-            # Franke and Little's weights: a polynomial comes and goes smoothly.
-            reach = distance[:, -1:] * (1.0 + TOUCHING)
-            weight = np.square((reach - distance[:, :-1]) / np.maximum(distance[:, :-1], TOUCHING * reach))
+            # Franke-Little weights blend the polynomials smoothly.
+            reach = distance[:, -1:] * (1.0 + COINCIDENCE)
+            weight = np.square((reach - distance[:, :-1]) / np.maximum(distance[:, :-1], COINCIDENCE * reach))
             self._near, self._weight = np.ascontiguousarray(self._near[:, :-1]), weight / weight.sum(axis=1, keepdims=True)
 
     def __call__(self, values: FloatArray) -> FloatArray:
-        """Return the values (n, d) at the places for those (k, d) at the points."""
+        """Return the values (n, d) at the places for values (k, d) at the points."""
         coefficients = np.einsum("kcm,kmd->kcd", self._solver, values[self._around])
         return _evaluated(self._points, self._places, self._near, self._weight, self._scale, coefficients, self._degree)
 
 
 def _fits(points: FloatArray, tree: cKDTree) -> tuple[int, IntArray, FloatArray, FloatArray]:
-    """Return the degree, the points around each (k, m), how far they reach (k,) [L], and what makes coefficients of values (k, c, m)."""
+    """Return the degree, neighbours of each point (k, m), their reach (k,) [L], and matrices from values to coefficients (k, c, m)."""
     degree = DEGREE
-    while degree and SURPLUS * (degree + 1) * (degree + 2) / 2 > len(points):
+    while degree and POINTS_PER_COEFFICIENT * (degree + 1) * (degree + 2) / 2 > len(points):
         degree -= 1
-    count = min(len(points), int(np.ceil(SURPLUS * (degree + 1) * (degree + 2) / 2)))
+    count = min(len(points), int(np.ceil(POINTS_PER_COEFFICIENT * (degree + 1) * (degree + 2) / 2)))
     distance, around = tree.query(points, count)
     distance, around = distance.reshape(len(points), -1), around.reshape(len(points), -1)
     scale = np.maximum(distance[:, -1], np.finfo(float).tiny)
     x, y = np.moveaxis((points[around] - points[:, None]) / scale[:, None, None], 2, 0)
     terms = np.stack([x ** (i - j) * y**j for i in range(degree + 1) for j in range(i + 1)], axis=-1)
     square = x * x + y * y
-    weight = (1.0 - 0.8 * square) / np.sqrt(square + OWN * square.mean(axis=1, keepdims=True) + np.finfo(float).tiny)
-    # By normal equations, quicker than a decomposition of each and accurate enough for so few powers.
+    weight = (1.0 - 0.8 * square) / np.sqrt(square + SOFTENING * square.mean(axis=1, keepdims=True) + np.finfo(float).tiny)
+    # Normal equations are faster than decompositions and accurate enough for these degrees.
     left = np.swapaxes(weight[..., None] ** 2 * terms, 1, 2)
     normal = left @ terms
     lift = 1e-13 * np.trace(normal, axis1=1, axis2=2)

@@ -41,7 +41,7 @@ class Diagnostic(str):
 
 
 def listed(items: object, most: int = 5) -> str:
-    """Return the first few items as text, and how many more there are."""
+    """Return the first few items as text, with the number of further ones."""
     items = [tuple(i) if isinstance(i, list) else i for i in np.asarray(items).tolist()]
     shown = ", ".join("-".join(map(str, i)) if isinstance(i, tuple) else str(i) for i in items[:most])
     return shown + (f" and {len(items) - most} more" if len(items) > most else "")
@@ -49,19 +49,19 @@ def listed(items: object, most: int = 5) -> str:
 
 @names_what_was_meant()
 def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray, face_names: IntArray) -> list[Diagnostic]:
-    """List what is wrong with the mesh itself, whatever is asked of it.
+    """Return the faults of a mesh itself, independent of targets.
 
     Parameters
     ----------
     vertices, faces
         ``(n, 3)`` coordinates and ``(m, 3)`` indices.
     vertex_names, face_names
-        ``(n,)`` and ``(m,)``: what the user calls them.
+        ``(n,)`` and ``(m,)`` keys in the user's mesh.
 
     Returns
     -------
     list of Diagnostic
-        Sentences, none where the mesh is sound.
+        Sentences, empty if the mesh is sound.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def mesh_problems(vertices: FloatArray, faces: IntArray, vertex_names: IntArray,
     used[faces] = True
     if not used.all():
         problems.append(
-            Diagnostic(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices() does)")
+            Diagnostic(f"vertices {listed(vertex_names[~used])} belong to no face; remove them (mesh.remove_unused_vertices())")
         )
     problems += _face_problems(vertices, faces, face_names)
     return problems + _manifold_problems(faces, vertex_names, face_names)
@@ -96,7 +96,7 @@ def _face_problems(V: FloatArray, F: IntArray, names: IntArray) -> list[Diagnost
     flat = face_areas(V, F) <= 1e-12 * np.einsum("ijk,ijk->ij", sides, sides).max(axis=1)
     if flat.any():
         problems.append(
-            Diagnostic(f"faces {listed(names[flat])} are degenerate, without area; weld or remove their vertices, or remesh there")
+            Diagnostic(f"faces {listed(names[flat])} are degenerate (zero area); weld or remove their vertices, or remesh there")
         )
     return problems
 
@@ -114,29 +114,31 @@ def _manifold_problems(F: IntArray, vertex_names: IntArray, face_names: IntArray
     many = edge[count > 2]
     if len(many):
         ends = np.column_stack([vertex_names[many // n], vertex_names[many % n]])
-        return [Diagnostic(f"edges {listed(ends)} belong to more than two faces, the mesh is not manifold; remove the surplus faces")]
+        return [Diagnostic(f"edges {listed(ends)} belong to more than two faces, so the mesh is not manifold; remove the extra faces")]
 
     first, second = order[start[count == 2]], order[start[count == 2] + 1]
     a, b, same = owner[first], owner[second], u[first] == u[second]
     problems = []
-    # Two copies of each face, one per orientation: a mesh is orientable when they fall apart.
+    # Two copies of each face, one per orientation: a mesh is orientable if they are not connected.
     ones = np.ones(2 * len(a))
     i = np.concatenate([a, a + m])
     j = np.concatenate([np.where(same, b + m, b), np.where(same, b, b + m)])
     _, side = connected_components(sparse.coo_matrix((ones, (i, j)), shape=(2 * m, 2 * m)), directed=False)
     pieces, piece = connected_components(sparse.coo_matrix((ones[: len(a)], (a, b)), shape=(m, m)), directed=False)
     if (side[:m] == side[m:]).any():
-        problems.append(Diagnostic("the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"))
+        problems.append(Diagnostic("the mesh is not orientable (like a Moebius strip); cut it open"))
     elif same.any():
-        problems.append(Diagnostic(f"{_against(side[:m], piece, face_names)} run against their neighbours; unify them (mesh.unify() does)"))
+        problems.append(
+            Diagnostic(f"{_against(side[:m], piece, face_names)} are oriented against their neighbours; unify them (mesh.unify())")
+        )
     problems += _fan_problems(F, n, owner, u, vertex_names)
     if pieces > 1:
-        problems.append(Diagnostic(f"the mesh has {pieces} separate pieces, which are solved side by side", fatal=False))
+        problems.append(Diagnostic(f"the mesh has {pieces} separate pieces, which are solved independently", fatal=False))
     return problems
 
 
 def _against(side: CSRIndices, piece: CSRIndices, names: IntArray) -> str:
-    """Name the faces that disagree with the larger part of their piece."""
+    """Return the faces oriented against most of their piece, as text."""
     wrong = np.zeros(len(side), bool)
     for p in np.unique(piece):
         members = np.flatnonzero(piece == p)
@@ -146,12 +148,12 @@ def _against(side: CSRIndices, piece: CSRIndices, names: IntArray) -> str:
 
 
 def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntArray) -> list[Diagnostic]:
-    """Find vertices where two fans of faces touch: corners joined across shared edges give one component per fan."""
+    """Return the fault of vertices at which several fans of faces touch."""
     m = len(F)
     corner = np.arange(3 * m)
     v = np.roll(F, -1, axis=1).ravel()
     after = corner - corner % 3 + (corner + 1) % 3
-    # Every edge joins, at each of its two ends, the corners of its two faces.
+    # Every edge joins the corners of its two faces at both ends; each fan is one component.
     ends = np.concatenate([u, v])
     others = np.concatenate([v, u])
     at = np.concatenate([corner, after])
@@ -166,6 +168,8 @@ def _fan_problems(F: IntArray, n: int, owner: IntArray, u: IntArray, names: IntA
     if (fans > 1).any():
         touching = names[np.flatnonzero(fans > 1)]
         return [
-            Diagnostic(f"at vertices {listed(touching)} parts of the mesh touch in a point, it is not manifold; give each its own vertex")
+            Diagnostic(
+                f"at vertices {listed(touching)} parts of the mesh touch in a point, so it is not manifold; give each its own vertex"
+            )
         ]
     return []

@@ -1,4 +1,4 @@
-"""Mesh cleanup: welding, triangulation and orientation, with a list of what was done."""
+"""Mesh cleanup: welding, triangulation and orientation, with notes."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ class Tidy:
 
     vertices: FloatArray  # (n, 3) [L]
     faces: IntArray  # (m, 3)
-    index: IntArray  # (n_old,) new index of every old vertex, -1 where it is gone
-    owner: IntArray  # (m,) old face that each face is a part of
+    index: IntArray  # (n_old,) new index of every old vertex, -1 if removed
+    owner: IntArray  # (m,) old face that contains each face
     notes: list[str]
 
 
 def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], tolerance: float, unit: str = "") -> Tidy:
-    """Weld vertices, triangulate polygons, drop degenerate faces, turn faces to agree with their neighbours.
+    """Weld vertices, triangulate polygons, drop degenerate faces and unify orientations.
 
-    A mesh that is clean already comes out unchanged.
+    A clean mesh is returned unchanged.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
         ``(m, 3)`` or ``(m, 4)`` vertex indices, where a triangle among quads repeats a
         corner; or a list of polygons.
     tolerance
-        Distance within which vertices are one [L]. It is cut down to a hundredth of the
-        mean edge length where it is larger.
+        Distance within which vertices are merged [L], limited to 1 % of the mean edge
+        length.
     unit
-        What lengths are followed by in the notes.
+        Text after lengths in the notes.
 
     Raises
     ------
     MeshError
-        If no face is left.
+        If no face remains.
     """
     quads, whose, polygons = quad_array(vertices, faces)
     notes = []
@@ -64,37 +64,37 @@ def tidy(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]], 
     welded = weld(vertices, quads, reach)
     merged = int(np.count_nonzero(used)) - len(welded.vertices)
     if merged:
-        near = f"within {reach:.3g}{unit}" if reach > 0 else "at the same place"
-        notes.append(_told(merged, VERTICES, f"welded to others {near}, {len(welded.vertices)} are left"))
+        near = f"within {reach:.3g}{unit}" if reach > 0 else "at the same position"
+        notes.append(_note(merged, VERTICES, f"welded to others {near}; {len(welded.vertices)} remain"))
     if not used.all():
-        notes.append(_told(np.count_nonzero(~used), VERTICES, "left out", "without a face"))
+        notes.append(_note(np.count_nonzero(~used), VERTICES, "removed", "without a face"))
     triangles, quad = split_quads(welded.vertices, welded.faces)
     if len(triangles) > len(quads) or polygons:
-        notes.append(_told(len(triangles) - len(quads) + polygons, ("quad or polygon", "quads and polygons"), "split into triangles"))
+        notes.append(_note(len(triangles) - len(quads) + polygons, ("quad or polygon", "quads and polygons"), "split into triangles"))
     cleaned = clean_faces(triangles)
     if cleaned.degenerate:
-        notes.append(_told(cleaned.degenerate, FACES, "left out", "with less than three different corners"))
+        notes.append(_note(cleaned.degenerate, FACES, "removed", "with fewer than three different corners"))
     if cleaned.duplicate:
-        notes.append(_told(cleaned.duplicate, ("face that lies on another", "faces that lie on others"), "left out"))
+        notes.append(_note(cleaned.duplicate, ("duplicate face", "duplicate faces"), "removed"))
     if not len(cleaned.faces):
-        raise MeshError("no face with three different corners is left of the mesh; make it again in the units of the file")
+        raise MeshError("the mesh has no face with three different corners; check the unit and the tolerance of the file")
     kept = np.zeros(len(welded.vertices), bool)
     kept[cleaned.faces] = True
     new = np.where(kept, np.cumsum(kept) - 1, -1)
     oriented = orient(new[cleaned.faces])
     if oriented.turned.any():
-        notes.append(_told(np.count_nonzero(oriented.turned), FACES, "turned over to run like the neighbours"))
+        notes.append(_note(np.count_nonzero(oriented.turned), FACES, "turned over to match their neighbours"))
     index = np.where(welded.index >= 0, new[welded.index], -1)
     return Tidy(welded.vertices[kept], oriented.faces, index, whose[quad[cleaned.kept]], notes)
 
 
-def _told(count: Union[int, np.integer], kind: tuple[str, str], done: str, which: str = "") -> str:
-    """Return the note on what was done to one or several of a kind."""
+def _note(count: Union[int, np.integer], kind: tuple[str, str], done: str, which: str = "") -> str:
+    """Return a note on what was done to `count` items of a kind."""
     return " ".join(filter(None, (f"{count} {kind[int(count != 1)]}", which, "was" if count == 1 else "were", done)))
 
 
 def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[int]]]) -> tuple[IntArray, IntArray, int]:
-    """Return polygons as quads and triangles with a repeated corner (k, 4), the polygon of each (k,), and how many were larger."""
+    """Return polygons as quads, and triangles with a repeated corner (k, 4), the polygon of each (k,), and the number of larger ones."""
     if isinstance(faces, np.ndarray):
         return faces if faces.shape[1] == 4 else np.column_stack([faces, faces[:, 2]]), np.arange(len(faces)), 0
     size = np.array([len(face) for face in faces], dtype=np.int64)
@@ -111,6 +111,6 @@ def quad_array(vertices: FloatArray, faces: Union[IntArray, Sequence[Sequence[in
 
 
 def mean_edge(vertices: FloatArray, faces: IntArray) -> float:
-    """Return the mean length of the sides of faces (m, c) that have one [L], 0 where none has."""
+    """Return the mean length of the non-degenerate sides of faces (m, c) [L], 0 if there are none."""
     length = np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2)
     return float(length[length > 0].mean()) if (length > 0).any() else 0.0

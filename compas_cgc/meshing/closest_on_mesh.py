@@ -13,12 +13,12 @@ __all__ = ["nearest_on_mesh"]
 
 
 def nearest_on_mesh(points: FloatArray, vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Return the nearest points (k, 3) of a mesh to points (k, 3) [L], and the unit normals (k, 3) of the faces they are on."""
+    """Return the nearest points of a mesh to points (k, 3) [L], and the unit normals of their faces (k, 3)."""
     triangles = vertices[faces]
     middle = triangles.mean(axis=1)
     reach = float(np.linalg.norm(triangles - middle[:, None], axis=2).max())
     tree = cKDTree(middle)
-    # The nearest face has its middle no farther than the nearest middle is, and the reach of a face more.
+    # The centre of the nearest face is at most the radius of a face farther away than the nearest centre.
     lists = tree.query_ball_point(points, tree.query(points)[0] + reach * (1.0 + 1e-12))
     owner = np.repeat(np.arange(len(points)), [len(own) for own in lists])
     face = np.concatenate([np.sort(own) for own in lists]).astype(np.int64) if len(points) else np.empty(0, np.int64)

@@ -8,11 +8,11 @@ from ..discrete.arrays import FloatArray
 
 __all__ = ["nearest_on_polyline"]
 
-MOST = 500_000  # pairs of a point and a segment that are looked at in one go
+MAX_PAIRS = 500_000  # point-segment pairs per block
 
 
 def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool = False) -> tuple[FloatArray, FloatArray]:
-    """Return the nearest point of a polyline and the direction in which it may slide there.
+    """Return the nearest points of a polyline and its tangents there.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool =
     (k, 3) float64
         Nearest points [L].
     (k, 3) float64
-        Unit tangents: of the segment, at a corner the mean of its two, beyond the end of an
-        open polyline zero.
+        Unit tangents: of the segment, at a corner the mean of both segments, zero at the end of
+        an open polyline.
     """
     corners = np.asarray(polyline, dtype=np.float64)
     if closed:
@@ -41,7 +41,7 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray, closed: bool =
     tangent = along / np.sqrt(square)[:, None]
     last = len(along) - 1
     closest, slide = np.empty_like(points), np.empty_like(points)
-    step = max(1, MOST // max(1, len(along)))
+    step = max(1, MAX_PAIRS // max(1, len(along)))
     for begin in range(0, len(points), step):
         here = points[begin : begin + step]
         share = np.clip(((here[:, None] - first) * along).sum(axis=2) / square, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""A coarser mesh of a drawing that has a plan: the lines on it thinned out, near-regular triangles between them."""
+"""Coarse meshes of drawings with a plan: thinned lines and near-regular triangles between them."""
 
 from __future__ import annotations
 
@@ -26,48 +26,48 @@ from .edge_flips import flipped
 
 __all__ = ["CoarsePlan", "coarse_plan"]
 
-TURN = np.radians(30.0)  # of a line, from which the vertex is kept
-BENDING = np.radians(12.0)  # of a line between two of its vertices, at most
-FEWEST = 3  # segments of a line that closes
-CLEAR = 0.6  # distance of inner vertices from lines, in edges; more than half keeps the lines edges of a Delaunay mesh
-DENSE = 0.25  # spacing of the points by which that is measured, in edges
-SLIVER = 1e-3  # area, against the mean, of a triangle between points on one line
-SAME_AREA = 0.02  # difference of the areas in plan above which the mesh lies over itself
+MIN_TURN = np.radians(30.0)  # turn of a line above which its vertex is kept
+MAX_BENDING = np.radians(12.0)  # largest turn of a line between two kept vertices
+MIN_SEGMENTS = 3  # of a closed line
+CLEARANCE = 0.6  # distance of inner vertices from lines in edge lengths; above 1/2 the lines are Delaunay edges
+SAMPLE_SPACING = 0.25  # spacing of the sample points for this distance, in edge lengths
+SLIVER_AREA = 1e-3  # area relative to the mean below which a triangle is a sliver
+AREA_TOLERANCE = 0.02  # relative difference of plan areas above which the mesh overlaps itself
 
 
 class CoarsePlan(NamedTuple):
-    """A coarser mesh, and where its vertices are in the finer one."""
+    """A coarse mesh, and the positions of its vertices in the fine mesh."""
 
     faces: Faces  # (f, 3)
-    kept: Indices  # (k,) vertices of the finer mesh, the first of the coarser one
-    within: Indices  # (p,) faces of the finer mesh in which the others lie
-    weights: FloatArray  # (p, 3) their barycentric coordinates there
-    lines: Edges  # (d, 2) what the lines have become, in vertices of the coarser mesh
+    kept: Indices  # (k,) vertices of the fine mesh that are the first ones of the coarse mesh
+    within: Indices  # (p,) faces of the fine mesh that contain the other vertices
+    weights: FloatArray  # (p, 3) barycentric coordinates of these
+    lines: Edges  # (d, 2) the lines in vertices of the coarse mesh
 
 
 def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: float) -> Optional[CoarsePlan]:
-    """Return a mesh of the same plan with edges of about one length.
+    """Return a mesh of the same plan with nearly uniform edge lengths.
 
-    Along the rim and other lines some of the vertices stay, always those that are to be kept and those where a line
-    turns or branches; the faces between are laid out anew.
+    On the boundary and other lines some of the vertices are kept, always those in `kept` and those where a line turns or
+    branches; the area between is remeshed.
 
     Parameters
     ----------
     plan
         ``(n, 2)`` vertices in plan [L].
     faces
-        ``(m, 3)`` vertex indices, all anticlockwise in plan.
+        ``(m, 3)`` vertex indices, all counterclockwise in plan.
     lines
-        ``(c, 2)`` edges inside that have to be kept as lines, such as creases.
+        ``(c, 2)`` inner edges to keep as lines, such as creases.
     kept
-        ``(n,)`` vertices to be kept.
+        ``(n,)`` mask of vertices to keep.
     step
-        Length of the edges [L].
+        Edge length [L].
 
     Returns
     -------
     CoarsePlan or None
-        None where no such mesh is found: the plan lies over itself, or lines are closer than the edges are long.
+        None if the plan overlaps itself, or if lines are closer than the edge length.
     """
     edges = edge_faces(faces)
     rim = edges[edges[:, 3] < 0, :2]
@@ -92,19 +92,19 @@ def coarse_plan(plan: FloatArray, faces: Faces, lines: Edges, kept: Mask, step: 
 
 
 def _ends(count: int, rim: Edges, lines: Edges) -> Mask:
-    """Mark the vertices where lines meet the rim (count,)."""
+    """Return the mask of vertices where lines meet the boundary (count,)."""
     on = np.zeros((2, count), bool)
     on[0, rim], on[1, lines] = True, True
     return on[0] & on[1]
 
 
 def _edges_of(place: Indices, paths: Sequence[Indices]) -> Edges:
-    """Return the edges (e, 2) along paths, by the places (n,) of their vertices in another mesh."""
+    """Return the edges (e, 2) along paths, with vertices renumbered by `place` (n,)."""
     return np.vstack([np.empty((0, 2), np.int64), *(np.column_stack([place[path[:-1]], place[path[1:]]]) for path in paths)])
 
 
 def _segments(plan: FloatArray, edges: Edges, kept: Mask, step: float) -> list[Indices]:
-    """Return the vertices that stay along every line between two that are kept."""
+    """Return the remaining vertices of every line between two kept ones."""
     thinned = []
     for path in crease_paths({(min(u, v), max(u, v)) for u, v in edges.tolist()}):
         for part in _split(plan, np.array(path), kept):
@@ -113,10 +113,10 @@ def _segments(plan: FloatArray, edges: Edges, kept: Mask, step: float) -> list[I
 
 
 def _split(plan: FloatArray, path: Indices, kept: Mask) -> list[Indices]:
-    """Cut a path at the vertices to be kept and where it turns."""
+    """Return a path cut at kept vertices and where it turns."""
     closed = path[0] == path[-1]
     turn = _turns(plan[path], closed)
-    at = np.flatnonzero((turn > TURN) | kept[path])
+    at = np.flatnonzero((turn > MIN_TURN) | kept[path])
     if closed:
         at = at[at < len(path) - 1]
         if len(at):
@@ -136,10 +136,10 @@ def _turns(points: FloatArray, closed: bool) -> FloatArray:
 
 
 def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:
-    """Return every so many of the vertices along a path, its ends among them."""
+    """Return vertices of a path about `step` apart, including its ends."""
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     closed = path[0] == path[-1]
-    count = max(1, round(length[-1] / step), int(np.ceil(_turns(points, closed).sum() / BENDING)), FEWEST if closed else 1)
+    count = max(1, round(length[-1] / step), int(np.ceil(_turns(points, closed).sum() / MAX_BENDING)), MIN_SEGMENTS if closed else 1)
     goals = np.linspace(0.0, length[-1], count + 1)
     after = np.clip(np.searchsorted(length, goals), 1, len(path) - 1)
     nearest = np.where(goals - length[after - 1] < length[after] - goals, after - 1, after)
@@ -147,17 +147,17 @@ def _thinned(points: FloatArray, path: Indices, step: float) -> Indices:
 
 
 def _inner_points(plan: FloatArray, faces: Faces, edges: Edges, chosen: Indices, step: float) -> FloatArray:
-    """Return the points (p, 2) of a triangular lattice that are clear of lines and of the vertices that stay."""
+    """Return the points (p, 2) of a triangular lattice at a distance from lines and kept vertices."""
     lattice = _lattice(plan[np.unique(faces)], _direction(plan, faces), step)
-    obstacles = np.vstack([_sampled(plan, edges, DENSE * step), plan[chosen]])
-    return lattice[cKDTree(obstacles).query(lattice)[0] > CLEAR * step]
+    obstacles = np.vstack([_sampled(plan, edges, SAMPLE_SPACING * step), plan[chosen]])
+    return lattice[cKDTree(obstacles).query(lattice)[0] > CLEARANCE * step]
 
 
 def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
-    """Return the points (p, 2) of a triangular lattice over a plan (n, 2), with an edge in a direction.
+    """Return the points (p, 2) of a triangular lattice over a plan (n, 2), with edges in a given direction.
 
-    Of the rhombs that make the lattice those are taken whose rows fit the plan closest, and rows are set so that they
-    begin and end with it: where a mesh is a lattice itself up to its rim, this is a coarser one up to the rim.
+    Of the three possible rhombs the one that fits the plan best is used, with rows aligned to its extent: a mesh that is a
+    lattice up to its boundary gets a coarser lattice up to the boundary.
     """
     best: tuple[FloatArray, FloatArray, FloatArray] = (plan, plan, plan)
     least = np.inf
@@ -174,13 +174,13 @@ def _lattice(plan: FloatArray, direction: float, step: float) -> FloatArray:
 
 
 def _direction(plan: FloatArray, faces: Faces) -> float:
-    """Return the direction that edges have most, but for multiples of 60 degrees [rad]."""
+    """Return the prevailing direction of edges modulo 60 degrees [rad]."""
     edges = (np.roll(plan[faces], -1, axis=1) - plan[faces]).reshape(-1, 2)
     return float(np.angle(np.exp(6j * np.arctan2(edges[:, 1], edges[:, 0])).sum())) / 6.0
 
 
 def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
-    """Return points (p, 2) along edges, no farther apart than a spacing."""
+    """Return points (p, 2) along edges, at most a spacing apart."""
     along = plan[edges[:, 1]] - plan[edges[:, 0]]
     count = np.maximum(1, np.ceil(np.linalg.norm(along, axis=1) / spacing).astype(np.int64))
     owner = np.repeat(np.arange(len(edges)), count)
@@ -189,10 +189,10 @@ def _sampled(plan: FloatArray, edges: Edges, spacing: float) -> FloatArray:
 
 
 def _delaunay(points: FloatArray, lines: Edges, plan: FloatArray, faces: Faces, step: float) -> Faces:
-    """Return the triangles of points (p, 2) that lie in the faces of another mesh: Delaunay, but for lines (c, 2) that are edges of it."""
+    """Return the Delaunay triangles of points (p, 2) within another mesh, constrained to the lines (c, 2)."""
     coarse = Delaunay(points).simplices.astype(np.int64)
     coarse[_double_areas(points, coarse) < 0] = coarse[_double_areas(points, coarse) < 0][:, ::-1]
-    # Those without area, along a straight rim, lie to no side and would not be neighbours of others.
+    # Triangles without area along a straight boundary have no orientation.
     coarse = _with_lines(points, _without_slivers(points, coarse), lines)
     coarse = _without_slivers(points, coarse)
     return np.ascontiguousarray(coarse[located(points[coarse].mean(axis=1), plan, faces, step)[0] >= 0])
@@ -200,13 +200,13 @@ def _delaunay(points: FloatArray, lines: Edges, plan: FloatArray, faces: Faces, 
 
 def _without_slivers(points: FloatArray, faces: Faces) -> Faces:
     double = np.abs(_double_areas(points, faces))
-    return np.asarray(faces[double > SLIVER * double.mean()])
+    return np.asarray(faces[double > SLIVER_AREA * double.mean()])
 
 
 def _with_lines(points: FloatArray, faces: Faces, lines: Edges) -> Faces:
-    """Return triangles (f, 3) after flips of the edges that cross lines (c, 2), as far as that makes the lines edges of theirs.
+    """Return triangles (f, 3) after flips of edges that cross lines (c, 2), so that lines become edges where possible.
 
-    A line that turns sharply is not one of a Delaunay mesh by itself.
+    Lines that turn sharply are not always Delaunay edges.
     """
     n = len(points)
     codes = np.asarray(np.sort(lines, axis=1) @ [n, 1], dtype=np.int64)
@@ -221,7 +221,7 @@ def _with_lines(points: FloatArray, faces: Faces, lines: Edges) -> Faces:
 
 
 def _crossed(start: FloatArray, end: FloatArray, lines: FloatArray) -> FloatArray:
-    """Return how many lines (c, 2, 2) each of some edges (k, 2) crosses, away from the ends of both (k,)."""
+    """Return the number of lines (c, 2, 2) that each edge (k, 2) properly crosses (k,)."""
     count = np.zeros(len(start))
     for first, last in lines[:, :, None]:
         apart = cross(last - first, start - first) * cross(last - first, end - first) < 0.0
@@ -235,7 +235,7 @@ def _double_areas(points: FloatArray, faces: Faces) -> FloatArray:
 
 
 def _runs_along(faces: Faces, rim: Edges, lines: Edges) -> bool:
-    """Tell whether the rim of a mesh is just what it has to be, and lines are edges of it."""
+    """Check whether the boundary of a mesh is `rim` and all lines are edges."""
     edges = edge_faces(faces)
     n = int(max(faces.max(), rim.max(initial=0), lines.max(initial=0))) + 1
     outer, inside = (np.unique(np.sort(own, axis=1) @ [n, 1]) for own in (rim, lines))
@@ -244,20 +244,20 @@ def _runs_along(faces: Faces, rim: Edges, lines: Edges) -> bool:
 
 
 def _covers(points: FloatArray, coarse: Faces, plan: FloatArray, faces: Faces) -> bool:
-    """Tell whether two meshes are of one plan, which neither covers twice, and no vertex is left out."""
+    """Check whether two meshes cover the same plan area once, and all points are used."""
     here, there = float(_double_areas(points, coarse).sum()), float(_double_areas(plan, faces).sum())
-    return abs(here - there) <= SAME_AREA * there and len(np.unique(coarse)) == len(points)
+    return abs(here - there) <= AREA_TOLERANCE * there and len(np.unique(coarse)) == len(points)
 
 
 def located(points: FloatArray, plan: FloatArray, faces: Faces, step: float) -> tuple[IntArray, FloatArray]:
-    """Return the face (p,) of a plan that every point (p, 2) lies in, -1 for none, and its coordinates there (p, 3).
+    """Return the face that contains each point, -1 for none (p,), and its barycentric coordinates (p, 3).
 
     Parameters
     ----------
     points
         ``(p, 2)`` [L].
     plan, faces
-        ``(n, 2)`` [L] and ``(m, 3)``, anticlockwise.
+        ``(n, 2)`` [L] and ``(m, 3)``, counterclockwise.
     step
         Typical distance of the points [L].
     """

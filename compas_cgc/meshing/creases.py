@@ -17,12 +17,12 @@ __all__ = ["crease_paths", "lost_edges", "path_edges"]
 
 @names_what_was_meant()
 def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
-    """Return the edges along vertex paths, each once, in order (a plain edge is a path of two).
+    """Return the edges along vertex paths, without duplicates, in order.
 
     Parameters
     ----------
     paths
-        Vertices in their order.
+        Paths of vertices; an edge is a path of two.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def path_edges(paths: Iterable[Sequence[int]]) -> list[tuple[int, int]]:
 
 @names_what_was_meant()
 def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
-    """Join edges to the longest paths that do not run through a branching.
+    """Return edges joined to the longest paths between ends and junctions.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     Returns
     -------
     list of list of int
-        Vertex paths, numbered by their smallest edge; a closed one ends where it begins.
+        Vertex paths, ordered by their smallest edge; a closed path ends where it begins.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
     used: set[tuple[int, int]] = set()
     paths = []
     ends = sorted(v for v, others in around.items() if len(others) != 2)
-    # Open paths start at ends and branchings; what is left after them is closed.
+    # Open paths start at ends and junctions; the rest are closed.
     for start in ends + sorted(around):
         for after in around[start]:
             if (start, after) in used:
@@ -91,7 +91,7 @@ def crease_paths(edges: Iterable[tuple[int, int]]) -> list[list[int]]:
 
 @names_what_was_meant()
 def lost_edges(faces: Faces, pairs: Edges) -> Mask:
-    """Tell which pairs of vertices (c, 2) are no edges of the faces (m, 3), as (c,) bool.
+    """Return which pairs of vertices (c, 2) are not edges of the faces (m, 3), as (c,) bool.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def lost_edges(faces: Faces, pairs: Edges) -> Mask:
     Returns
     -------
     (c,) bool
-        True where a pair is no edge.
+        True for pairs that are not edges.
 
     Examples
     --------

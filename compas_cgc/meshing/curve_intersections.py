@@ -20,26 +20,26 @@ class Crossings(NamedTuple):
     """Crossings of a curve with edges, in their order along the curve."""
 
     edge: IntArray  # (k,) index of the edge
-    t: FloatArray  # (k,) place on it, 0 at its first and 1 at its second end
-    vertex: IntArray  # (k,) the vertex that the crossing is near to, or -1
+    t: FloatArray  # (k,) position on the edge, 0 at its first and 1 at its second end
+    vertex: IntArray  # (k,) vertex near the crossing, or -1
     point: FloatArray  # (k, 3) on the edge [L]
 
 
 def curve_crossings(vertices: FloatArray, faces: IntArray, edges: IntArray, curve: FloatArray, snap: float) -> Crossings:
-    """Find the crossings of a curve on or near a mesh with its edges.
+    """Return the crossings of a curve on or near a mesh with its edges.
 
-    An edge is crossed where the curve pierces the plane through the edge and its normal.
+    A crossing is a point where the curve pierces the plane through an edge and its normal.
 
     Parameters
     ----------
     vertices, faces
         ``(n, 3)`` [L] and ``(m, 3)``.
     edges
-        ``(e, 4)`` as of :func:`compas_cgc.discrete.edge_faces`.
+        ``(e, 4)`` edges as in :func:`compas_cgc.discrete.edge_faces`.
     curve
         ``(k, 3)`` points along the curve [L].
     snap
-        A crossing nearer to a vertex than this fraction of the edge is at the vertex.
+        A crossing nearer to a vertex than this fraction of the edge is moved to the vertex.
     """
     u, v = edges[:, 0], edges[:, 1]
     along = vertices[v] - vertices[u]
@@ -65,7 +65,7 @@ def curve_crossings(vertices: FloatArray, faces: IntArray, edges: IntArray, curv
     off = place - vertices[u[e]]
     t = np.einsum("ij,ij->i", off, along[e]) / length[e] ** 2
     height = np.abs(np.einsum("ij,ij->i", off, n[e]))
-    # On a bent surface a curve may slip between the planes of edges at a vertex: let their ends reach a little farther.
+    # On a curved surface a curve may pass between the planes of edges at a vertex, so these are extended slightly.
     met = (t >= -0.05) & (t <= 1.05) & (height <= 0.5 * length[e])
     e, t = e[met], np.clip(t[met], 0.0, 1.0)
     position = at[piece[met]] + share[met] * np.linalg.norm(way[piece[met]], axis=1)
@@ -82,7 +82,7 @@ def curve_crossings(vertices: FloatArray, faces: IntArray, edges: IntArray, curv
 
 
 def _snapped(u: IntArray, v: IntArray, t: FloatArray, snap: float) -> IntArray:
-    """Return the vertex at every crossing or -1; one that follows or precedes its nearer vertex is there too."""
+    """Return the vertex of every crossing or -1; crossings adjacent to one at their nearer vertex join it."""
     near = np.where(t < 0.5, u, v)
     vertex = np.where(np.minimum(t, 1.0 - t) < snap, near, -1)
     for step in (range(1, len(t)), range(len(t) - 2, -1, -1)):
@@ -94,7 +94,7 @@ def _snapped(u: IntArray, v: IntArray, t: FloatArray, snap: float) -> IntArray:
 
 
 def _without_spikes(vertex: IntArray) -> list[int]:
-    """Return the crossings to keep: none between two at the same vertex."""
+    """Return the crossings without those between two at the same vertex."""
     kept: list[int] = []
     for i in range(len(vertex)):
         if len(kept) > 1 and vertex[i] >= 0 and vertex[kept[-2]] == vertex[i]:

@@ -1,4 +1,4 @@
-"""Even sampling of plane curves and of the area between them."""
+"""Sampling of plane curves and of the area between them."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from .stretches import stretches_of
 
 __all__ = ["Cell", "Spread", "cells", "lattice", "spread"]
 
-LEVELS = 4  # of lattices at least, each half as wide as the one before
-FULL = 0.75  # of the edge length, above which the first of them serves
-APART = 0.82  # of the edge length, that their points keep from each other
-TURNS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # of lattices, which are their own after a sixth of a turn
-BESIDE = 0.3  # of the spacing, within which a point asks for a vertex at its foot on a curve
-REACH = 0.1  # of the spacing, within which a place is one with another or lies on a curve
+MIN_LEVELS = 4  # least number of lattices, each with half the spacing of the previous one
+FULL_LENGTH = 0.75  # relative edge length above which the coarsest lattice is used
+MIN_DISTANCE = 0.82  # distance between lattice points, relative to the edge length
+ROTATIONS = (0.0, np.pi / 6, np.pi / 12, np.pi / 4)  # rotations of lattices tried; lattices have sixfold symmetry
+FOOT_DISTANCE = 0.3  # relative distance from a curve within which a point gets a vertex at its foot on the curve
+MERGE_DISTANCE = 0.1  # relative distance within which points coincide or lie on a curve
 _NO_ROWS = np.empty(0)
 
 
 class Spread(NamedTuple):
-    """Points spread along curves, and what they were spread by."""
+    """Points spread along curves, with the size field."""
 
     rings: list[FloatArray]  # (k, 2) points around each ring, the first not repeated [L]
-    pieces: list[FloatArray]  # (k, 2) points along each piece of a crease between crossings, inside of the domain [L]
-    loose: FloatArray  # (k, 2) given points that lie on no curve [L]
+    pieces: list[FloatArray]  # (k, 2) points along each piece of a crease between crossings, inside the domain [L]
+    loose: FloatArray  # (k, 2) given points off all curves [L]
     sizes: SizeField
 
 
@@ -49,24 +49,24 @@ def spread(
     tolerance: float,
     grade: float,
 ) -> Spread:
-    """Spread points along curves, with one at every kink, crossing and given point, closer together at small features.
+    """Return points spread along curves, with one at every kink, crossing and given point, and denser at small features.
 
     Parameters
     ----------
     domain
         Area between the rings.
     rings
-        ``(k, 2)`` closed curves around it, the outer one first [L].
+        ``(k, 2)`` closed curves around the domain, the outer one first [L].
     creases
-        ``(k, 2)`` curves in it, which may cross each other and themselves [L].
+        ``(k, 2)`` curves in the domain, which may cross each other and themselves [L].
     points
-        ``(k, 2)`` places that become vertices; those outside of the domain are left out [L].
+        ``(k, 2)`` points that become vertices; points outside the domain are ignored [L].
     spacing
-        Distance aimed at [L].
+        Target distance [L].
     tolerance
-        Length below which two points are one [L].
+        Distance below which two points coincide [L].
     grade
-        Part of the distance from a small feature by which vertices are farther apart.
+        Growth of the vertex distance per distance from a small feature.
 
     Returns
     -------
@@ -75,9 +75,9 @@ def spread(
     lines = [shapely.LineString(ring) for ring in rings]
     count = len(lines)
     for crease in creases:
-        # A crease that crosses itself falls into pieces which do not.
+        # Split self-crossing creases at their crossings.
         lines += list(shapely.get_parts(shapely.node(shapely.LineString(crease))))
-    reach = max(tolerance, REACH * spacing)
+    reach = max(tolerance, MERGE_DISTANCE * spacing)
     within = [point for point in points if domain.distance(shapely.Point(point)) <= reach]
     curves = shapely.MultiLineString(lines)
     on_curve = [point for point in within if curves.distance(shapely.Point(point)) <= reach]
@@ -108,27 +108,27 @@ def _is_inside(domain: shapely.Polygon, stretch: Stretch, tolerance: float) -> b
 
 
 class Cell(NamedTuple):
-    """A part of the plane that curves enclose."""
+    """A part of the plane enclosed by curves."""
 
     polygon: shapely.Polygon
-    loose: list[FloatArray]  # (k, 2) curves inside that enclose nothing [L]
+    loose: list[FloatArray]  # (k, 2) inner curves that enclose nothing [L]
 
 
 def cells(domain: shapely.Polygon, rings: Sequence[FloatArray], pieces: Sequence[FloatArray]) -> list[Cell]:
-    """Return the parts that rings (k, 2), first point not repeated, and pieces (k, 2) divide a domain into."""
+    """Return the parts of a domain divided by rings (k, 2), whose first point is not repeated, and pieces (k, 2)."""
     lines = [shapely.LineString(np.concatenate([ring, ring[:1]])) for ring in rings]
     loose = [shapely.LineString(piece) for piece in pieces]
     network = shapely.node(shapely.MultiLineString(lines + loose))
     found = [cell for cell in shapely.get_parts(shapely.polygonize([network])) if domain.contains(cell.representative_point())]
     middles = [piece.interpolate(0.5, normalized=True) for piece in loose]
-    # A curve on the side of a cell is not inside of it.
+    # Curves on the boundary of a cell are not inside it.
     reach = 1e-9 * np.sqrt(domain.area)
     inside = [[cell.contains(middle) and cell.boundary.distance(middle) > reach for middle in middles] for cell in found]
     return [Cell(cell, [piece for piece, within in zip(pieces, own) if within]) for cell, own in zip(found, inside)]
 
 
 def lattice(domain: shapely.Polygon, spacing: float, shift: float = 0.0) -> FloatArray:
-    """Return the points (k, 2) of a triangular lattice inside of a domain [L], shifted by a part of the spacing."""
+    """Return the points (k, 2) of a triangular lattice inside a domain [L], shifted by a fraction of the spacing."""
     x0, y0, x1, y1 = domain.bounds
     x0, y0 = x0 - shift * spacing, y0 - shift * spacing * np.sqrt(3) / 2
     rows = np.arange(y0, y1, spacing * np.sqrt(3) / 2)
@@ -139,42 +139,42 @@ def lattice(domain: shapely.Polygon, spacing: float, shift: float = 0.0) -> Floa
 
 
 def lattices(domain: shapely.Polygon, sizes: SizeField) -> Iterator[FloatArray]:
-    """Yield points (k, 2) inside of a domain: lattices of several places and directions, thinned out where edges are longer."""
-    for turn in TURNS:
+    """Yield lattice points (k, 2) inside a domain for several shifts and rotations, with distances by the size field."""
+    for turn in ROTATIONS:
         turned = shapely.affinity.rotate(domain, -turn, origin=(0, 0), use_radians=True)
         back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
         for shift in (0.0, 0.25, 0.5, 0.75):
             levels = _levels(turned, sizes, shift, back)
             points = np.concatenate(levels)
-            yield points[_apart(points, APART * sizes(points))] if len(levels) > 1 else points
+            yield points[_apart(points, MIN_DISTANCE * sizes(points))] if len(levels) > 1 else points
 
 
 def _levels(domain: shapely.Polygon, sizes: SizeField, shift: float, back: FloatArray) -> list[FloatArray]:
-    """Return the points (k, 2) of lattices, turned back, each finer than the one before, where edges are as long as in the first or not."""
+    """Return the points (k, 2) of successively finer lattices, rotated back, each where the size field needs it."""
     step = spacing = sizes.edge_length
     points = lattice(domain, step, shift)
     wanted = sizes(points @ back)
-    levels = [(points @ back)[wanted > FULL * spacing]]
+    levels = [(points @ back)[wanted > FULL_LENGTH * spacing]]
     if len(levels[0]) == len(points):
         return levels
-    while len(levels) < LEVELS or step > sizes.smallest:
+    while len(levels) < MIN_LEVELS or step > sizes.smallest:
         step *= 0.5
-        # The finest ones only where they are wanted: over all of the domain they would be many.
-        points = lattice(domain, step, shift) if len(levels) < LEVELS else _halved(points[wanted <= 4.0 * step], step, domain)
+        # The finest lattices are built only where needed.
+        points = lattice(domain, step, shift) if len(levels) < MIN_LEVELS else _halved(points[wanted <= 4.0 * step], step, domain)
         wanted = sizes(points @ back)
-        levels.append((points @ back)[wanted <= FULL * spacing])
+        levels.append((points @ back)[wanted <= FULL_LENGTH * spacing])
     return levels
 
 
 def _halved(points: FloatArray, step: float, domain: shapely.Polygon) -> FloatArray:
-    """Return the points (k, 2) of a lattice with half the spacing of the one that points belong to, around these."""
+    """Return the points (k, 2) of the lattice with half the spacing around given lattice points."""
     corners = step * np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(0.75)], [1.5, np.sqrt(0.75)]])
     finer = (points[:, None] + corners).reshape(-1, 2)
     return finer[shapely.contains_xy(domain, finer)]
 
 
 def _apart(points: FloatArray, distance: FloatArray) -> Mask:
-    """Mark points, first come first served, that keep their distance from those marked before."""
+    """Return the mask of points, in order, that keep their distance from previously selected ones."""
     free = np.ones(len(points), bool)
     near = cKDTree(points).query_ball_point(points, distance, return_sorted=False) if len(points) else []
     for i in range(len(points)):
@@ -185,13 +185,15 @@ def _apart(points: FloatArray, distance: FloatArray) -> Mask:
 
 
 def _feet(lines: list[shapely.LineString], points: FloatArray, spacing: float) -> FloatArray:
-    """Return the places (k, 2) on lines that are nearest to points close by: vertices spread past such a point leave it a sliver."""
-    near = [(line, shapely.Point(point)) for point in points for line in lines if line.distance(shapely.Point(point)) < BESIDE * spacing]
+    """Return the nearest points (k, 2) on lines to nearby points, which become vertices to avoid slivers."""
+    near = [
+        (line, shapely.Point(point)) for point in points for line in lines if line.distance(shapely.Point(point)) < FOOT_DISTANCE * spacing
+    ]
     return np.array([line.interpolate(line.project(point)).coords[0] for line, point in near]).reshape(-1, 2)
 
 
 def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[FloatArray], feet: FloatArray) -> FloatArray:
-    """Return given points, kinks, ends and crossings of lines, and feet of points, those closer than a tenth of the spacing as one."""
+    """Return given points, kinks, ends and crossings of lines, and feet of points, merged within a tenth of the spacing (k, 2)."""
     found = [np.reshape(points, (-1, 2))]
     for i, line in enumerate(lines):
         corners = shapely.get_coordinates(line)
@@ -200,7 +202,7 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
             found.append(shapely.get_coordinates(line.intersection(other)))
         if not line.is_closed:
             for end in (corners[0], corners[-1]):
-                # An end that does not quite reach another curve is led there.
+                # Snap an end near another curve to it.
                 near = [other for other in lines if other is not line and other.distance(shapely.Point(end)) <= 0.1 * spacing]
                 on = [shapely.get_coordinates(other.interpolate(other.project(shapely.Point(end)))) for other in near[:1]]
                 found.append(on[0] if on else end[None])
@@ -213,7 +215,7 @@ def _nodes(lines: list[shapely.LineString], spacing: float, points: Sequence[Flo
 
 
 def _kinks(points: FloatArray, closed: bool) -> Mask:
-    """Mark where a polyline turns by more than 30 degrees; on a closed one without such a place, its first point."""
+    """Return where a polyline turns by more than 30 degrees; the first point of a closed one without such turns."""
     ahead = np.diff(points, axis=0)
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-300)
     cosine = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))

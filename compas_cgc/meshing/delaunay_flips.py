@@ -1,4 +1,4 @@
-"""Delaunay triangles on the vertices of a surface mesh: edges are turned until no two angles opposite one add up to more than π."""
+"""Delaunay flips on a surface mesh: edges are flipped until opposite angles add up to at most π."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .edge_flips import diagonals
 __all__ = ["delaunay_turned", "obtuse_share", "turnable"]
 
 SWEEPS = 40
-OBTUSE = np.radians(120.0)
-SLACK = 1e-3  # sum of the opposite angles, over π, that is rounding or a choice between equals [rad]
-FLAT = 0.97  # of π, angle of two triangles at an end of their edge from which it is not turned
+OBTUSE_ANGLE = np.radians(120.0)
+ANGLE_TOLERANCE = 1e-3  # excess of opposite angles over π that counts as zero [rad]
+MAX_TURN = 0.97  # angle of both triangles at an end of their edge, relative to π, above which the edge is not flipped
 
 
 def obtuse_share(vertices: FloatArray, faces: IntArray) -> float:
-    """Return the part of triangles (m, 3) that have an angle of more than 120 degrees."""
-    return float((corner_angles(vertices, faces).max(axis=1) > OBTUSE).mean()) if len(faces) else 0.0
+    """Return the share of triangles (m, 3) with an angle of more than 120 degrees."""
+    return float((corner_angles(vertices, faces).max(axis=1) > OBTUSE_ANGLE).mean()) if len(faces) else 0.0
 
 
 def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> IntArray:
-    """Return triangles (m, 3) on the same vertices with edges turned where the angles opposite add up to more than π.
+    """Return triangles (m, 3) on the same vertices with edges flipped where opposite angles add up to more than π.
 
-    Angle defects of stretched triangles tell little of the curvature of a surface through their vertices; of the triangles that
-    these have on the surface they tell most.
+    Angle defects of stretched triangles approximate the curvature of a surface badly; those of Delaunay triangles are the most
+    accurate.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> In
     faces
         ``(m, 3)``.
     creases
-        ``(c, 2)`` edges that stay.
+        ``(c, 2)`` edges that are not flipped.
 
     References
     ----------
@@ -52,7 +52,7 @@ def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> In
         edges = diagonals(n, faces, kept)
         _, _, a, b, c, d = edges
         excess = _angle(vertices, c, a, b) + _angle(vertices, d, a, b) - np.pi
-        good = np.flatnonzero((excess > SLACK) & turnable(vertices, faces, edges))
+        good = np.flatnonzero((excess > ANGLE_TOLERANCE) & turnable(vertices, faces, edges))
         if not len(good):
             break
         busy = np.zeros(n, bool)
@@ -65,12 +65,12 @@ def delaunay_turned(vertices: FloatArray, faces: IntArray, creases: Edges) -> In
 
 
 def turnable(vertices: FloatArray, faces: IntArray, edges: Diagonals) -> Mask:
-    """Return which edges (k,) of triangles (m, 3) may be turned: none turns a triangle over, or makes an edge that there is."""
+    """Return which edges (k,) of triangles (m, 3) may be flipped without inverting a triangle or duplicating an edge."""
     n, (_, _, a, b, c, d) = len(vertices), edges
     at_a = _angle(vertices, a, c, b) + _angle(vertices, a, b, d)
     at_b = _angle(vertices, b, c, a) + _angle(vertices, b, a, d)
     known = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [n, 1]
-    return (np.maximum(at_a, at_b) < FLAT * np.pi) & ~np.isin(np.minimum(c, d) * n + np.maximum(c, d), known)
+    return (np.maximum(at_a, at_b) < MAX_TURN * np.pi) & ~np.isin(np.minimum(c, d) * n + np.maximum(c, d), known)
 
 
 def _angle(vertices: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> FloatArray:

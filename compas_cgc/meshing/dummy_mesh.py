@@ -19,11 +19,11 @@ __all__ = ["dummy_ring"]
 
 @names_what_was_meant()
 def dummy_ring(vertices: FloatArray, faces: IntArray, free: Mask) -> tuple[FloatArray, IntArray, IntArray]:
-    """Return a mesh with a ring of dummy faces along the boundary loops that have a free vertex.
+    """Return a mesh with a ring of dummy faces along the boundary loops with a movable vertex.
 
-    Each boundary vertex gets one dummy, one mean boundary edge outwards in the surface;
-    the strip between has two triangles per boundary edge, so that a boundary vertex of
-    valence 4 becomes an internal one of valence 6.
+    Each boundary vertex gets one dummy vertex, one mean boundary edge length outwards. The
+    strip has two triangles per boundary edge, so that a boundary vertex of valence 4
+    becomes an internal one of valence 6.
 
     Parameters
     ----------
@@ -32,12 +32,12 @@ def dummy_ring(vertices: FloatArray, faces: IntArray, free: Mask) -> tuple[Float
     faces
         ``(m, 3)`` vertex indices.
     free
-        ``(n,)`` bool: vertices that may move. Loops without one get no ring.
+        ``(n,)`` bool: movable vertices. Loops without one get no ring.
 
     Returns
     -------
     vertices (n + d, 3), faces (m + 2 d, 3), inner (d,)
-        The dummies come last; ``inner`` is the boundary vertex that each one belongs to.
+        The dummies come last; ``inner`` is the boundary vertex of each.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Flips of edges: two triangles of one edge become those of the other diagonal."""
+"""Edge flips: replacing the common edge of two triangles by the other diagonal."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from ..discrete.plan import cross
 __all__ = ["Diagonals", "diagonals", "flipped", "flipped_to_valence", "turn", "valences"]
 
 SWEEPS = 60
-SEVERAL = 10
+LOW_VALENCE_COST = 10
 
 
 class Diagonals(NamedTuple):
-    """Edges between two triangles, from a to b, with the corners c and d opposite."""
+    """Inner edges from a to b, with the opposite corners c and d."""
 
     one: IntArray  # (k,) the triangle of c
-    other: IntArray  # (k,) that of d
+    other: IntArray  # (k,) the triangle of d
     a: IntArray  # (k,)
     b: IntArray  # (k,)
     c: IntArray  # (k,)
     d: IntArray  # (k,)
 
     def turned(self) -> tuple[IntArray, IntArray]:
-        """Return the two triangles (k, 3) there are when an edge is turned."""
+        """Return the two triangles (k, 3) after a flip of each edge."""
         return np.column_stack([self.a, self.d, self.c]), np.column_stack([self.d, self.b, self.c])
 
 
 def diagonals(n: int, faces: IntArray, kept: IntArray) -> Diagonals:
-    """Return the inner edges of triangles (m, 3) on n vertices, without those kept, numbered by lower end * n + higher end."""
+    """Return the inner edges of triangles (m, 3) on n vertices without those in `kept` (lower end * n + higher end)."""
     u, v, w = faces.ravel(), np.roll(faces, -1, axis=1).ravel(), np.roll(faces, 1, axis=1).ravel()
     key = np.minimum(u, v) * n + np.maximum(u, v)
     order = np.argsort(key, kind="stable")
@@ -46,7 +46,7 @@ def diagonals(n: int, faces: IntArray, kept: IntArray) -> Diagonals:
 
 
 def flipped(plan: FloatArray, faces: IntArray, kept: IntArray, gain: Callable[[Diagonals], FloatArray]) -> IntArray:
-    """Return triangles (m, 3) after flips that gain something, the largest gains first, and turn none over in plan (n, 2)."""
+    """Return triangles (m, 3) after flips with positive gain, largest first, that invert no triangle in plan (n, 2)."""
     faces = faces.copy()
     for _ in range(SWEEPS):
         edges = diagonals(len(plan), faces, kept)
@@ -67,14 +67,14 @@ def flipped(plan: FloatArray, faces: IntArray, kept: IntArray, gain: Callable[[D
 def flipped_to_valence(
     n: int, faces: IntArray, kept: IntArray, allowed: Callable[[IntArray, Diagonals], Mask], fewest: int = 0
 ) -> IntArray:
-    """Return triangles (m, 3) on n vertices after flips that bring valences nearer to 6, and are allowed of triangles and edges.
+    """Return triangles (m, 3) on n vertices after allowed flips that bring valences nearer to 6.
 
-    An inner vertex with less than the `fewest` edges counts for several that are one off.
+    An inner vertex with fewer than `fewest` edges has an extra cost of LOW_VALENCE_COST per missing edge.
     """
     faces = faces.copy()
 
     def cost(excess: IntArray) -> IntArray:
-        return np.asarray(excess**2 + SEVERAL * np.maximum(fewest - 6 - excess, 0))
+        return np.asarray(excess**2 + LOW_VALENCE_COST * np.maximum(fewest - 6 - excess, 0))
 
     inner = np.ones(n)
     sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
@@ -90,7 +90,7 @@ def flipped_to_valence(
         good = (after < before) & allowed(faces, free)
         if not good.any():
             break
-        # One at a time where they share a vertex: their gains are not independent.
+        # Flips that share a vertex are done one at a time, because their gains depend on each other.
         touched = np.zeros(n, bool)
         for k in np.flatnonzero(good)[np.argsort((after - before)[good], kind="stable")].tolist():
             if not touched[quad[k]].any():
@@ -106,5 +106,5 @@ def valences(n: int, faces: IntArray) -> IntArray:
 
 
 def turn(plan: FloatArray, a: IntArray, b: IntArray, c: IntArray) -> FloatArray:
-    """Return twice the areas (k,) of triangles in plan (n, 2), positive where they run anticlockwise."""
+    """Return twice the areas (k,) of triangles in plan (n, 2), positive if counterclockwise."""
     return cross(plan[b] - plan[a], plan[c] - plan[a])

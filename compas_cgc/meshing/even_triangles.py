@@ -1,4 +1,4 @@
-"""Even triangles on a surface: vertices slid to the middle of their neighbours, and edges turned until most have six of them."""
+"""Even triangles on a surface: vertices slide to the centre of their neighbours, and flips bring valences to six."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from .edge_flips import flipped_to_valence
 
 __all__ = ["even_triangles"]
 
-DELAUNAY, SIX = 4, 3  # rounds of turning edges for the angles, and then for six neighbours
-SLIDES = 3  # for each
-PART = 0.5  # of the way to the middle, in a slide
-FEWEST = 5  # edges of a vertex: with four, only few places of its neighbours leave its angles the sum that K < 0 asks for
-LEAST = np.radians(16.0)  # angle that is left when an edge is turned for six neighbours; sliding makes it larger again
+DELAUNAY_ROUNDS, VALENCE_ROUNDS = 4, 3  # rounds of Delaunay flips, then of valence flips
+SLIDES = 3  # slides per round
+SLIDE_FRACTION = 0.5  # fraction of the way to the centre per slide
+MIN_VALENCE = 5  # with four edges the angle sum of K < 0 is hard to reach
+MIN_ANGLE = np.radians(16.0)  # least angle after a valence flip; sliding enlarges it again
 
 
 def even_triangles(vertices: Vertices, faces: Faces, free: IntArray, creases: Edges) -> tuple[Vertices, Faces]:
-    """Return a mesh of the same surface with the same vertices, some of them slid along it, and edges turned.
+    """Return a mesh of the same surface with some vertices slid along it and edges flipped.
 
     Parameters
     ----------
@@ -37,31 +37,31 @@ def even_triangles(vertices: Vertices, faces: Faces, free: IntArray, creases: Ed
     faces
         ``(m, 3)``.
     free
-        ``(k,)`` vertices that slide, none of them on the boundary; edges are turned between triangles that have one.
+        ``(k,)`` vertices that slide, none of them on the boundary; edges are flipped between triangles that have one.
     creases
-        ``(c, 2)`` edges that stay.
+        ``(c, 2)`` edges that are not flipped.
 
     Returns
     -------
     vertices
-        ``(n, 3)``, to second order on the surface.
+        ``(n, 3)``, on the surface to second order.
     faces
-        ``(m, 3)``, those that were turned in the places of the ones before.
+        ``(m, 3)``; flipped faces keep the indices of the old ones.
     """
     n, around = len(vertices), np.isin(faces, free).any(axis=1)
 
     def keeps_angles(triangles: Faces, edges: Diagonals) -> Mask:
         left = np.minimum(*(corner_angles(here, pair).min(axis=1) for pair in edges.turned()))
-        return turnable(here, triangles, edges) & (left > LEAST)
+        return turnable(here, triangles, edges) & (left > MIN_ANGLE)
 
     own, here = np.ascontiguousarray(faces[around]), vertices
     kept = np.sort(creases, axis=1) @ np.array([n, 1])
-    for k in range(DELAUNAY + SIX):
-        if k < DELAUNAY:
+    for k in range(DELAUNAY_ROUNDS + VALENCE_ROUNDS):
+        if k < DELAUNAY_ROUNDS:
             here = _slid(here, own, free)
             own = delaunay_turned(here, own, creases)
         else:
-            own = flipped_to_valence(n, own, kept, keeps_angles, FEWEST)
+            own = flipped_to_valence(n, own, kept, keeps_angles, MIN_VALENCE)
             here = _slid(here, own, free)
     turned = faces.copy()
     turned[around] = own
@@ -69,14 +69,14 @@ def even_triangles(vertices: Vertices, faces: Faces, free: IntArray, creases: Ed
 
 
 def _slid(vertices: Vertices, faces: Faces, free: IntArray) -> Vertices:
-    """Return vertices (n, 3) of which some (k,) have slid along the surface towards the middle of their neighbours."""
+    """Return vertices (n, 3) with some (k,) slid along the surface towards the centre of their neighbours."""
     n = len(vertices)
     u, v = edge_faces(faces)[:, :2].T
     near = sparse.coo_matrix((np.ones(2 * len(u)), (np.r_[u, v], np.r_[v, u])), shape=(n, n)).tocsr()[free]
     count = np.asarray(near.sum(axis=1))
     here = vertices.copy()
     for _ in range(SLIDES):
-        move = PART * ((near @ here) / count - here[free])
+        move = SLIDE_FRACTION * ((near @ here) / count - here[free])
         normals = vertex_normals(here, faces)[free]
         here[free] += move - np.einsum("kx,kx->k", move, normals)[:, None] * normals
     return here

@@ -1,4 +1,4 @@
-"""Existence: how much Gaussian curvature a plane boundary can carry, told before a solve and during it."""
+"""Existence conditions: the largest Gaussian curvature over a plane boundary."""
 
 from __future__ import annotations
 
@@ -21,40 +21,40 @@ from .checks import Diagnostic
 
 __all__ = ["Overload", "existence_problems", "overload", "plane_of", "too_much"]
 
-FLAT = 1e-9  # distance from its plane, against its size, of a plane curve
+FLATNESS_TOLERANCE = 1e-9  # distance from the plane relative to the size of a curve that counts as plane
 
 
 class Overload(NamedTuple):
-    """A region that is asked for more curvature than its boundary lets a convex surface have."""
+    """A region whose target exceeds the curvature of any convex surface over its boundary."""
 
     curvature: float  # mean K̄ [1/L^2]
-    area: float  # plane area under the vertices where K is asked for [L^2]
+    area: float  # plane area of the vertices with a target [L^2]
 
     @property
     def most(self) -> float:
-        """What K̄ has to stay below [1/L^2]."""
+        """Upper bound of K̄ [1/L^2]."""
         return math.pi / self.area
 
 
 def too_much(K: float, most: float) -> str:
-    """Return the sentence on a target that no surface has over its plane boundary, whose limit is `most` [1/L^2]."""
-    said = f"the target {K:.4g} is more than this boundary can carry: over its plane no surface has K̄ above {most:.4g}; "
+    """Return the message about a target above the limit `most` of a plane boundary [1/L^2]."""
+    said = f"the target {K:.4g} is more than this boundary can carry: no surface over its plane has K̄ above {most:.4g}; "
     if K > 1e4 * most:
-        # A thousand to the length is a million to K.
-        return said + f"K is in 1 / (model unit)², so {K:.4g} 1/m² is {1e-6 * K:.4g} 1/mm²: are the units those of the model?"
+        # A factor of 1000 in length is a factor of 1e6 in K.
+        return said + f"check the units: K is in 1/(model unit)², and {K:.4g} 1/m² is {1e-6 * K:.4g} 1/mm²"
     return said + "lower the target, add creases, or free an edge"
 
 
 def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: np.ndarray) -> Optional[Overload]:
-    r"""Return a region whose targets no convex surface over its boundary can meet, or None.
+    r"""Return a region whose targets exceed those of any convex surface over its boundary, or None.
 
-    The normals of a convex surface over a plane domain are all different, and their
-    components across the plane add up to ``∫ K n·e dA = Σ K̄_i a_i`` with ``a_i`` the plane
-    area under vertex i; over a whole hemisphere of normals they add up to π. So there
-    must be ``Σ K̄_i a_i < π``. (For a disk of radius r that is ``K̄ < 1 / r²``.)
+    The Gauss map of a convex surface over a plane domain is injective, and its projected
+    area is ``∫ K n·e dA = Σ K̄_i a_i`` with ``a_i`` the plane area of vertex i. The
+    projected area of a hemisphere is π, so ``Σ K̄_i a_i < π`` is necessary (for a disk of
+    radius r: ``K̄ < 1 / r²``).
 
-    Only regions where this holds without doubt are judged: all K̄ > 0, a disk without
-    holes or creases in it, held along a plane convex curve.
+    Only regions to which this applies are checked: all K̄ > 0, a disk without holes or
+    creases, fixed along a plane convex curve.
 
     Parameters
     ----------
@@ -63,11 +63,11 @@ def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: 
     targets
         ``(n,)`` K̄ [1/L^2].
     asked
-        ``(n,)`` vertices where K is asked for; all others are held.
+        ``(n,)`` mask of vertices with a target; all others are fixed.
     """
     V, F, edges = vertices, faces, edge_faces(faces)
     part_of, count = _parts(edges, asked)
-    face_part = part_of[F].max(axis=1)  # asked corners of a face are neighbours, so of one part
+    face_part = part_of[F].max(axis=1)  # corners with a target are neighbours and belong to one part
     lowest = np.full(count, np.inf)
     np.minimum.at(lowest, part_of[asked], targets[asked])
     own_faces, rims = _grouped(np.arange(len(F)), face_part, count), _rims(edges, face_part, count)
@@ -92,7 +92,7 @@ def overload(vertices: FloatArray, faces: IntArray, targets: FloatArray, asked: 
 
 @remembered
 def _parts(edges: IntArray, asked: np.ndarray) -> tuple[IntArray, int]:
-    """Number the parts that asked vertices joined by edges form: the part of every vertex, -1 where held (n,), and how many."""
+    """Return the connected part of every vertex with a target, -1 for fixed ones (n,), and the number of parts."""
     u, v = edges[:, 0], edges[:, 1]
     inside = asked[u] & asked[v]
     n = len(asked)
@@ -104,7 +104,7 @@ def _parts(edges: IntArray, asked: np.ndarray) -> tuple[IntArray, int]:
 
 
 def _grouped(items: np.ndarray, group: IntArray, count: int) -> list[np.ndarray]:
-    """Return the items of each group from 0 to `count`; those of group -1 are left out."""
+    """Return the items of each group from 0 to `count` - 1, without those of group -1."""
     order = np.argsort(group, kind="stable")
     cuts = np.searchsorted(group[order], np.arange(count + 1))
     return [items[order[a:b]] for a, b in zip(cuts[:-1], cuts[1:])]
@@ -123,7 +123,7 @@ def _rims(edges: IntArray, face_part: IntArray, count: int) -> list[IntArray]:
 
 @remembered
 def _loop(rim: IntArray) -> Optional[list[int]]:
-    """Return the vertices of a rim in order, or None when it is not one simple loop."""
+    """Return the vertices of a boundary in order, None if it is not one simple loop."""
     following = dict(rim.tolist())
     if not len(rim) or len(following) < len(rim):
         return None
@@ -139,18 +139,18 @@ def _loop(rim: IntArray) -> Optional[list[int]]:
 def _is_plane_and_convex(points: FloatArray) -> bool:
     points = points - points.mean(axis=0)
     _, spread, axes = np.linalg.svd(points, full_matrices=False)
-    if spread[2] > FLAT * spread[0] or spread[1] <= FLAT * spread[0]:
+    if spread[2] > FLATNESS_TOLERANCE * spread[0] or spread[1] <= FLATNESS_TOLERANCE * spread[0]:
         return False
     edges = (np.roll(points, -1, axis=0) - points) @ axes[:2].T
     following = np.roll(edges, -1, axis=0)
     sine = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
     turn = np.arctan2(sine, np.einsum("ij,ij->i", edges, following))
     turn *= np.sign(turn.sum())
-    return bool((turn > -FLAT).all()) and abs(turn.sum() - 2 * math.pi) < 1e-6
+    return bool((turn > -FLATNESS_TOLERANCE).all()) and abs(turn.sum() - 2 * math.pi) < 1e-6
 
 
 def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
-    """Return two axes (2, 3) of the plane nearest to points, and how far these leave it, as a part of their size."""
+    """Return two axes (2, 3) of the best-fit plane of points, and their largest distance from it relative to their size."""
     offset = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(offset, full_matrices=False)
     size = float(np.linalg.norm(offset, axis=1).max())
@@ -161,11 +161,11 @@ def plane_of(points: FloatArray) -> tuple[FloatArray, float]:
 def existence_problems(
     vertices: FloatArray, faces: IntArray, boundary: IntArray, targets: FloatArray, asked: np.ndarray
 ) -> list[Diagnostic]:
-    """Tell when no surface of the curvature asked for can span a plane boundary curve.
+    """Return the problem of a target curvature too large for a plane boundary curve.
 
-    On a plane curve around the area A the Gauss map of a graph covers at most the area
-    pi, so K̄ A < pi; and a sphere through an inscribed circle of radius r touches the
-    surface, so K̄ <= 1 / r^2.
+    Over a plane curve of area A the projected Gauss map of a graph covers at most the area
+    pi, so K̄ A < pi. A sphere through an inscribed circle of radius r touches the surface,
+    so K̄ <= 1 / r^2.
 
     Parameters
     ----------
@@ -176,12 +176,12 @@ def existence_problems(
     targets
         ``(n,)`` K̄ [1/L^2].
     asked
-        ``(n,)`` vertices of the piece where K is asked for.
+        ``(n,)`` mask of the vertices of the piece with a target.
 
     Returns
     -------
     list of Diagnostic
-        Sentences, none where nothing speaks against it.
+        Sentences, empty if the targets are admissible.
 
     Examples
     --------
@@ -189,7 +189,7 @@ def existence_problems(
     >>> from compas_cgc.meshing import boundary_loops
     >>> plan = compas_cgc.read(compas_cgc.get("cushion.3dm")).to_problem()
     >>> edge = boundary_loops(plan.faces)[0]
-    >>> [said[:19] for said in existence_problems(plan.vertices, plan.faces, edge, 100 * plan.targets, plan.asked)]
+    >>> [text[:19] for text in existence_problems(plan.vertices, plan.faces, edge, 100 * plan.targets, plan.asked)]
     ['the target 2 is mor']
     """
     target = float(targets[asked].min())
@@ -204,7 +204,7 @@ def existence_problems(
 
 @remembered
 def _most_over(vertices: FloatArray, faces: IntArray, boundary: IntArray) -> Optional[float]:
-    """Return what K̄ has to stay below over a boundary, None where that is not plane or spans nothing [1/L^2]."""
+    """Return the upper bound of K̄ over a boundary, None if it is not plane or has no area [1/L^2]."""
     axes, reach = plane_of(vertices[boundary])
     if reach > 1e-6:
         return None
@@ -212,8 +212,8 @@ def _most_over(vertices: FloatArray, faces: IntArray, boundary: IntArray) -> Opt
     rim = plan[boundary]
     x, y = rim.T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)))
-    if area <= FLAT * float(np.ptp(rim, axis=0).max()) ** 2:
-        return None  # a seam, over which nothing is spanned
+    if area <= FLATNESS_TOLERANCE * float(np.ptp(rim, axis=0).max()) ** 2:
+        return None  # a slit without area
     most = math.pi / area
     within = np.zeros(len(vertices), bool)
     within[faces] = True
@@ -223,7 +223,7 @@ def _most_over(vertices: FloatArray, faces: IntArray, boundary: IntArray) -> Opt
         middle = 0.5 * (rim + np.roll(rim, -1, axis=0))
         reach = float(np.linalg.norm(rim - middle, axis=1).max())
         near, _ = cKDTree(middle).query(plan[inside])
-        # The widest circle about a vertex within the curve that the curve stays out of.
+        # The largest inscribed circle centred at a vertex.
         for k in np.argsort(-near, kind="stable")[:50]:
             if _within(plan[inside[k]], rim):
                 radius = float(near[k]) - reach
@@ -233,7 +233,7 @@ def _most_over(vertices: FloatArray, faces: IntArray, boundary: IntArray) -> Opt
 
 
 def _within(point: FloatArray, polygon: FloatArray) -> bool:
-    """Tell whether a point of the plane lies in a polygon, by the crossings to its right."""
+    """Check whether a point of the plane lies in a polygon, by ray crossings."""
     x, y = (polygon - point).T
     ahead_x, ahead_y = np.roll(x, -1), np.roll(y, -1)
     crosses = (y > 0) != (ahead_y > 0)

@@ -1,4 +1,4 @@
-"""Corners of held edges, and faces that lie flat in them: the other diagonal is the one to read curvature across."""
+"""Corners of supported boundaries, and the flat faces in them, in which the other diagonal is used for curvature."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from .edge_flips import diagonals
 
 __all__ = ["flat_corners", "has_corners", "turned_corners"]
 
-BLUNT = np.radians(150.0)  # angle of a corner from which a face in it cuts off next to nothing
-WIDE = np.radians(75.0)  # angle at its other ends from which the face across may be none that turns
+MAX_CORNER = np.radians(150.0)  # larger corners lose almost nothing to a flat face
+MAX_SIDE_ANGLE = np.radians(75.0)  # larger angles may make the flip impossible
 
 
 def flat_corners(faces: IntArray, held: Mask) -> IntArray:
-    """Return the triangles that lie flat in corners (k,): all three vertices are held, and one has no other face.
+    """Return the flat corner triangles (k,): all three vertices are fixed, and one has no other face.
 
     Parameters
     ----------
     faces
         ``(m, 3)``.
     held
-        ``(n,)`` vertices that stay where they are.
+        ``(n,)`` mask of fixed vertices.
     """
     still = np.flatnonzero(held[faces].all(axis=1))
     alone = np.bincount(faces.ravel(), minlength=len(held)) == 1
@@ -34,21 +34,21 @@ def flat_corners(faces: IntArray, held: Mask) -> IntArray:
 
 
 def turned_corners(vertices: FloatArray, faces: IntArray, held: Mask, creases: Edges) -> IntArray:
-    """Return triangles (m, 3) of which those that lie flat in corners are turned with their neighbours: their edge leads into the corner.
+    """Return triangles (m, 3) with the edges of flat corner triangles flipped, so that they run into the corner.
 
-    Such a face cuts its corner off, whatever the surface beside it. What is turned follows from vertices that are held alone, so that it
-    is the same over all surfaces of a drawing.
+    A flat face cuts off its corner whatever the surface. The flips depend on fixed vertices only, so they are the same for all
+    surfaces of a drawing.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` [L].
     faces
-        ``(m, 3)``; themselves where none is turned.
+        ``(m, 3)``; returned unchanged if nothing is flipped.
     held
-        ``(n,)`` vertices that stay where they are.
+        ``(n,)`` mask of fixed vertices.
     creases
-        ``(c, 2)`` edges that stay.
+        ``(c, 2)`` edges that are not flipped.
     """
     flat = flat_corners(faces, held)
     if not len(flat):
@@ -68,7 +68,7 @@ def turned_corners(vertices: FloatArray, faces: IntArray, held: Mask, creases: E
 
 
 def has_corners(vertices: FloatArray, faces: IntArray, held: Mask) -> bool:
-    """Return whether a held edge makes a corner that is no blunt one.
+    """Check whether a supported boundary has a corner of less than MAX_CORNER.
 
     Parameters
     ----------
@@ -77,14 +77,14 @@ def has_corners(vertices: FloatArray, faces: IntArray, held: Mask) -> bool:
     faces
         ``(m, 3)``.
     held
-        ``(n,)`` vertices that stay where they are.
+        ``(n,)`` mask of fixed vertices.
     """
     n = len(held)
     within = np.bincount(faces.ravel(), corner_angles(vertices, faces).ravel(), n)
-    return bool((held & boundary_mask(n, faces) & (within < BLUNT)).any())
+    return bool((held & boundary_mask(n, faces) & (within < MAX_CORNER)).any())
 
 
 def _turns(corners: FloatArray) -> bool:
-    """Return whether a triangle (3, 3) cuts something off at its last corner, and can be turned about its first edge whatever is beyond."""
+    """Check whether a triangle (3, 3) cuts off its last corner and its first edge can be flipped."""
     a, b, c = corner_angles(corners, np.arange(3)[None])[0].tolist()
-    return bool(c < BLUNT and max(a, b) < WIDE)
+    return bool(c < MAX_CORNER and max(a, b) < MAX_SIDE_ANGLE)

@@ -1,4 +1,4 @@
-"""What of a mesh lies within a closed line in plan."""
+"""Vertices and faces of a mesh within a closed polyline in plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["inside_outline", "vertices_over"]
 
 
 def inside_outline(points: FloatArray, outline: FloatArray) -> NDArray[np.bool_]:
-    """Return which points (k, 2 or 3) lie within a closed line (p, 2 or 3), seen from above, by the parity of crossings."""
+    """Return which points (k, 2 or 3) lie within a closed polyline (p, 2 or 3) in plan, by ray crossings."""
     x, y = points[:, 0, None], points[:, 1, None]
     x0, y0 = outline[:, 0], outline[:, 1]
     x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
@@ -23,7 +23,7 @@ def inside_outline(points: FloatArray, outline: FloatArray) -> NDArray[np.bool_]
 
 
 def vertices_over(vertices: FloatArray, faces: IntArray, outline: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return the vertices that lie over a closed line's inside or on the line, and all corners of the faces that reach over it."""
+    """Return the vertices over a closed polyline or its inside, and all corners of the faces that reach over it."""
     low, high = outline[:, :2].min(axis=0), outline[:, :2].max(axis=0)
     rim = 1e-9 * float(np.ptp(outline[:, :2], axis=0).max())
     plan = vertices[:, :2]
@@ -39,13 +39,13 @@ def vertices_over(vertices: FloatArray, faces: IntArray, outline: FloatArray) ->
 
 
 def _meeting(triangles: FloatArray, outline: FloatArray, rounding: float) -> NDArray[np.bool_]:
-    """Return which triangles (m, 3, 2) have a corner of a closed line (p, 2) in them, or a side that crosses it (m,).
+    """Return which triangles (m, 3, 2) contain a corner of a closed polyline (p, 2) or cross it (m,).
 
-    A touch, with areas that are rounding, is none.
+    Touching up to rounding does not count.
     """
     p, q = triangles[:, :, None], np.roll(triangles, -1, axis=1)[:, :, None]
     a, b = outline[None, None], np.roll(outline, -1, axis=0)[None, None]
-    of_a, of_b = _turn(p, q, a), _turn(p, q, b)  # (m, 3, p), on which side of a side of the triangle a corner of the line is
+    of_a, of_b = _turn(p, q, a), _turn(p, q, b)  # (m, 3, p) side of the triangle's side on which a corner of the polyline lies
     of_p, of_q = _turn(a, b, p), _turn(a, b, q)
     crosses = (of_a * of_b < 0.0) & (of_p * of_q < 0.0)
     crosses &= np.minimum(np.minimum(abs(of_a), abs(of_b)), np.minimum(abs(of_p), abs(of_q))) > rounding
@@ -54,7 +54,7 @@ def _meeting(triangles: FloatArray, outline: FloatArray, rounding: float) -> NDA
 
 
 def _turn(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
-    """Return twice the areas of the triangles p, q, r in plan, positive where they turn left."""
+    """Return twice the areas of the triangles p, q, r in plan, positive if they turn left."""
     return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 

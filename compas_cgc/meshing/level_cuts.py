@@ -1,4 +1,4 @@
-"""Meshes cut through their faces along the level lines of functions, region by region."""
+"""Cutting of meshes along level lines of functions, region by region."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ from .split_sides import weighted
 
 __all__ = ["SNAP", "CutMesh", "cut_along_levels", "uncut"]
 
-SNAP = 0.01  # of an edge: a line that passes a vertex so near goes through it, lest slivers arise
+SNAP = 0.01  # relative to the edge length: lines nearer to a vertex pass through it, which avoids slivers
 
 
 class CutMesh(NamedTuple):
-    """A mesh whose faces are divided; the surface is the same."""
+    """A mesh with divided faces; the surface is unchanged."""
 
-    vertices: Vertices  # (n + k, 3) those of the mesh first, then new ones on its edges and inside of its faces [L]
-    faces: Faces  # (m', 3) in the order of the faces that they are parts of
-    parent: IntArray  # (m',) face of the mesh that each is, or is a part of
-    weights: FloatArray  # (m', 3, 3) barycentric weights of the corners in that face
+    vertices: Vertices  # (n + k, 3) mesh vertices first, then new ones on edges and in faces [L]
+    faces: Faces  # (m', 3) in the order of their mesh faces
+    parent: IntArray  # (m',) mesh face that contains each face
+    weights: FloatArray  # (m', 3, 3) barycentric weights of the corners in the mesh face
 
 
 def uncut(vertices: Vertices, faces: Faces) -> CutMesh:
-    """Return a mesh as one of which nothing is divided."""
+    """Return a mesh as a CutMesh without cuts."""
     return CutMesh(vertices, faces, np.arange(len(faces)), np.broadcast_to(np.eye(3), (len(faces), 3, 3)))
 
 
 def cut_along_levels(
     vertices: Vertices, faces: Faces, region: IntArray, values: FloatArray, levels: Sequence[Sequence[FloatArray]]
 ) -> tuple[CutMesh, FloatArray]:
-    """Cut faces along the lines on which functions have given values, one function after the other.
+    """Cut faces along level lines of functions, one function after the other.
 
-    Functions are linear in every face, so the lines are straight there. Neighbours of faces that are cut share the new vertices,
-    across the borders of regions too.
+    Functions are linear in every face, so that the lines are straight there. Neighbouring faces share the new vertices, also
+    across region boundaries.
 
     Parameters
     ----------
@@ -49,16 +49,16 @@ def cut_along_levels(
     region
         ``(m,)`` region of every face, from 0.
     values
-        ``(m, 3, d)`` values of d functions at the corners; those of one region agree where faces meet.
+        ``(m, 3, d)`` values of d functions at the corners; they are continuous within a region.
     levels
-        For every function and region, the values to cut along, sorted.
+        Sorted levels for every function and region.
 
     Returns
     -------
     CutMesh
-        No side of its faces crosses a level.
+        Mesh in which no side crosses a level.
     (m', 3, d) float64
-        Values at its corners; on the lines exactly those of the levels.
+        Values at its corners, exact on the level lines.
     """
     mesh = uncut(vertices, faces)
     for axis, own in enumerate(levels):
@@ -81,13 +81,13 @@ def cut_along_levels(
 
 
 def _snapped(faces: Faces, part: IntArray, height: FloatArray, levels: Sequence[FloatArray]) -> FloatArray:
-    """Return heights (m, 3) of which those are a level's that a line passes very near to."""
+    """Return heights (m, 3) snapped to levels at vertices very near to a level line."""
     above, below = _first_above(height, part, levels), -_first_above(-height, part, [-own[::-1] for own in levels])
     near = np.where(above - height <= height - below, above, below)
     key = (part[:, None] * (int(faces.max(initial=0)) + 1) + faces).ravel()
     vertices, corner = np.unique(key, return_inverse=True)
     corner = corner.reshape(height.shape)
-    # The reach of a vertex is that of the steepest side there which crosses its level.
+    # The steepest crossing side at a vertex determines its snapping distance.
     reach = np.zeros(len(vertices))
     for turn in (1, -1):
         other = np.roll(height, turn, axis=1)
@@ -98,7 +98,7 @@ def _snapped(faces: Faces, part: IntArray, height: FloatArray, levels: Sequence[
 
 
 def _first_above(height: FloatArray, part: IntArray, levels: Sequence[FloatArray]) -> FloatArray:
-    """Return the lowest level above each height (m, 3), infinite where there is none."""
+    """Return the lowest level above each height (m, 3), infinite if there is none."""
     found = np.full(height.shape, np.inf)
     for number, own in enumerate(levels):
         inside = part == number
@@ -107,7 +107,7 @@ def _first_above(height: FloatArray, part: IntArray, levels: Sequence[FloatArray
 
 
 def _is_level(height: FloatArray, part: IntArray, levels: Sequence[FloatArray]) -> Mask:
-    """Tell which heights (m, 3) are exactly those of levels."""
+    """Return which heights (m, 3) are exactly at a level."""
     found = np.zeros(height.shape, bool)
     for number, own in enumerate(levels):
         inside = part == number

@@ -1,4 +1,4 @@
-"""Viterbi map matching: the walk along the edges of a mesh that follows a curve best."""
+"""Viterbi map matching: the edge path of a mesh that follows a curve best."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ __all__ = ["EdgeNet", "edge_net", "match_path"]
 
 
 class EdgeNet(NamedTuple):
-    """The edges of a mesh."""
+    """Edge graph of a mesh."""
 
     vertices: FloatArray  # (n, 3) [L]
-    lengths: sparse.csr_matrix  # (n, n) symmetric, length of every edge [L]
+    lengths: sparse.csr_matrix  # (n, n) symmetric, edge lengths [L]
     tree: cKDTree  # of the vertices
 
     def neighbours(self, v: int) -> CSRIndices:
-        """Return the vertices joined to one."""
+        """Return the neighbours of a vertex."""
         return self.lengths.indices[self.lengths.indptr[v] : self.lengths.indptr[v + 1]]
 
     def longest(self) -> FloatArray:
-        """Return the longest edge at every vertex, 0 at one without any (n,) [L]."""
+        """Return the length of the longest edge at every vertex, 0 without edges (n,) [L]."""
         most = np.maximum.reduceat(np.append(self.lengths.data, 0.0), self.lengths.indptr[:-1])
         return most * (np.diff(self.lengths.indptr) > 0)
 
 
 def edge_net(vertices: FloatArray, faces: IntArray) -> EdgeNet:
-    """Return the edges of a mesh with vertices (n, 3) [L], all of them used, and faces (m, 3)."""
+    """Return the edge graph of a mesh with vertices (n, 3) [L], all used, and faces (m, 3)."""
     n = len(vertices)
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     u, v = np.concatenate([u, v]), np.concatenate([v, u])
@@ -47,10 +47,10 @@ def edge_net(vertices: FloatArray, faces: IntArray) -> EdgeNet:
 
 
 def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Optional[Mask], loop: bool) -> list[int]:
-    """Find the walk along edges that follows samples of a curve best.
+    """Return the edge path that follows samples of a curve best (Viterbi algorithm).
 
-    Every sample takes a vertex, equal or joined by an edge to the one before; least is
-    the sum of squared distances with a little of the length (the Viterbi algorithm).
+    Every sample is assigned a vertex, equal to the previous one or its neighbour. The cost
+    is the sum of squared distances plus a small multiple of the length.
 
     Parameters
     ----------
@@ -59,16 +59,16 @@ def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Op
     samples
         ``(k, 3)`` points along the curve [L], closer than half the shortest edge.
     reach
-        ``(k,)`` how far a vertex may be from its sample [L].
+        ``(k,)`` largest distance of a vertex from its sample [L].
     anchors
-        ``(n,)`` bool: vertices to end at where there is one in reach.
+        ``(n,)`` bool: preferred end vertices.
     loop
-        Whether the curve is closed; the walk then ends where it begins.
+        Whether the curve is closed; the path then ends where it begins.
 
     Returns
     -------
     list of int
-        Vertices without repetitions; empty if there is no such walk.
+        Vertices without repetitions; empty if there is no path.
     """
     vertices, lengths = net.vertices, net.lengths
     step = float(np.linalg.norm(samples[-1] - samples[-2])) if len(samples) > 1 else 0.0
@@ -82,7 +82,7 @@ def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Op
     for i in range(1, len(samples)):
         off = vertices[candidates[i]] - samples[i]
         ahead = off @ tangent[i]
-        # A vertex a little ahead or behind is no worse placed; one to the side is.
+        # Offsets along the curve cost little; offsets to the side cost fully.
         squares = np.einsum("ij,ij->i", off, off) - 0.9 * ahead**2
         fee = dict(zip(candidates[i], (step * squares / reach[i] ** 2).tolist()))
         new: dict[int, float] = {}
@@ -111,14 +111,14 @@ def match_path(net: EdgeNet, samples: FloatArray, reach: FloatArray, anchors: Op
 
 
 def _end_vertex(vertices: FloatArray, candidates: list[int], end: FloatArray, anchors: Optional[Mask]) -> int:
-    """Return the vertex nearest to an end, an anchor if there is one."""
+    """Return the nearest vertex to an end, preferably an anchor."""
     preferred = [v for v in candidates if anchors is not None and anchors[v]] or candidates
     distance = np.linalg.norm(vertices[preferred] - end, axis=1)
     return preferred[int(np.argmin(distance))]
 
 
 def _without_spikes(path: list[int]) -> list[int]:
-    """Drop steps to a vertex and straight back."""
+    """Return a path without steps to a vertex and straight back."""
     clean: list[int] = []
     for v in path:
         if len(clean) > 1 and clean[-2] == v:

@@ -1,4 +1,4 @@
-"""Optimal triangulation of small polygons by Klincsek's dynamic programme."""
+"""Optimal triangulation of small polygons by dynamic programming (Klincsek)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["best_triangles"]
 
 
 def best_triangles(points: FloatArray, ring: list[int]) -> list[list[int]]:
-    """Cut a polygon into triangles of which the worst is the best possible.
+    """Return the triangulation of a polygon whose worst triangle is best.
 
     Parameters
     ----------
@@ -22,11 +22,11 @@ def best_triangles(points: FloatArray, ring: list[int]) -> list[list[int]]:
     Returns
     -------
     list of [int, int, int]
-        In the same orientation.
+        Triangles in the same orientation.
 
     References
     ----------
-    The dynamic programme of Klincsek, Minimal triangulations of polygonal domains (1980).
+    Klincsek, Minimal triangulations of polygonal domains (1980).
     """
     n = len(ring)
     if n == 3:
@@ -49,6 +49,6 @@ def best_triangles(points: FloatArray, ring: list[int]) -> list[list[int]]:
 
 
 def _quality(P: FloatArray, normal: FloatArray) -> float:
-    """Return the signed area over the square of the longest side: small for slivers, negative at concave corners."""
+    """Return the signed area over the squared longest side: small for slivers, negative at concave corners."""
     area = float(np.dot(np.cross(P[1] - P[0], P[2] - P[0]), normal))
     return area / float(max(np.dot(d, d) for d in P - np.roll(P, 1, axis=0)))

@@ -1,4 +1,4 @@
-"""Consistent orientation of the faces of every piece."""
+"""Consistent orientation of faces."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ __all__ = ["Oriented", "orient"]
 
 
 class Oriented(NamedTuple):
-    """Faces that run alike within every piece."""
+    """Faces with consistent orientation in every connected piece."""
 
     faces: IntArray  # (m, 3)
-    turned: Mask  # (m,) bool: faces turned over
-    orientable: bool  # False when a piece has no two sides; it is left as it was
+    turned: Mask  # (m,) bool: flipped faces
+    orientable: bool  # False if a piece is not orientable; such pieces are unchanged
 
 
 def _joined(faces: IntArray) -> tuple[IntArray, IntArray, Mask]:
-    """Return the pairs of faces that alone share an edge, and whether both run through it the same way."""
+    """Return the pairs of faces across manifold edges, and whether both traverse the edge in the same direction."""
     m = len(faces)
     u, v = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     low, high = np.minimum(u, v), np.maximum(u, v)
@@ -37,10 +37,10 @@ def _joined(faces: IntArray) -> tuple[IntArray, IntArray, Mask]:
 
 
 def orient(faces: IntArray) -> Oriented:
-    """Turn faces over until neighbours agree, as few as possible in every piece.
+    """Flip as few faces as possible in every piece so that neighbours agree.
 
-    Of two halves of the same size the one with the first face stays. Faces are not
-    compared across edges with more than two faces.
+    Of two halves of equal size the one with the first face is kept. Edges with more than
+    two faces are ignored.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def orient(faces: IntArray) -> Oriented:
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     m = len(F)
     a, b, same = _joined(F)
-    # Every face has two copies, as it is and turned over (+ m): an orientable piece falls into two halves.
+    # Every face has two copies, original and flipped (+ m); an orientable piece gives two components.
     i = np.concatenate([a, a + m])
     j = np.concatenate([np.where(same, b + m, b), np.where(same, b, b + m)])
     graph = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(2 * m, 2 * m))

@@ -22,11 +22,14 @@ from .polyline import nearest_on_polyline
 if TYPE_CHECKING:
     import shapely
 
-MOST_DENSE, NEIGHBOURS = 1500, 150  # known heights that are fitted at once, and around each point where there are more
-MET = 0.2  # of the edge length, within which a point has become a vertex
-LARGEST = 2e6  # vertices that a mesh may have
-GRAZED, WIDER = 0.25, 0.1  # of the edge length, along which a crease is all but on an edge, and less than which it is away as far again
-ALONG = 32  # places for each edge length at which that is measured
+MAX_DENSE, NEIGHBOURS = 1500, 150  # known heights fitted at once, and neighbours per point if there are more
+MAX_POINT_DISTANCE = 0.2  # distance relative to the edge length within which a point counts as a vertex
+MAX_VERTICES = 2e6  # largest number of vertices of a mesh
+GRAZING_LENGTH, GRAZING_DISTANCE = (
+    0.25,
+    0.1,
+)  # length of a near-contact of curves and distance beside it that count as grazing, relative to the edge length
+SAMPLES_PER_EDGE = 32  # sample points per edge length
 
 __all__ = ["Outlined", "mesh_from_outline", "refuse_passed_over"]
 
@@ -35,7 +38,7 @@ class Outlined(NamedTuple):
     """A mesh made from curves."""
 
     vertices: FloatArray  # (n, 3) [L]
-    faces: IntArray  # (m, 3), upwards
+    faces: IntArray  # (m, 3), normals up
     creases: list[list[int]]  # vertex paths along the creases
 
 
@@ -47,27 +50,26 @@ def mesh_from_outline(
     tolerance: float,
     points: Optional[FloatArray] = None,
 ) -> Outlined:
-    """Fill an outline with near-equilateral triangles, most vertices of valence 6, whose edges follow all the curves.
+    """Return a mesh of near-equilateral triangles within an outline, with edges along all curves.
 
-    A triangular lattice fills the plan; along the curves it gives way to points spread
-    evenly on them, closer together at small features, and is relaxed. Of several lattices the one that gives the best
-    triangles is taken. Heights are those of the curves and as smooth as can be between them.
+    Points are spread along the curves, denser at small features, and a triangular lattice fills the rest of the plan; the result
+    is relaxed. The best of several lattices is returned. Heights follow the curves, with a thin plate between them.
 
     Parameters
     ----------
     outline
-        ``(k, 3)`` points around the boundary, the first again at the end or not [L].
+        ``(k, 3)`` points around the boundary; the first may be repeated at the end [L].
     holes
-        The same for holes in it.
+        Outlines of holes, in the same form.
     creases
-        ``(k, 3)`` points along each crease; what lies outside is left out.
+        ``(k, 3)`` points along each crease; parts outside are ignored [L].
     edge_length
-        Length of edges aimed at [L].
+        Target edge length [L].
     tolerance
-        Length below which two points are one [L].
+        Distance below which two points coincide [L].
     points
-        ``(k, 3)`` places that become vertices, such as columns; heights count where no curve passes [L]. Over curves that
-        are all at one height only they have heights of their own. Those outside of the outline are passed over.
+        ``(k, 3)`` points that become vertices, such as columns; their heights count off the curves [L]. If all curves have the
+        same height, points do not raise the mesh around them. Points outside the outline are ignored.
 
     Returns
     -------
@@ -76,7 +78,7 @@ def mesh_from_outline(
     Raises
     ------
     MeshError
-        If the mesher is not installed, or the curves do not bound an area.
+        If the mesher is not installed, or the curves do not enclose an area.
     """
     try:
         import compas_cgal.triangulation  # noqa: F401
@@ -87,17 +89,17 @@ def mesh_from_outline(
     except ImportError as error:
         raise MeshError(f"a mesh from curves needs {error.name}; install it: pip install 'compas_cgc[mesher]'") from None
     if not _is_length(edge_length):
-        raise MeshError(f"the edge length must be above zero, a number in the unit of the outline, not {edge_length!r}")
+        raise MeshError(f"the edge length must be a positive number in the unit of the outline, not {edge_length!r}")
     outline, *holes = (_closed(np.asarray(ring), tolerance) for ring in (outline, *holes))
     rings = [ring[:, :2] for ring in (outline, *holes)]
     domain = shapely.Polygon(rings[0], rings[1:])
     if not domain.is_valid or domain.area < edge_length**2:
-        raise MeshError(f"the outline and its holes do not bound an area that can be meshed: {_fault(domain, outline, edge_length)}")
+        raise MeshError(f"the outline and its holes do not enclose an area that can be meshed: {_fault(domain, outline, edge_length)}")
     expected = domain.area / (edge_length**2 * np.sqrt(3) / 2)
-    if expected > LARGEST:
+    if expected > MAX_VERTICES:
         raise MeshError(
-            f"edges of {edge_length:g} would fill this outline with {expected:.2g} vertices; choose a longer edge, "
-            f"such as {np.sqrt(domain.area) / 20:.2g}, and see that outline and edge are in the same unit"
+            f"an edge length of {edge_length:g} would give {expected:.2g} vertices; use a longer edge, "
+            f"such as {np.sqrt(domain.area) / 20:.2g}, and check that the outline and the edge length have the same unit"
         )
     given = np.empty((0, 3)) if points is None else np.asarray(points, dtype=np.float64).reshape(-1, 3)
     lines = [np.asarray(crease)[:, :2] for crease in creases]
@@ -116,7 +118,7 @@ def mesh_from_outline(
     if np.ptp(heights[on]):
         heights = _heights_between(plan, known, heights)
     else:
-        # Points over level curves are heads of columns: what sheet goes over them is for the solve to say.
+        # Points above level curves are column heads, which do not shape the mesh before a solve.
         heights[~known] = heights[on][0]
     vertices = np.column_stack([plan, heights])
     place = cKDTree(plan)
@@ -124,12 +126,12 @@ def mesh_from_outline(
 
 
 def refuse_outside(outline: FloatArray, creases: Sequence[FloatArray]) -> None:
-    """Refuse creases (k, 3) of which nothing lies within the outline (k, 3), so that they would be lost.
+    """Refuse creases (k, 3) that lie completely outside the outline (k, 3).
 
     Raises
     ------
     MeshError
-        With the place of one.
+        With the position of the first.
     """
     import shapely
 
@@ -139,70 +141,70 @@ def refuse_outside(outline: FloatArray, creases: Sequence[FloatArray]) -> None:
     for k, line in enumerate(creases):
         if within.is_valid and len(line) > 1 and not within.intersects(shapely.LineString(line[:, :2])):
             x, y = line[0, :2]
-            raise MeshError(f"creases[{k}], from ({x:g}, {y:g}), lies outside of the outline; move it inside, or leave it out")
+            raise MeshError(f"creases[{k}], from ({x:g}, {y:g}), lies outside the outline; move it inside, or remove it")
 
 
 def refuse_passed_over(made: Outlined, points: FloatArray, edge_length: float) -> None:
-    """Refuse points (k, 3) that no vertex of a mesh became.
+    """Refuse points (k, 3) that did not become vertices of a mesh.
 
     Raises
     ------
     MeshError
-        With a sentence that names the first of them and tells how far away it is.
+        With the first point and its distance from the nearest vertex.
     """
     gap = cKDTree(made.vertices[:, :2]).query(points[:, :2])[0]
-    missed = np.flatnonzero(~(gap <= MET * edge_length))
+    missed = np.flatnonzero(~(gap <= MAX_POINT_DISTANCE * edge_length))
     if len(missed):
         k = int(missed[0])
-        more = f", nor do {len(missed) - 1} others" if len(missed) > 1 else ""
+        more = f" (nor do {len(missed) - 1} others)" if len(missed) > 1 else ""
         raise MeshError(
-            f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} from the "
-            "nearest vertex; move it inside, or leave it out"
+            f"points[{k}] at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) does not lie within the outline{more}; it is {gap[k]:.3g} away from "
+            "the nearest vertex; move it inside, or remove it"
         )
 
 
 def _refuse_grazing(domain: shapely.Polygon, creases: Sequence[FloatArray], edge_length: float) -> None:
-    """Refuse creases (k, 2) that come up to the edge of a domain, or to another crease, and leave it again without having crossed it.
+    """Refuse creases (k, 2) that graze the boundary of a domain or another crease without crossing it.
 
     Raises
     ------
     MeshError
-        With the place of one.
+        With the position of the first.
     """
     import shapely
 
-    from .sizing import NARROWEST
+    from .sizing import MIN_GAP_SIZE
 
-    far, curves = round(GRAZED * ALONG), [shapely.LineString(line) for line in creases]
+    far, curves = round(GRAZING_LENGTH * SAMPLES_PER_EDGE), [shapely.LineString(line) for line in creases]
     for k, curve in enumerate(curves):
-        number = max(2, int(np.ceil(ALONG * curve.length / edge_length)))
-        # Twice around a closed one, which may begin where it grazes.
+        number = max(2, int(np.ceil(SAMPLES_PER_EDGE * curve.length / edge_length)))
+        # Sample a closed crease twice around, because it may start at a grazing point.
         places = np.arange((2 if curve.is_closed else 1) * number + 1) / number
         spots = shapely.line_interpolate_point(curve, places % 1.0 if curve.is_closed else places, normalized=True)
         inside = shapely.contains(domain, spots)
         for j, gap in enumerate(shapely.distance(other, spots) for other in (domain.boundary, *curves[:k])):
-            changes = np.diff(((gap < NARROWEST * edge_length) & (inside | (j == 0))).astype(np.int64), prepend=0, append=0)
+            changes = np.diff(((gap < MIN_GAP_SIZE * edge_length) & (inside | (j == 0))).astype(np.int64), prepend=0, append=0)
             for begin, end in zip(np.flatnonzero(changes > 0).tolist(), np.flatnonzero(changes < 0).tolist()):
                 beside = np.array([begin - far, end - 1 + far])
-                # Where two curves cross, the sides of the place are not the same, one of them outside of a domain.
+                # At a crossing the curve is on different sides before and after, or outside the domain.
                 if (
                     end - begin > far
                     and beside[0] >= 0
                     and beside[1] < len(spots)
                     and inside[beside].all()
-                    and (gap[beside] < WIDER * edge_length).all()
+                    and (gap[beside] < GRAZING_DISTANCE * edge_length).all()
                     and (j == 0 or _on_one_side(curves[j - 1], spots[beside]))
                 ):
                     x, y = shapely.get_coordinates(spots[begin + int(np.argmin(gap[begin:end]))])[0]
-                    what = f"creases[{j - 1}]" if j else "the edge of the outline or of a hole"
+                    what = f"creases[{j - 1}]" if j else "the boundary of the outline or of a hole"
                     raise MeshError(
-                        f"creases[{k}] grazes {what} at ({x:.3f}, {y:.3f}), where triangles have no room; "
-                        f"let it end there or cross {'it' if j else 'the edge'}, or keep {WIDER * edge_length:.2g} away from it"
+                        f"creases[{k}] grazes {what} at ({x:.3f}, {y:.3f}), which leaves no room for triangles; "
+                        f"let it end there, cross {'it' if j else 'the boundary'}, or keep {GRAZING_DISTANCE * edge_length:.2g} away"
                     )
 
 
 def _on_one_side(curve: shapely.LineString, spots: NDArray[np.object_]) -> bool:
-    """Tell whether two points lie on the same side of a curve, to the right or to the left of it."""
+    """Check whether two points lie on the same side of a curve."""
     import shapely
 
     at = shapely.line_locate_point(curve, spots)
@@ -221,39 +223,39 @@ def _is_length(value: object) -> bool:
 
 
 def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> str:
-    """Return what is wrong with a domain, and the mend."""
+    """Return the fault of a domain with a remedy."""
     import shapely
 
     lost = np.flatnonzero(~np.isfinite(outline).all(axis=1))
     if len(lost):
-        return f"point {lost[0]} of the outline has a coordinate that is no finite number; give it one"
+        return f"point {lost[0]} of the outline has a coordinate that is not a finite number; correct it"
     said = shapely.is_valid_reason(domain)
     at = said.partition("[")[2].rstrip("]").replace(" ", ", ")
-    if domain.area < MET * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
-        return "seen from above it has hardly any; draw an upright outline laid flat, and stand the mesh up"
-    if len(outline) > 2 and np.linalg.matrix_rank(outline[1:, :2] - outline[0, :2], tol=MET * edge_length) < 2:
+    if domain.area < MAX_POINT_DISTANCE * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
+        return "in plan it has almost no area; draw a vertical outline lying flat, and rotate the mesh afterwards"
+    if len(outline) > 2 and np.linalg.matrix_rank(outline[1:, :2] - outline[0, :2], tol=MAX_POINT_DISTANCE * edge_length) < 2:
         return "the points of the outline lie on one line; move one of them off it"
     if said.startswith("Self-intersection"):
         return f"a curve crosses itself or another one at ({at}); draw them apart"
     if said.startswith("Hole lies outside"):
-        return f"the hole at ({at}) lies outside of the outline; move it inside, or leave it out"
+        return f"the hole at ({at}) lies outside the outline; move it inside, or remove it"
     if said.startswith("Holes are nested"):
-        return f"the hole at ({at}) lies in another hole; leave one of them out"
+        return f"the hole at ({at}) lies in another hole; remove one of them"
     if said.startswith("Too few points"):
-        return "an outline needs three corners or more, and so does a hole"
+        return "outlines and holes need three or more corners"
     if domain.is_valid:
-        return f"the area is less than that of an edge of {edge_length:g} squared; choose a shorter edge"
+        return f"the area is smaller than the square of the edge length {edge_length:g}; use a shorter edge"
     return f"{said[:1].lower()}{said[1:]}; correct the curves"
 
 
 def _closed(ring: FloatArray, tolerance: float) -> FloatArray:
-    """Return a ring (k, 3) that ends where it begins, to the last digit."""
+    """Return a closed ring (k, 3) whose last point equals the first exactly."""
     ends = len(ring) > 1 and np.linalg.norm((ring[-1] - ring[0])[:2]) <= tolerance
     return np.concatenate([ring[:-1] if ends else ring, ring[:1]])
 
 
 def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatArray:
-    """Return the heights of the curves that points (k, 2) lie on, of the first where they cross (k,) [L]."""
+    """Return the heights of the curves at points (k, 2), of the first curve at crossings (k,) [L]."""
     flat = flattened(plan)
     distances, heights = [], []
     for curve in curves:
@@ -267,9 +269,9 @@ def _heights_on_curves(plan: FloatArray, curves: Sequence[FloatArray]) -> FloatA
 
 
 def _heights_between(plan: FloatArray, known: Mask, heights: FloatArray) -> FloatArray:
-    """Return heights (n,) that are those of a thin plate through the known ones [L].
+    """Return heights (n,) interpolated by a thin plate through the known ones [L].
 
-    A membrane would sag between two arches, where a plate is all but ruled.
+    A membrane would sag between two arches, where a plate is nearly ruled.
     """
     free = np.flatnonzero(~known)
     if not len(free):
@@ -277,6 +279,6 @@ def _heights_between(plan: FloatArray, known: Mask, heights: FloatArray) -> Floa
     from scipy.interpolate import RBFInterpolator
 
     result = heights.copy()
-    near = None if np.count_nonzero(known) <= MOST_DENSE else NEIGHBOURS
+    near = None if np.count_nonzero(known) <= MAX_DENSE else NEIGHBOURS
     result[free] = RBFInterpolator(plan[known], heights[known], neighbors=near, kernel="thin_plate_spline")(plan[free])
     return result

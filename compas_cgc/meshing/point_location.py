@@ -1,4 +1,4 @@
-"""Point location: the face or the vertices at a place."""
+"""Point location: faces and vertices at given points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["closest_in_triangles", "face_at", "vertices_at"]
 
 
 def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray:
-    """Return the place nearest to a point (3,), or to one of its own (m, 3), in each of triangles (m, 3, 3) [L]: (m, 3)."""
+    """Return the nearest point in each triangle (m, 3, 3) to a point (3,) or to one point per triangle (m, 3) [L]: (m, 3)."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     point = np.broadcast_to(point, a.shape)
     normal = np.cross(b - a, c - a)
@@ -35,15 +35,15 @@ def closest_in_triangles(point: FloatArray, triangles: FloatArray) -> FloatArray
 
 
 def face_at(place: FloatArray, vertices: FloatArray, faces: IntArray) -> tuple[int, float]:
-    """Return the face that a note put at a place belongs to, and how far off the mesh the place lies [L].
+    """Return the face to which a label at a point belongs, and the distance of the point from the mesh [L].
 
-    A place within a mean edge of the surface belongs to the nearest face. One farther
-    off, such as a dot in the plan of a roof, belongs to the face straight under or over
-    it (along z); its distance then is 0.
+    A point within a mean edge length of the surface belongs to the nearest face. A point
+    farther off, such as a text dot in the plan of a roof, belongs to the face vertically
+    below or above it; its distance is then 0.
     """
     P = vertices[faces]
     edge = float(np.linalg.norm(P - np.roll(P, 1, axis=1), axis=2).mean())
-    # Only faces with a corner hardly farther off than the nearest corner can be the nearest.
+    # The nearest face has a corner within two edge lengths of the nearest corner.
     corner = np.linalg.norm(vertices - place, axis=1)[faces].min(axis=1)
     near = np.flatnonzero(corner <= corner.min() + 2.0 * np.linalg.norm(P - np.roll(P, 1, axis=1), axis=2).max())
     gap = np.linalg.norm(closest_in_triangles(place, P[near]) - place, axis=1)
@@ -65,14 +65,12 @@ def vertices_at(vertices: FloatArray, points: FloatArray, tolerance: float) -> l
     Raises
     ------
     ProblemError
-        With a sentence for every point that is farther than the tolerance [L] from all.
+        With a sentence for every point farther than the tolerance [L] from all vertices.
     """
     if not len(points):
         return []
     distance, nearest = cKDTree(vertices).query(points)
     far = np.flatnonzero(~(distance <= tolerance))
     if len(far):
-        raise ProblemError(
-            [f"the point {i} is {distance[i]:.3g} away from the nearest vertex of the mesh; put it on a vertex" for i in far]
-        )
+        raise ProblemError([f"point {i} is {distance[i]:.3g} away from the nearest vertex of the mesh; move it to a vertex" for i in far])
     return sorted(set(nearest.tolist()))

@@ -12,12 +12,12 @@ __all__ = ["arc_lengths", "nearest_on_polyline", "point_at", "points_along", "re
 
 
 def arc_lengths(polyline: FloatArray) -> FloatArray:
-    """Return the length along a polyline (k, 3) up to each of its points (k,) [L]."""
+    """Return the arc lengths of the points of a polyline (k, 3): (k,) [L]."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(polyline, axis=0), axis=1))])
 
 
 def nearest_on_polyline(points: FloatArray, polyline: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the distance from each point to a polyline, and the arc length at the nearest place.
+    """Return the distance of each point from a polyline, and the arc length of the nearest point on it.
 
     Parameters
     ----------
@@ -48,9 +48,9 @@ def nearest_on_polyline(points: FloatArray, polyline: FloatArray) -> tuple[Float
 
 
 def points_along(points: FloatArray, polyline: FloatArray, tolerance: float) -> IntArray:
-    """List the points that lie on a polyline, in the order in which it meets them.
+    """Return the points on a polyline, in order along it.
 
-    A point that a closed or self-touching polyline meets twice is listed twice.
+    A point that a closed or self-touching polyline passes twice is listed twice.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def points_along(points: FloatArray, polyline: FloatArray, tolerance: float) -> 
     polyline
         ``(k, 3)`` coordinates [L], k >= 2.
     tolerance
-        Largest distance of a point that lies on it [L].
+        Largest distance of a point on the polyline [L].
     """
     tree = cKDTree(points)
     start, along = polyline[:-1], np.diff(polyline, axis=0)
@@ -75,7 +75,7 @@ def points_along(points: FloatArray, polyline: FloatArray, tolerance: float) -> 
     position = at[segment] + t * length[segment]
     hit = gap <= tolerance
     point, position, gap = point[hit], position[hit], gap[hit]
-    # Segments that follow each other meet the same point within about a tolerance: one meeting, at its nearest.
+    # Consecutive segments may both be near a point; this counts as one meeting.
     order = np.lexsort((position, point))
     point, position, gap = point[order], position[order], gap[order]
     fresh = np.ones(len(point), bool)
@@ -95,20 +95,20 @@ def point_at(polyline: FloatArray, position: FloatArray) -> FloatArray:
 
 
 def resample(polyline: FloatArray, spacing: float) -> FloatArray:
-    """Return points spread evenly along a polyline, at most `spacing` apart, with both ends."""
+    """Return evenly spaced points along a polyline, at most `spacing` apart, including both ends."""
     length = float(arc_lengths(polyline)[-1])
     count = max(1, int(np.ceil(length / spacing)))
     return point_at(polyline, np.linspace(0.0, length, count + 1))
 
 
 def resample_all(polyline: FloatArray, spacing: float) -> FloatArray:
-    """Return a polyline with points added on its segments, so that they are at most `spacing` apart."""
+    """Return a polyline with points added so that they are at most `spacing` apart."""
     at = arc_lengths(polyline)
     count = np.maximum(1, np.ceil(np.diff(at) / spacing)).astype(np.int64)
     first = np.repeat(at[:-1], count)
     inside = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     position = np.append(first + inside * np.repeat(np.diff(at) / count, count), at[-1])
     points = point_at(polyline, position)
-    # The old points keep every bit.
+    # The old points are kept exactly.
     points[np.append(np.cumsum(count) - count, len(position) - 1)] = polyline
     return points

@@ -1,4 +1,4 @@
-"""Regions: the connected components that creases divide the faces into."""
+"""Regions: connected components of faces separated by creases."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["face_means", "face_neighbours", "face_regions", "vertex_labels"]
 
 
 def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Return the pairs of faces that share an edge (p, 2), and those edges (p, 2), low vertex first."""
+    """Return the pairs of faces that share an edge (p, 2), and these edges (p, 2), lower vertex first."""
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     u, v = F.ravel(), np.roll(F, -1, axis=1).ravel()
     ends = np.column_stack([np.minimum(u, v), np.maximum(u, v)])
@@ -31,7 +31,7 @@ def face_neighbours(faces: IntArray) -> tuple[IntArray, IntArray]:
 
 @names_what_was_meant()
 def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
-    """Number the regions of faces that can be reached without crossing a crease.
+    """Return the region of every face; regions are separated by creases.
 
     Parameters
     ----------
@@ -43,8 +43,7 @@ def face_regions(faces: IntArray, creases: IntArray) -> IntArray:
     Returns
     -------
     (m,) int64
-        Region of every face, from 0 in the order of each region's first face: the
-        numbers stay the same as long as faces and creases do.
+        Region of every face, numbered from 0 in the order of first faces.
 
     Examples
     --------
@@ -71,7 +70,7 @@ def _face_regions(F: IntArray, creases: IntArray) -> IntArray:
 
 @names_what_was_meant()
 def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
-    """Return the label of the last face around each of `count` vertices, -1 where there is none (n,).
+    """Return the label of the last face around each of `count` vertices, -1 without faces (n,).
 
     Parameters
     ----------
@@ -80,12 +79,12 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
     faces
         ``(m, 3)`` vertex indices.
     labels
-        ``(m,)`` of the faces, such as their regions.
+        ``(m,)`` labels of the faces, such as their regions.
 
     Returns
     -------
     (n,) int64
-        Labels of vertices.
+        Label of every vertex.
 
     Examples
     --------
@@ -101,23 +100,23 @@ def vertex_labels(count: int, faces: IntArray, labels: IntArray) -> IntArray:
 
 @names_what_was_meant()
 def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
-    """Return the mean over those corners of every face whose value is known (m,).
+    """Return the mean of the known corner values of every face (m,).
 
-    Faces without such a corner take the mean of the faces around them, ring after ring.
+    Faces without known corners take the mean of neighbouring faces, ring by ring.
 
     Parameters
     ----------
     faces
         ``(m, 3)`` vertex indices.
     known
-        ``(n,)`` vertices whose value counts.
+        ``(n,)`` mask of vertices with known values.
     values
-        ``(n,)`` of the vertices.
+        ``(n,)`` values of the vertices.
 
     Returns
     -------
     (m,) float64
-        NaN where no value of a face is known.
+        Mean value of every face.
 
     Examples
     --------
@@ -142,6 +141,6 @@ def face_means(faces: IntArray, known: Mask, values: FloatArray) -> FloatArray:
 
 @remembered
 def _incidence(faces: IntArray, n: int) -> sparse.csr_matrix:
-    """Return the matrix (m, n) that is one at the corners of every face."""
+    """Return the incidence matrix (m, n) of faces and vertices."""
     corners = np.arange(3 * len(faces)) // 3
     return sparse.csr_matrix((np.ones(len(corners)), (corners, faces.ravel())), shape=(len(faces), n))

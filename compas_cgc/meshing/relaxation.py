@@ -1,4 +1,4 @@
-"""Relaxation of plane triangulations: vertices pushed apart to a size field, edges flipped, what is held stays."""
+"""Relaxation of plane triangulations to a size field, with edge flips and fixed points."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ __all__ = ["plane_angles", "relaxed"]
 
 STEPS = 5
 ROUNDS = 3
-SPRING = 1.15  # natural length of an edge against the mean that the size field asks for
+SPRING = 1.15  # natural length of an edge relative to the mean of the size field
 RATE = 0.2
-KEPT = np.radians(24.0)  # smallest angle that a flip for the valence may leave
+MIN_ANGLE = np.radians(24.0)  # least angle after a valence flip
 
 Sizes = Callable[[FloatArray], FloatArray]
 
 
 def relaxed(plan: FloatArray, faces: IntArray, held: Mask, kept: IntArray, sizes: Sizes) -> tuple[FloatArray, IntArray]:
-    """Return points (n, 2) and triangles (m, 3) evened out.
+    """Return relaxed points (n, 2) and triangles (m, 3).
 
-    Edges push like springs that are too short (Persson and Strang 2004) and are flipped to a Delaunay triangulation; at the end
-    they are flipped to valences of 6 where the angles allow it.
+    Edges act as compressed springs (Persson and Strang 2004) and are flipped to a Delaunay triangulation; finally they are
+    flipped towards valence 6 where the angles allow it.
 
     Parameters
     ----------
     plan
         ``(n, 2)`` [L].
     faces
-        ``(m, 3)`` triangles, anticlockwise.
+        ``(m, 3)`` triangles, counterclockwise.
     held
-        ``(n,)`` points that stay.
+        ``(n,)`` mask of fixed points.
     kept
-        ``(k, 2)`` edges that stay; those on the boundary do anyway.
+        ``(k, 2)`` fixed edges; boundary edges are always fixed.
     sizes
-        Edge lengths (k,) at points (k, 2) [L].
+        Function from points (k, 2) to edge lengths (k,) [L].
 
     References
     ----------
@@ -67,7 +67,7 @@ def plane_angles(plan: FloatArray, faces: IntArray) -> FloatArray:
 
 
 def _pushed(plan: FloatArray, faces: IntArray, held: Mask, sizes: Sizes) -> tuple[FloatArray, float]:
-    """Return the points after a step, and the longest step against its edge length."""
+    """Return the points after a step, and the longest step relative to the edge length."""
     edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
     u, v = edges.T
     bar = plan[v] - plan[u]
@@ -84,7 +84,7 @@ def _pushed(plan: FloatArray, faces: IntArray, held: Mask, sizes: Sizes) -> tupl
 
 
 def _not_turned(plan: FloatArray, new: FloatArray, faces: IntArray) -> FloatArray:
-    """Return new points, of which those that would turn a triangle over are the old ones."""
+    """Return new points; points that would invert a triangle keep their old positions."""
     new = new.copy()
     for _ in range(10):
         turned = faces[(plane_angles(new, faces) <= np.radians(2.0)).any(axis=1)]
@@ -95,7 +95,7 @@ def _not_turned(plan: FloatArray, new: FloatArray, faces: IntArray) -> FloatArra
 
 
 def _rounded(plan: FloatArray, faces: IntArray, held: Mask) -> FloatArray:
-    """Return points of which those at poor triangles have gone to where the smallest angle around them is largest."""
+    """Return points with those at poor triangles moved to maximise the smallest angle around them."""
     plan = plan.copy()
     around: dict[int, list[int]] = {}
     for f, face in enumerate(faces.tolist()):
@@ -122,7 +122,7 @@ def _rounded(plan: FloatArray, faces: IntArray, held: Mask) -> FloatArray:
 
 
 def _delaunay(plan: FloatArray, faces: IntArray, constraint: IntArray) -> IntArray:
-    """Return triangles after flips of edges whose opposite angles add up to more than a straight one."""
+    """Return triangles after flips of edges whose opposite angles add up to more than π."""
     return flipped(plan, faces, constraint, lambda e: _angle(plan, e.c, e.a, e.b) + _angle(plan, e.d, e.a, e.b) - np.pi - 1e-9)
 
 
@@ -132,9 +132,9 @@ def _angle(plan: FloatArray, at: IntArray, one: IntArray, other: IntArray) -> Fl
 
 
 def _evened(plan: FloatArray, faces: IntArray, constraint: IntArray) -> IntArray:
-    """Flip edges where valences come nearer to 6 and no angle becomes too small."""
+    """Return triangles after flips towards valence 6 that leave no small angles."""
 
     def allowed(_: IntArray, e: Diagonals) -> Mask:
-        return np.asarray(np.minimum(*(plane_angles(plan, pair).min(axis=1) for pair in e.turned())) > KEPT)
+        return np.asarray(np.minimum(*(plane_angles(plan, pair).min(axis=1) for pair in e.turned())) > MIN_ANGLE)
 
     return flipped_to_valence(len(plan), faces, constraint, allowed)

@@ -1,4 +1,4 @@
-"""Triangulations in plan as rings of neighbours around vertices, and the three changes of their edges."""
+"""Plane triangulations as rings of neighbours, with edge flips, collapses and vertex splits."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from .._compiled import kernel
 
 __all__ = ["collapse", "flip", "split"]
 
-MOST = 24  # neighbours that a ring has room for
+MAX_VALENCE = 24  # capacity of a ring
 
 
 @kernel(inner=True)
 def position(rings, degree, v, u):  # type: ignore[no-untyped-def]
-    """Return the place of u in the ring of v, -1 where it is none of its neighbours."""
+    """Return the index of u in the ring of v, -1 if it is not a neighbour."""
     for k in range(degree[v]):
         if rings[v, k] == u:
             return k
@@ -20,7 +20,7 @@ def position(rings, degree, v, u):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def insert(rings, degree, v, k, u):  # type: ignore[no-untyped-def]
-    """Put u into the ring of v, before what is at the place k."""
+    """Insert u into the ring of v before index k."""
     for i in range(degree[v], k, -1):
         rings[v, i] = rings[v, i - 1]
     rings[v, k] = u
@@ -29,7 +29,7 @@ def insert(rings, degree, v, k, u):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def remove(rings, degree, v, k):  # type: ignore[no-untyped-def]
-    """Take what is at the place k out of the ring of v."""
+    """Remove the neighbour at index k from the ring of v."""
     for i in range(k, degree[v] - 1):
         rings[v, i] = rings[v, i + 1]
     degree[v] -= 1
@@ -37,13 +37,13 @@ def remove(rings, degree, v, k):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def flip(rings, degree, rim, a, i):  # type: ignore[no-untyped-def]
-    """Turn the edge from a to its neighbour at place i; tell whether it could be."""
+    """Flip the edge from a to its neighbour at index i; return whether this was possible."""
     b = rings[a, i]
     k = degree[a]
     if rim[a] and (i == 0 or i == k - 1):
         return False
     c, d = rings[a, (i + 1) % k], rings[a, (i - 1) % k]
-    if position(rings, degree, c, d) >= 0 or degree[c] >= MOST - 1 or degree[d] >= MOST - 1:
+    if position(rings, degree, c, d) >= 0 or degree[c] >= MAX_VALENCE - 1 or degree[d] >= MAX_VALENCE - 1:
         return False
     if degree[a] < (3 if rim[a] else 5) or degree[b] < (3 if rim[b] else 5):
         return False
@@ -56,9 +56,9 @@ def flip(rings, degree, rim, a, i):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def collapse(rings, degree, rim, a, i):  # type: ignore[no-untyped-def]
-    """Take the inner vertex a into its neighbour at place i; tell whether it could be."""
+    """Collapse the inner vertex a into its neighbour at index i; return whether this was possible."""
     b, k = rings[a, i], degree[a]
-    if rim[a] or degree[b] + k - 4 >= MOST - 1:
+    if rim[a] or degree[b] + k - 4 >= MAX_VALENCE - 1:
         return False
     common = 0
     for j in range(k):
@@ -82,12 +82,12 @@ def collapse(rings, degree, rim, a, i):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def split(rings, degree, rim, v, i, count, w):  # type: ignore[no-untyped-def]
-    """Give the new vertex w the neighbours of v from place i to i + count; tell whether it could be."""
+    """Split v: the new vertex w gets the neighbours from index i to i + count; return whether this was possible."""
     k = degree[v]
     if count < 2 or count > k - 2 or (rim[v] and i + count > k - 1):
         return False
     first, last = rings[v, i], rings[v, (i + count) % k]
-    if degree[first] >= MOST - 1 or degree[last] >= MOST - 1:
+    if degree[first] >= MAX_VALENCE - 1 or degree[last] >= MAX_VALENCE - 1:
         return False
     rings[w, 0] = v
     for step in range(count + 1):

@@ -1,4 +1,4 @@
-"""Cutting of a mesh along a curve."""
+"""Cutting of meshes along curves."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from .polyline import point_at
 
 __all__ = ["Split", "split_along", "split_path"]
 
-SNAP = 0.2  # a crossing this near to a vertex, in edge lengths, is put at the vertex
+SNAP_DISTANCE = 0.2  # in edge lengths; crossings nearer to a vertex are moved to it
 
 
 class Split(NamedTuple):
     """A mesh cut along a curve."""
 
-    vertices: FloatArray  # (n + k, 3) [L]: old ones first, of which some have moved onto the curve
+    vertices: FloatArray  # (n + k, 3) [L], old ones first, some of them moved onto the curve
     faces: IntArray  # (m', 3)
-    parent: IntArray  # (m',) face that each is a part of
+    parent: IntArray  # (m',) old face that contains each face
     paths: list[list[int]]  # the curve as vertex paths along edges
-    inserted: dict[tuple[int, int], list[int]]  # old edge (u < v) to its new vertices from u to v
+    inserted: dict[tuple[int, int], list[int]]  # from old edges (u < v) to their new vertices from u to v
 
 
 def split_along(
-    vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: Mask, snap: float = SNAP
+    vertices: FloatArray, faces: IntArray, curve: FloatArray, tolerance: float, keep: Mask, snap: float = SNAP_DISTANCE
 ) -> Optional[Split]:
-    """Cut the faces that a curve runs across, so that it follows edges.
+    """Return a mesh cut along a curve, so that the curve follows edges.
 
-    A crossing near a vertex takes the vertex, which moves onto the curve, so that no
-    slivers arise; an end of the curve inside a face is led to the nearest corner.
+    A vertex near a crossing moves onto the curve, which avoids slivers; an end of the curve
+    inside a face is moved to the nearest corner.
 
     Parameters
     ----------
@@ -51,24 +51,23 @@ def split_along(
     curve
         ``(k, 3)`` points along the curve [L], first and last equal if it is closed.
     tolerance
-        Length below which two points are one [L].
+        Distance below which two points coincide [L].
     keep
-        ``(n,)`` bool: vertices that may not move.
+        ``(n,)`` bool: fixed vertices.
     snap
-        A crossing this near to a vertex, in edge lengths, is put at the vertex.
+        In edge lengths; crossings nearer to a vertex are moved to it.
 
     Returns
     -------
     Split or None
-        None when the curve does not run over the mesh in one way: far off it, or
-        crossing itself inside of a face.
+        None if the curve is far off the mesh or crosses itself inside a face.
     """
     edges = edge_faces(faces)
     crossings = curve_crossings(vertices, faces, edges, curve, snap)
     runs = _runs(vertices, faces, edges, crossings, curve, tolerance)
     if not runs:
         return None
-    # New vertices, one per crossing that is not at a vertex, in order along each edge.
+    # One new vertex per crossing off vertices, in order along each edge.
     name = crossings.vertex.copy()
     fresh = np.flatnonzero(name < 0)
     name[fresh] = len(vertices) + np.arange(len(fresh))
@@ -82,7 +81,7 @@ def split_along(
     points = _moved(old, np.unique(crossings.vertex[crossings.vertex >= 0]), curve, keep)
     cut = _cut_faces(points, faces, inserted, paths)
     if cut is not None and not (np.einsum("ij,ij->i", face_normals(points, cut[0]), normals[cut[1]]) > 0).all():
-        # Where a move would turn a face over, nothing is moved.
+        # If moving vertices would invert a face, none is moved.
         points, cut = old, _cut_faces(old, faces, inserted, paths)
     if cut is None:
         return None
@@ -91,7 +90,7 @@ def split_along(
 
 
 def _moved(points: FloatArray, corners: IntArray, curve: FloatArray, keep: Mask) -> FloatArray:
-    """Return the points with corners moved onto the curve where they may."""
+    """Return the points with movable corners moved onto the curve."""
     corners = corners[~keep[corners]]
     moved = points.copy()
     if len(corners):
@@ -101,7 +100,7 @@ def _moved(points: FloatArray, corners: IntArray, curve: FloatArray, keep: Mask)
 
 
 def split_path(path: list[int], inserted: dict[tuple[int, int], list[int]]) -> list[int]:
-    """Return a vertex path with the new vertices on its edges."""
+    """Return a vertex path with the new vertices on its edges inserted."""
     result = path[:1]
     for u, v in zip(path[:-1], path[1:]):
         new = inserted.get((min(u, v), max(u, v)), [])
@@ -112,7 +111,7 @@ def split_path(path: list[int], inserted: dict[tuple[int, int], list[int]]) -> l
 def _runs(
     V: FloatArray, F: IntArray, edges: IntArray, crossings: Crossings, curve: FloatArray, tolerance: float
 ) -> Optional[list[list[int]]]:
-    """Join crossings that follow each other in a face; -1 - v stands for a vertex v that an end was led to."""
+    """Return runs of crossings that follow each other in faces; -1 - v stands for the end vertex v."""
     count = len(crossings.edge)
     if not count:
         return None
@@ -150,7 +149,7 @@ def _runs(
 
 
 def _end_corner(V: FloatArray, F: IntArray, around: list[int], end: FloatArray, last: FloatArray, tolerance: float) -> Optional[int]:
-    """Return the corner that the end of a curve inside of a face is led to, if it is nearer than the last crossing."""
+    """Return the corner to which the end of a curve inside a face is moved, if it is nearer than the last crossing."""
     away = float(np.linalg.norm(end - last))
     if away <= tolerance:
         return None
@@ -167,7 +166,7 @@ def _end_corner(V: FloatArray, F: IntArray, around: list[int], end: FloatArray, 
 def _cut_faces(
     points: FloatArray, faces: IntArray, inserted: dict[tuple[int, int], list[int]], paths: list[list[int]]
 ) -> Optional[tuple[IntArray, IntArray]]:
-    """Return the faces cut along paths, each with the number of its old face."""
+    """Return the faces cut along paths, and the old face of each."""
     on_edge = {**inserted, **{(b, a): new[::-1] for (a, b), new in inserted.items()}}
     polygons = {}
     at: dict[int, set[int]] = {}
@@ -193,7 +192,7 @@ def _cut_faces(
 
 
 def _chord(rings: list[list[int]], u: int, v: int) -> bool:
-    """Make sure that u-v is an edge of one of the rings, by splitting one in two if need be."""
+    """Split a ring by the chord u-v unless it is an edge; return whether a ring has both vertices."""
     for k, ring in enumerate(rings):
         if u in ring and v in ring:
             i, j = sorted((ring.index(u), ring.index(v)))

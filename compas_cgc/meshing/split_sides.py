@@ -1,4 +1,4 @@
-"""Faces divided at new vertices on their sides, the same on both sides of every edge."""
+"""Division of faces at new vertices on their sides, consistent on both sides of every edge."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ __all__ = ["SplitSides", "split_sides", "weighted"]
 
 
 class SplitSides(NamedTuple):
-    """Faces, those with new vertices on their sides divided."""
+    """Faces divided at new vertices on their sides."""
 
     faces: Faces  # (m', 3) in the order of the old ones
-    parent: IntArray  # (m',) old face that each is, or is a part of
-    weights: FloatArray  # (m', 3, 3) barycentric weights of the corners in that
-    side: IntArray  # (m', 3) side of that on which the side from a corner to the next one lies, -1 inside of it
-    ends: Edges  # (k, 2) old vertices between which each new one lies, the lower first; they are numbered after all old ones
-    share: FloatArray  # (k,) of the way from the first to the second
+    parent: IntArray  # (m',) old face that contains each face
+    weights: FloatArray  # (m', 3, 3) barycentric weights of the corners in the old face
+    side: IntArray  # (m', 3) side of the old face that contains each side, -1 for inner sides
+    ends: Edges  # (k, 2) old vertices on both sides of each new one, the lower first; new vertices come after all old ones
+    share: FloatArray  # (k,) position of the new vertex from the first end to the second
 
 
-# For faces with so many split sides, turned so that these come first: corners of the parts, 0-2 being corners and 3-5
-# the new vertices on the sides after them, and where their sides lie on sides of the face (-1: inside).
+# Parts of faces by number of split sides, with these first: corners (0-2 old corners, 3-5 new vertices on the sides
+# after them), and the old sides on which their sides lie (-1: inside).
 _PARTS = {
     0: (((0, 1, 2), (0, 1, 2)),),
     1: (((0, 3, 2), (0, -1, 2)), ((3, 1, 2), (0, 1, -1))),
@@ -37,17 +37,17 @@ _PARTS = {
 
 
 def split_sides(faces: Faces, crossing: Mask, start: FloatArray, end: FloatArray, n: int) -> SplitSides:
-    """Put a vertex on every edge with a crossing side, and divide all faces beside it.
+    """Insert a vertex on every edge with a crossing side, and divide its faces.
 
     Parameters
     ----------
     faces
         ``(m, 3)`` vertex indices.
     crossing
-        ``(m, 3)`` the sides that get one, from a corner to the next.
+        ``(m, 3)`` mask of the sides that get a vertex, from a corner to the next.
     start, end
-        ``(m, 3)`` heights of either end of the sides, of opposite signs where one crosses: the vertex is where the height is zero. Where
-        both sides of an edge cross, the first counts.
+        ``(m, 3)`` heights at both ends of the sides, of opposite signs on crossing sides; the new vertex is at height zero. If both
+        sides of an edge cross, the first counts.
     n
         Number of vertices.
     """
@@ -61,7 +61,7 @@ def split_sides(faces: Faces, crossing: Mask, start: FloatArray, end: FloatArray
     at = np.minimum(np.searchsorted(chosen, key), len(chosen) - 1)
     split = chosen[at] == key
     new = np.where(split, n + at, -1)
-    # From the lower vertex in both faces, so that an edge gets the same place from both sides.
+    # Measure from the lower vertex in both faces, so that both sides of an edge agree exactly.
     onward = faces == low
     part = share[at]
     middles = np.zeros((*faces.shape, 3))
@@ -76,9 +76,9 @@ def split_sides(faces: Faces, crossing: Mask, start: FloatArray, end: FloatArray
 
 
 def weighted(weights: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the values at corners (m, 3, ...) with barycentric weights (m, 3, 3) in faces whose corners have values (m, 3, ...).
+    """Return the values at corners (m, 3, ...) interpolated by barycentric weights (m, 3, 3) from values (m, 3, ...).
 
-    Summed in one order, so that two faces give the same value to a vertex on the edge that they share.
+    The fixed order of summation gives equal values at a vertex on a common edge.
     """
     each = weights.reshape(*weights.shape, *[1] * (values.ndim - 2))
     parts = [each[:, :, c] * values[:, None, c] for c in range(3)]
@@ -86,10 +86,10 @@ def weighted(weights: FloatArray, values: FloatArray) -> FloatArray:
 
 
 def _divided(faces: Faces, new: IntArray, middles: FloatArray, count: int) -> tuple[IntArray, Faces, FloatArray, IntArray]:
-    """Return the parts of the faces with `count` split sides: face that they come from, vertices, weights, sides."""
+    """Return the parts of faces with `count` split sides: old faces, vertices, weights, sides."""
     chosen = np.flatnonzero((new >= 0).sum(axis=1) == count)
     split = new[chosen] >= 0
-    # The side that the split ones begin with.
+    # First of the consecutive split sides.
     turn = np.argmax(split & ~np.roll(split, 1, axis=1), axis=1) if count in (1, 2) else np.zeros(len(chosen), np.int64)
     around = (turn[:, None] + np.arange(3)) % 3
 

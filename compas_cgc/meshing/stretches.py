@@ -1,4 +1,4 @@
-"""Stretches of curves between their nodes, and the places of vertices along them."""
+"""Stretches of curves between nodes, and the positions of vertices along them."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .sizing import SizeField
 
 __all__ = ["Stretch", "graded", "narrow_corners", "stretches_of"]
 
-NARROW = np.radians(40.0)  # angle between two curves below which the vertices on them are paired
-FIRST = 1.5  # edge lengths from a narrow corner within which the first pair is
-WITHIN = 0.6  # of the shorter curve, as far as pairs reach
-HALF = 0.45  # of it where both of its ends are narrow corners
+NARROW_ANGLE = np.radians(40.0)  # angle between two curves below which their vertices are paired
+FIRST_PAIR = 1.5  # largest distance of the first pair from a narrow corner, in edge lengths
+PAIR_REACH = 0.6  # reach of pairs relative to the shorter curve
+HALF_REACH = 0.45  # the same if both ends are narrow corners
 
 Rows = dict[tuple[int, int], FloatArray]
 """Distances (k,) of vertices from the ends of stretches, 0 or 1 [L]."""
@@ -28,23 +28,23 @@ class Stretch(NamedTuple):
 
     line: shapely.LineString
     begin: float  # along the line [L]
-    end: float  # along the line, more than its length where a closed one goes on [L]
-    nodes: tuple[int, int]  # at both ends
-    least: int  # edges at least
+    end: float  # along the line, beyond its length if a closed line continues [L]
+    nodes: tuple[int, int]  # indices of the nodes at both ends
+    least: int  # least number of edges
 
     @property
     def length(self) -> float:
-        """Its length [L]."""
+        """Length [L]."""
         return self.end - self.begin
 
     def at(self, places: FloatArray) -> FloatArray:
-        """Return the points (k, 2) at places (k,) along the line [L]."""
+        """Return the points (k, 2) at arc lengths (k,) along the line [L]."""
         return shapely.get_coordinates(
             shapely.line_interpolate_point(self.line, places % self.line.length if self.line.is_closed else places)
         )
 
     def sides(self) -> list[FloatArray]:
-        """Return its parts, each as points (k, 2), that turn by a quarter at most [L]."""
+        """Return its parts that turn by at most 90 degrees, as points (k, 2) [L]."""
         points = shapely.get_coordinates(substring(self.line, self.begin, min(self.end, self.line.length)))
         if self.end > self.line.length:
             points = np.concatenate([points, shapely.get_coordinates(substring(self.line, 0.0, self.end - self.line.length))[1:]])
@@ -55,7 +55,7 @@ class Stretch(NamedTuple):
         return [points[first : last + 1] for first, last in zip(stops[:-1], stops[1:])]
 
     def leaving(self, end: int, distance: float) -> FloatArray:
-        """Return the point (2,) at a distance from one of its ends [L]."""
+        """Return the point (2,) at a distance from end 0 or 1 [L]."""
         return self.at(np.array([self.begin + distance if end == 0 else self.end - distance]))[0]
 
 
@@ -73,7 +73,7 @@ def stretches_of(line: shapely.LineString, nodes: FloatArray, reach: float) -> l
 
 
 def graded(stretch: Stretch, sizes: SizeField, rows: Sequence[FloatArray]) -> FloatArray:
-    """Return places (k,) along a line whose distances follow the size field, after rows of given distances from both ends [L]."""
+    """Return arc lengths (k,) along a line spaced by the size field, with given distances from both ends [L]."""
     head, tail = stretch.begin + np.concatenate([[0.0], rows[0]]), stretch.end - np.concatenate([[0.0], rows[1]])[::-1]
     begin, end = float(head[-1]), float(tail[0])
     fine = np.linspace(begin, end, max(8, int(np.ceil(8 * (end - begin) / sizes.edge_length))) + 1)
@@ -85,26 +85,26 @@ def graded(stretch: Stretch, sizes: SizeField, rows: Sequence[FloatArray]) -> Fl
 
 
 def narrow_corners(domain: shapely.Polygon, stretches: Sequence[Stretch], nodes: FloatArray, sizes: SizeField) -> Rows:
-    """Return distances from narrow corners at which the curves that meet there get vertices.
+    """Return the distances of vertices from narrow corners on the curves that meet there.
 
-    Vertices at equal distances, which grow as the curves part, leave triangles with no smaller angle than that of the corner;
-    spread along each curve by itself they would leave slivers.
+    Vertices at equal, growing distances on both curves give triangles with angles no smaller than that of the corner, while
+    independent spacing would give slivers.
 
     Parameters
     ----------
     domain
-        Between the curves.
+        Area between the curves.
     stretches
-        Of the curves.
+        Stretches of the curves.
     nodes
-        ``(k, 2)`` where they meet [L].
+        ``(k, 2)`` nodes of the curves [L].
     sizes
-        Lengths of edges.
+        Target edge lengths.
 
     Returns
     -------
     rows
-        Distances (k,) by the position of a stretch and its end, 0 or 1 [L].
+        Distances (k,) by index of a stretch and its end, 0 or 1 [L].
     """
     meeting: dict[int, list[tuple[int, int]]] = {}
     for k, stretch in enumerate(stretches):
@@ -116,9 +116,9 @@ def narrow_corners(domain: shapely.Polygon, stretches: Sequence[Stretch], nodes:
 
 
 def _apart_from_others(rows: Rows, narrow: set[tuple[int, int]], stretches: Sequence[Stretch]) -> Rows:
-    """Return the rows of a corner so short that those of a narrow corner at the other end of a curve do not reach them."""
+    """Return the rows of a corner, shortened where the other end of a curve is a narrow corner too."""
     shared = [stretches[k].length for k, end in rows if (k, 1 - end) in narrow]
-    return {one: distances[distances < HALF * min(shared)] if shared else distances for one, distances in rows.items()}
+    return {one: distances[distances < HALF_REACH * min(shared)] if shared else distances for one, distances in rows.items()}
 
 
 def _rows(domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArray, ends: list[tuple[int, int]], size: float) -> Rows:
@@ -128,22 +128,22 @@ def _rows(domain: shapely.Polygon, stretches: Sequence[Stretch], node: FloatArra
     reach = min(size, 0.5 * min(length.values()))
     ahead = {one: stretches[one[0]].leaving(one[1], reach) - node for one in ends}
     ends = sorted(ends, key=lambda one: float(np.arctan2(*ahead[one][::-1])))
-    narrowest, paired = NARROW, set()
+    narrowest, paired = NARROW_ANGLE, set()
     for one, other in zip(ends, [*ends[1:], ends[0]]):
         first, second = (complex(*ahead[each]) for each in (one, other))
         angle = float(np.angle(second / first)) % (2 * np.pi)
         middle = first / abs(first) * np.exp(0.5j * angle) * reach * 0.5
-        if 0.0 < angle < NARROW and domain.contains(shapely.Point(node[0] + middle.real, node[1] + middle.imag)):
+        if 0.0 < angle < NARROW_ANGLE and domain.contains(shapely.Point(node[0] + middle.real, node[1] + middle.imag)):
             narrowest = min(narrowest, angle)
             paired |= {one, other}
     if not paired:
         return {}
-    most = WITHIN * min(length[one] for one in paired)
+    most = PAIR_REACH * min(length[one] for one in paired)
     across = 2.0 * np.sin(0.5 * narrowest)
     growth = (1.0 + 0.5 * across) / (1.0 - 0.5 * across)
-    # The last pair is an edge length apart.
+    # The vertices of the last pair are one edge length apart.
     distances = [size / across]
-    while distances[0] > FIRST * size:
+    while distances[0] > FIRST_PAIR * size:
         distances.insert(0, distances[0] / growth)
     within = np.array([distance for distance in distances if distance <= most])
     return dict.fromkeys(paired, within)

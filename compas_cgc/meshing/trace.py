@@ -1,4 +1,4 @@
-"""Curve tracing: vertex paths along the edges that follow a curve."""
+"""Curve tracing: vertex paths along edges that follow a curve."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Trace(NamedTuple):
 
     paths: list[list[int]]  # vertex paths, one per stretch of the curve on the mesh
     deviation: float  # largest distance between the curve and the paths [L]
-    outside: float  # length of the curve that lies off the mesh and was left out [L]
-    exact: bool  # the curve runs from vertex to vertex along the edges
+    outside: float  # length of the curve off the mesh, which is ignored [L]
+    exact: bool  # whether the curve runs from vertex to vertex along edges
 
 
 def follow_edges(net: EdgeNet, curve: FloatArray, tolerance: float) -> Optional[list[int]]:
-    """Return the path of vertices that a curve runs through along edges, or None if it leaves them.
+    """Return the path of vertices if a curve runs along edges, else None.
 
     Parameters
     ----------
@@ -38,13 +38,13 @@ def follow_edges(net: EdgeNet, curve: FloatArray, tolerance: float) -> Optional[
     curve
         ``(k, 3)`` points along the curve [L].
     tolerance
-        Largest distance of the vertices from the curve, and of its ends from the first and last of them [L].
+        Largest distance of the vertices from the curve, and of its ends from the first and last vertex [L].
     """
 
     def joined(path: list[int]) -> bool:
         return len(path) > 1 and all(v in net.neighbours(u) for u, v in zip(path[:-1], path[1:]))
 
-    # A polyline from vertex to vertex says itself which ones, however near others may be.
+    # A polyline from vertex to vertex determines the vertices directly.
     distance, nearest = net.tree.query(curve)
     if (distance <= tolerance).all():
         corners = nearest[np.append(True, nearest[1:] != nearest[:-1])].tolist()
@@ -60,9 +60,9 @@ def follow_edges(net: EdgeNet, curve: FloatArray, tolerance: float) -> Optional[
 
 
 def path_deviation(vertices: FloatArray, path: list[int], curve: FloatArray, both: bool = True) -> float:
-    """Return the largest distance between a path and the curve it stands for [L].
+    """Return the largest distance between a path and its curve [L].
 
-    With `both` either way, otherwise only from the path to the curve, which may go on.
+    With `both` in both directions, otherwise only from the path to the curve, which may continue.
     """
     line = vertices[path]
     spacing = max(np.linalg.norm(np.diff(line, axis=0), axis=1).min(), 1e-3 * np.linalg.norm(np.ptp(line, axis=0))) / 4
@@ -73,12 +73,12 @@ def path_deviation(vertices: FloatArray, path: list[int], curve: FloatArray, bot
 
 
 def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Optional[Mask] = None) -> Trace:
-    """Find the edges of a mesh that follow a curve best.
+    """Return the edges of a mesh that follow a curve best.
 
-    A curve along edges gives exactly these. Any other is matched as a road map is to a
-    track: its samples each take a nearby vertex, so that successive ones are equal or
-    joined by an edge and the sum of squared distances with a little of the length is
-    least (the Viterbi algorithm). What of the curve lies off the mesh is left out.
+    A curve along edges gives exactly these. Any other curve is map-matched: its samples are
+    assigned nearby vertices, with successive ones equal or joined by an edge, that minimise
+    the sum of squared distances plus a small multiple of the length (Viterbi algorithm).
+    Parts of the curve off the mesh are ignored.
 
     Parameters
     ----------
@@ -87,15 +87,15 @@ def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Opti
     curve
         ``(k, 3)`` points along the curve [L], first and last equal if it is closed.
     tolerance
-        Largest distance of vertices that lie on the curve [L].
+        Largest distance of vertices on the curve [L].
     anchors
-        ``(n,)`` bool: vertices to end at where the curve ends near one (on the boundary,
-        on other creases).
+        ``(n,)`` bool: preferred end vertices, such as those on the boundary or on other
+        creases.
 
     Returns
     -------
     Trace
-        Without paths when the curve comes nowhere near an edge.
+        Without paths if the curve is not near any edge.
     """
     exact = follow_edges(net, curve, tolerance)
     if exact is not None:
@@ -105,7 +105,7 @@ def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Opti
     closed = bool(np.linalg.norm(curve[0] - curve[-1]) <= tolerance)
     distance, nearest = net.tree.query(samples)
     if closed:
-        # Begin where the curve comes nearest to a vertex: it is sure to pass there.
+        # Start at the nearest vertex, through which the path certainly passes.
         turn = int(np.argmin(distance[:-1]))
         order = np.concatenate([np.arange(turn, len(samples) - 1), np.arange(turn + 1)])
         samples, distance, nearest = samples[order], distance[order], nearest[order]
@@ -123,7 +123,7 @@ def trace_curve(net: EdgeNet, curve: FloatArray, tolerance: float, anchors: Opti
 
 
 def _spacing(net: EdgeNet, curve: FloatArray) -> float:
-    """Return half the shortest edge near a curve, so that a path takes at most one edge from sample to sample [L]."""
+    """Return half the shortest edge length near a curve, so that a path has at most one edge per sample [L]."""
     length = float(arc_lengths(curve)[-1])
     lengths = net.lengths
     _, nearest = net.tree.query(resample(curve, max(float(np.median(lengths.data)), 1e-4 * length)))

@@ -1,4 +1,4 @@
-"""Ear clipping: polygons to triangles without new vertices."""
+"""Triangulation of polygons without new vertices (ear clipping)."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from ..errors import names_what_was_meant
 __all__ = ["triangles_of", "triangulate"]
 
 Coordinates = Union[Vertices, Mapping[int, Sequence[float]], Sequence[Sequence[float]]]
-"""Points by position or by key [L]."""
+"""Points by index or key [L]."""
 Polygons = Union[Faces, Sequence[Sequence[int]]]
-"""Vertex indices in order around every polygon, of any number."""
+"""Polygons as vertex indices in order."""
 
 
 @names_what_was_meant()
 def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices]:
-    """Split the polygons of a mesh into triangles.
+    """Return the triangles of the polygons of a mesh.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices
     Returns
     -------
     triangles (k, 3), owner (k,)
-        The triangles in the order of their polygons, and the position of each one's polygon; polygons with fewer than
-        three different corners have none.
+        Triangles in the order of their polygons, and the polygon of each; polygons with fewer than three different
+        corners have none.
 
     Examples
     --------
@@ -61,18 +61,18 @@ def triangles_of(vertices: Coordinates, faces: Polygons) -> tuple[Faces, Indices
 
 
 def distinct_corners(face: Sequence[int]) -> list[int]:
-    """Return the corners of a face without repetitions of the one before (Rhino's ``a, b, c, c``)."""
+    """Return the corners of a face without consecutive repetitions (Rhino's ``a, b, c, c``)."""
     corners = [int(v) for v in face]
     return [v for i, v in enumerate(corners) if v != corners[i - 1] or len(corners) == 1]
 
 
 @names_what_was_meant()
 def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
-    """Split a polygon into triangles.
+    """Return the triangles of a polygon.
 
-    A quad ``a, b, c, d`` is split from a to c, so that a grid of quads keeps one
-    direction of diagonals and valence 6, on which the angle defect is accurate; only a
-    quad that is concave there is split from b to d. Larger polygons are split into ears.
+    A quad ``a, b, c, d`` is split from a to c, so that a grid of quads has one
+    direction of diagonals and valence 6, for which the angle defect is accurate. A quad that
+    is concave there is split from b to d. Larger polygons are split by ear clipping.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     Returns
     -------
     list of [int, int, int]
-        In the same orientation; empty when fewer than three different corners are left.
+        Triangles in the same orientation; empty for fewer than three different corners.
 
     Examples
     --------
@@ -101,9 +101,9 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
     normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     left = list(range(len(corners)))
     if len(left) == 4:
-        # Put the ear at b first: cutting it leaves the diagonal a-c.
+        # Cut the ear at b first, which leaves the diagonal a-c.
         left = [1, 2, 3, 0]
-    # Cutting an ear of a simple polygon changes the corners beside it only.
+    # Cutting an ear only affects the corners beside it.
     known: list[Optional[bool]] = [None] * len(left)
     while len(left) > 3:
         ear = 0
@@ -120,7 +120,7 @@ def triangulate(vertices: Coordinates, face: Sequence[int]) -> list[list[int]]:
 
 
 def _plain_quads(vertices: Coordinates, faces: Polygons) -> Indices:
-    """Return the positions of the quads of four different corners that the diagonal from the first to the third splits."""
+    """Return the indices of quads with four different corners that are split by the diagonal from the first to the third."""
     quads = np.array([i for i, face in enumerate(faces) if len(face) == 4 == len(set(face))], dtype=np.int64)
     if not len(quads):
         return quads
@@ -128,7 +128,7 @@ def _plain_quads(vertices: Coordinates, faces: Polygons) -> Indices:
     normal = np.cross(c - a, d - b)
 
     def turn(start: FloatArray, end: FloatArray, point: FloatArray) -> FloatArray:
-        """Return how far to the left of an edge a point lies, in any unit."""
+        """Return a value that is positive if a point lies to the left of an edge."""
         return np.einsum("ij,ij->i", np.cross(end - start, point - start), normal)
 
     holds_d = (turn(a, b, d) >= 0) & (turn(b, c, d) >= 0) & (turn(c, a, d) >= 0)
@@ -136,7 +136,7 @@ def _plain_quads(vertices: Coordinates, faces: Polygons) -> Indices:
 
 
 def _is_ear(points: FloatArray, left: list[int], k: int, normal: FloatArray) -> bool:
-    """Tell whether corner `k` is convex and no other corner lies in its triangle."""
+    """Check whether corner `k` is convex and no other corner lies in its triangle."""
     before, here, after = (points[left[i % len(left)]] for i in (k - 1, k, k + 1))
     if np.dot(np.cross(here - before, after - here), normal) <= 0:
         return False

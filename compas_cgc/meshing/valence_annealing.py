@@ -1,4 +1,4 @@
-"""Valences of plane triangulations brought to 6 by simulated annealing over flips, collapses and splits."""
+"""Simulated annealing of plane triangulations towards valence 6 by flips, collapses and splits."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from .._compiled import kernel
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
-from .rings import MOST
+from .rings import MAX_VALENCE
 from .rings import collapse
 from .rings import flip
 from .rings import split
 
 __all__ = ["annealed"]
 
-TRIALS, LIMIT = 400, 250_000  # for every vertex whose valence is not 6, and altogether at most
-HOT, COLD = 1.5, 0.05  # temperatures, in units of one valence that is off by one
-SHAPE, SIZE = 3.0, 0.8  # weights of shapes and of lengths
-SMALLEST = np.radians(28.0)  # angle that a change may leave, unless there was a smaller one
-SWEEPS = 3  # of the vertices around a change
-PATCH = 96  # vertices around a change at most
+TRIALS_PER_VERTEX, MAX_TRIALS = 400, 250_000  # trials per irregular vertex, and in total
+START_TEMPERATURE, END_TEMPERATURE = 1.5, 0.05  # temperatures in units of a valence error of one
+SHAPE_WEIGHT, SIZE_WEIGHT = 3.0, 0.8  # weights of triangle shapes and sizes
+MIN_ANGLE = np.radians(28.0)  # least angle after a change, unless a smaller one existed before
+SWEEPS = 3  # smoothing sweeps around a change
+PATCH_SIZE = 96  # largest number of vertices around a change
 
 
 def annealed(
@@ -30,21 +30,21 @@ def annealed(
 ) -> tuple[FloatArray, IntArray]:
     """Return points (n', 2) and triangles (m', 3) with more valences of 6.
 
-    A pair of valences 5 and 7 is a dislocation; flips make it glide, collapses and splits make it climb, until it meets another one or
-    the rim. A change is taken by the Metropolis rule after the vertices around it have gone to where triangles are even.
+    A pair of valences 5 and 7 is a dislocation: flips make it glide, collapses and splits make it climb, until it meets another one
+    or the boundary. Changes are accepted by the Metropolis rule after smoothing of the vertices around them.
 
     Parameters
     ----------
     plan
         ``(n, 2)`` [L].
     faces
-        ``(m, 3)`` triangles, anticlockwise.
+        ``(m, 3)`` triangles, counterclockwise.
     held
-        ``(n,)`` points that stay; none of them is lost, and their order is the same in the result.
+        ``(n,)`` mask of fixed points, which keep their order in the result.
     kept
-        ``(k, 2)`` edges that stay; those on the boundary do anyway.
+        ``(k, 2)`` fixed edges; boundary edges are always fixed.
     sizes
-        Edge lengths (k,) at points (k, 2) [L].
+        Function from points (k, 2) to edge lengths (k,) [L].
 
     References
     ----------
@@ -55,7 +55,7 @@ def annealed(
     if around is None:
         return plan, faces
     room = n + n // 3 + 64
-    rings, degree, rim = np.zeros((room, MOST), np.int64), np.zeros(room, np.int64), np.zeros(room, bool)
+    rings, degree, rim = np.zeros((room, MAX_VALENCE), np.int64), np.zeros(room, np.int64), np.zeros(room, bool)
     for v, (ring, open_) in enumerate(around):
         rings[v, : len(ring)], degree[v], rim[v] = ring, len(ring), open_
     odd = int(np.count_nonzero(degree[:n][~rim[:n]] != 6))
@@ -67,12 +67,12 @@ def annealed(
         if not len(place):
             return plan, faces
         chains[a, place[0]] = b
-    count = _anneal(points, rings, degree, rim, free, chains, size, n, min(TRIALS * odd, LIMIT), np.array([1], np.uint64))
+    count = _anneal(points, rings, degree, rim, free, chains, size, n, min(TRIALS_PER_VERTEX * odd, MAX_TRIALS), np.array([1], np.uint64))
     return _triangles(points, rings, degree, rim, count)
 
 
 def _rings(n: int, faces: IntArray) -> list[tuple[list[int], bool]] | None:
-    """Return the neighbours of every vertex, anticlockwise, and whether it is on the boundary; None where fans meet in a vertex."""
+    """Return the counterclockwise neighbours of every vertex, and whether it is on the boundary; None if fans meet in a vertex."""
     onward: list[dict[int, int]] = [{} for _ in range(n)]
     for face in faces.tolist():
         for k in range(3):
@@ -87,7 +87,7 @@ def _rings(n: int, faces: IntArray) -> list[tuple[list[int], bool]] | None:
         while at in follows and follows[at] != ring[0]:
             at = follows[at]
             ring.append(at)
-        if len(ring) != len(follows) + len(starts) or len(ring) >= MOST - 2:
+        if len(ring) != len(follows) + len(starts) or len(ring) >= MAX_VALENCE - 2:
             return None
         found.append((ring, bool(starts)))
     return found
@@ -105,7 +105,7 @@ def _triangles(points: FloatArray, rings: IntArray, degree: IntArray, rim: Mask,
 
 @kernel(inner=True)
 def _drawn(state, most):  # type: ignore[no-untyped-def]
-    """Return the next of a sequence of random numbers from 0 to most - 1 (xorshift)."""
+    """Return the next pseudo-random number from 0 to most - 1 (xorshift)."""
     x = state[0]
     x ^= x << np.uint64(13)
     x ^= x >> np.uint64(7)
@@ -116,7 +116,7 @@ def _drawn(state, most):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _shape(p, q, r):  # type: ignore[no-untyped-def]
-    """Return the sum of squared sides against the area, 1 for even triangles, and twice the area."""
+    """Return the ratio of squared sides to area, 1 for equilateral triangles, and twice the area."""
     area = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
     sides = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (r[0] - q[0]) ** 2 + (r[1] - q[1]) ** 2 + (p[0] - r[0]) ** 2 + (p[1] - r[1]) ** 2
     return sides / (2.0 * np.sqrt(3.0) * area) if area > 0.0 else np.inf, area
@@ -124,7 +124,7 @@ def _shape(p, q, r):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _least_angle(p, q, r):  # type: ignore[no-untyped-def]
-    """Return the smallest angle of a triangle, that across its shortest side."""
+    """Return the smallest angle of a triangle."""
     a = (q[0] - r[0]) ** 2 + (q[1] - r[1]) ** 2
     b = (p[0] - r[0]) ** 2 + (p[1] - r[1]) ** 2
     c = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2
@@ -135,7 +135,7 @@ def _least_angle(p, q, r):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _around(points, rings, degree, rim, v):  # type: ignore[no-untyped-def]
-    """Return the sum of the squared shapes of the triangles at a vertex: the worst count most."""
+    """Return the sum of the squared shape ratios of the triangles at a vertex."""
     total = 0.0
     k = degree[v]
     for j in range(k - 1 if rim[v] else k):
@@ -146,12 +146,12 @@ def _around(points, rings, degree, rim, v):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _centred(points, rings, degree, rim, v):  # type: ignore[no-untyped-def]
-    """Move a vertex towards where its triangles would be even, the poor ones counting most, as far as helps."""
+    """Move a vertex towards the position of best triangles, weighted by their shape ratio, if this improves them."""
     x, y = points[v, 0], points[v, 1]
     k = degree[v]
     sx, sy, weight = 0.0, 0.0, 0.0
     for j in range(k):
-        # Where its triangle with each side of the ring would be even.
+        # Apex of the equilateral triangle over each side of the ring.
         q, r = points[rings[v, j]], points[rings[v, (j + 1) % k]]
         found, _ = _shape(points[v], q, r)
         part = found if found < 20.0 else 20.0
@@ -170,7 +170,7 @@ def _centred(points, rings, degree, rim, v):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _cost(points, rings, degree, rim, size, patch, held, length):  # type: ignore[no-untyped-def]
-    """Return the cost of a patch's vertices and of the triangles at them, and the smallest angle of these."""
+    """Return the cost of the vertices and triangles of a patch, and the smallest angle."""
     total, angle = 0.0, 4.0
     for at in range(length):
         v = patch[at]
@@ -181,7 +181,7 @@ def _cost(points, rings, degree, rim, size, patch, held, length):  # type: ignor
             total += (k - 6.0) ** 2
         for j in range(k - 1 if rim[v] else k):
             a, b = rings[v, j], rings[v, (j + 1) % k]
-            # A triangle counts at the first of its corners that belong to the patch.
+            # Count each triangle once, at its first corner in the patch.
             if (held[a] and a < v) or (held[b] and b < v):
                 continue
             shape, area = _shape(points[v], points[a], points[b])
@@ -189,17 +189,17 @@ def _cost(points, rings, degree, rim, size, patch, held, length):  # type: ignor
                 return np.inf, -1.0
             asked = (size[v] + size[a] + size[b]) / 3.0
             off = np.log(area / (0.5 * np.sqrt(3.0) * asked * asked))
-            total += SHAPE * (shape - 1.0) + SIZE * off * off
+            total += SHAPE_WEIGHT * (shape - 1.0) + SIZE_WEIGHT * off * off
             angle = min(angle, _least_angle(points[v], points[a], points[b]))
     return total, angle
 
 
 @kernel(inner=True)
 def _joined(rings, degree, patch, held, length, v):  # type: ignore[no-untyped-def]
-    """Add a vertex and its neighbours to a patch, whose new length is returned."""
+    """Add a vertex and its neighbours to a patch and return its new length."""
     for j in range(-1, degree[v]):
         u = v if j < 0 else rings[v, j]
-        if not held[u] and length < PATCH:
+        if not held[u] and length < PATCH_SIZE:
             held[u] = True
             patch[length] = u
             length += 1
@@ -216,7 +216,7 @@ def _is_kept(chains, a, b):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _odd_one(degree, rim, count, state):  # type: ignore[no-untyped-def]
-    """Return a vertex drawn among those whose valence is not 6, or -1 where it found none."""
+    """Return a random irregular vertex, or -1 if none was found."""
     for _ in range(8 * count):
         v = _drawn(state, count)
         if degree[v] > 0 and not rim[v] and degree[v] != 6:
@@ -226,7 +226,7 @@ def _odd_one(degree, rim, count, state):  # type: ignore[no-untyped-def]
 
 @kernel(inner=True)
 def _copied(points, rings, degree, patch, length, old_points, old_rings, old_degree):  # type: ignore[no-untyped-def]
-    """Keep a patch as it is before a change."""
+    """Save a patch before a change."""
     for at in range(length):
         u = patch[at]
         old_degree[at] = degree[u]
@@ -237,7 +237,7 @@ def _copied(points, rings, degree, patch, length, old_points, old_rings, old_deg
 
 @kernel(inner=True)
 def _undone(points, rings, degree, patch, length, old_points, old_rings, old_degree):  # type: ignore[no-untyped-def]
-    """Make a patch what it was before a change."""
+    """Restore a patch."""
     for at in range(length):
         u = patch[at]
         degree[u] = old_degree[at]
@@ -248,7 +248,7 @@ def _undone(points, rings, degree, patch, length, old_points, old_rings, old_deg
 
 @kernel(inner=True)
 def _collapsed(points, rings, degree, rim, free, v, i):  # type: ignore[no-untyped-def]
-    """Collapse a vertex into its neighbour, which goes half way to it where it is free; tell whether that could be."""
+    """Collapse a vertex into its neighbour, which moves half way if free; return whether this was possible."""
     b = rings[v, i]
     if not collapse(rings, degree, rim, v, i):
         return False
@@ -259,7 +259,7 @@ def _collapsed(points, rings, degree, rim, free, v, i):  # type: ignore[no-untyp
 
 @kernel(inner=True)
 def _parted(points, rings, degree, rim, free, chains, size, v, i, steps, new):  # type: ignore[no-untyped-def]
-    """Split a vertex, whose new one takes some of its neighbours from one on; tell whether that could be."""
+    """Split a vertex at a range of its neighbours; return whether this was possible."""
     k = degree[v]
     if steps > k - 2:
         return False
@@ -282,7 +282,7 @@ def _parted(points, rings, degree, rim, free, chains, size, v, i, steps, new):  
 
 @kernel(inner=True)
 def _evened(points, rings, degree, rim, free, patch, length):  # type: ignore[no-untyped-def]
-    """Move the free vertices of a patch to where its triangles are even."""
+    """Smooth the free vertices of a patch."""
     for _ in range(SWEEPS):
         for at in range(length):
             u = patch[at]
@@ -292,16 +292,20 @@ def _evened(points, rings, degree, rim, free, patch, length):  # type: ignore[no
 
 @kernel()
 def _anneal(points, rings, degree, rim, free, chains, size, count, trials, state):  # type: ignore[no-untyped-def]
-    """Change the arrays, and return how many of their rows are in use."""
+    """Anneal the arrays in place and return the number of used rows."""
     room = len(degree)
-    patch, held = np.zeros(PATCH, np.int64), np.zeros(room, np.bool_)
-    old_rings, old_degree, old_points = np.zeros((PATCH, MOST), np.int64), np.zeros(PATCH, np.int64), np.zeros((PATCH, 2))
+    patch, held = np.zeros(PATCH_SIZE, np.int64), np.zeros(room, np.bool_)
+    old_rings, old_degree, old_points = (
+        np.zeros((PATCH_SIZE, MAX_VALENCE), np.int64),
+        np.zeros(PATCH_SIZE, np.int64),
+        np.zeros((PATCH_SIZE, 2)),
+    )
     for trial in range(trials):
-        heat = HOT * (COLD / HOT) ** (trial / trials)
+        heat = START_TEMPERATURE * (END_TEMPERATURE / START_TEMPERATURE) ** (trial / trials)
         v = _odd_one(degree, rim, count, state)
         if v < 0:
             break
-        # The change is at the vertex or beside it.
+        # Change the vertex or a neighbour.
         if _drawn(state, 2) == 0:
             v = rings[v, _drawn(state, degree[v])]
         i = _drawn(state, degree[v])
@@ -318,8 +322,8 @@ def _anneal(points, rings, degree, rim, free, chains, size, count, trials, state
         if way <= 1:
             done = not _is_kept(chains, v, b) and flip(rings, degree, rim, v, i)
         elif way == 2:
-            done = free[v] and length < PATCH - 1 and _collapsed(points, rings, degree, rim, free, v, i)
-        elif count < room and length < PATCH - 1 and degree[v] < MOST - 4:
+            done = free[v] and length < PATCH_SIZE - 1 and _collapsed(points, rings, degree, rim, free, v, i)
+        elif count < room and length < PATCH_SIZE - 1 and degree[v] < MAX_VALENCE - 4:
             done = _parted(points, rings, degree, rim, free, chains, size, v, i, 2 + _drawn(state, 3), count)
             if done:
                 patch[length], held[count] = count, True
@@ -330,7 +334,7 @@ def _anneal(points, rings, degree, rim, free, chains, size, count, trials, state
             if after < np.inf:
                 _evened(points, rings, degree, rim, free, patch, length)
                 after, angle = _cost(points, rings, degree, rim, size, patch, held, length)
-        taken = done and after < np.inf and angle >= min(SMALLEST, angle_before)
+        taken = done and after < np.inf and angle >= min(MIN_ANGLE, angle_before)
         if taken and after > before:
             taken = np.exp((before - after) / heat) * 1048576.0 > _drawn(state, 1048576)
         for at in range(length):

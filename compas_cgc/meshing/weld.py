@@ -18,28 +18,27 @@ __all__ = ["Cleaned", "Welded", "clean_faces", "split_quads", "weld"]
 
 @dataclass(frozen=True)
 class Welded:
-    """A mesh in which every point is one vertex."""
+    """A mesh without coincident vertices."""
 
-    vertices: FloatArray  # (k, 3) [L], the first of every group of merged ones, in their old order
-    faces: IntArray  # (m, c) indices into it
-    index: IntArray  # (n,) new index of every old vertex, -1 where no face uses it
+    vertices: FloatArray  # (k, 3) [L], the first vertex of every merged group, in the old order
+    faces: IntArray  # (m, c) indices into `vertices`
+    index: IntArray  # (n,) new index of every old vertex, -1 if unused
 
 
 class Cleaned(NamedTuple):
     """Faces without degenerate and duplicate ones."""
 
     faces: IntArray  # (k, 3)
-    kept: IntArray  # (k,) their old indices
-    degenerate: int  # faces dropped with fewer than three different corners
-    duplicate: int  # faces dropped with the corners of an earlier one
+    kept: IntArray  # (k,) old indices
+    degenerate: int  # number of dropped faces with fewer than three different corners
+    duplicate: int  # number of dropped duplicates
 
 
 def weld(vertices: FloatArray, faces: IntArray, tolerance: float) -> Welded:
     """Merge the vertices that lie within a tolerance of each other and drop unused ones.
 
-    The vertices left keep their order and their exact coordinates, so a welded mesh
-    comes out as it went in. Groups are chains: of points a, b, c with a near b and b
-    near c all three become a.
+    Remaining vertices keep their order and exact coordinates, so a welded mesh does not
+    change. Groups are chains: if a is near b and b is near c, all three become a.
 
     Parameters
     ----------
@@ -48,7 +47,7 @@ def weld(vertices: FloatArray, faces: IntArray, tolerance: float) -> Welded:
     faces
         ``(m, c)`` vertex indices.
     tolerance
-        Largest distance of two vertices that are one [L]; 0 merges equal ones only.
+        Largest distance of vertices to merge [L]; 0 merges equal ones only.
     """
     V = np.asarray(vertices, dtype=np.float64)
     F = np.asarray(faces, dtype=np.int64)
@@ -69,10 +68,10 @@ def weld(vertices: FloatArray, faces: IntArray, tolerance: float) -> Welded:
 
 
 def split_quads(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Split quads into triangles; one with a repeated corner (``a, b, c, c``) is one already.
+    """Return the triangles of quads; a quad with a repeated corner (``a, b, c, c``) is one triangle.
 
-    A quad ``a, b, c, d`` is split from a to c, unless it is concave there: a grid keeps
-    one direction of diagonals, as with :func:`compas_cgc.meshing.triangulate`.
+    A quad ``a, b, c, d`` is split from a to c unless it is concave there, as in
+    :func:`compas_cgc.meshing.triangulate`.
 
     Parameters
     ----------
@@ -84,10 +83,10 @@ def split_quads(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IntArr
     Returns
     -------
     triangles (k, 3), owner (k,)
-        In the order of the quads; ``owner`` is the quad that each came from.
+        Triangles in the order of the quads, and the quad of each.
     """
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 4)
-    # Where a corner repeats the one before it, the others are the triangle.
+    # If a corner repeats the previous one, the others form the triangle.
     repeated = F == np.roll(F, 1, axis=1)
     short = np.flatnonzero(repeated.any(axis=1))
     long = np.flatnonzero(~repeated.any(axis=1))
@@ -109,7 +108,7 @@ def split_quads(vertices: FloatArray, faces: IntArray) -> tuple[IntArray, IntArr
 
 
 def clean_faces(faces: IntArray) -> Cleaned:
-    """Drop the triangles with repeated corners and those that repeat an earlier one."""
+    """Return the triangles without degenerate and duplicate ones."""
     F = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     whole = (F != np.roll(F, 1, axis=1)).all(axis=1)
     kept = np.flatnonzero(whole)

@@ -350,15 +350,15 @@ REFUSED = [
     ),
     (
         lambda: CGCMesh.from_vertices_and_faces([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]]),
-        "faces 0 are degenerate, without area; weld or remove their vertices, or remesh there",
+        "faces 0 are degenerate (zero area); weld or remove their vertices, or remesh there",
     ),
     (
         lambda: with_faces([0, 1, 2], [1, 0, 3], [0, 1, 4], vertices=5),
-        "edges 0-1 belong to more than two faces, the mesh is not manifold; remove the surplus faces",
+        "edges 0-1 belong to more than two faces, so the mesh is not manifold; remove the extra faces",
     ),
-    (touching, "at vertices 0 parts of the mesh touch in a point, it is not manifold"),
-    (moebius, "the mesh is not orientable (a Moebius strip), it has no two sides; cut it open"),
-    (against, "faces 3 run against their neighbours; unify them (mesh.unify() does)"),
+    (touching, "at vertices 0 parts of the mesh touch in a point, so it is not manifold"),
+    (moebius, "the mesh is not orientable (like a Moebius strip); cut it open"),
+    (against, "faces 3 are oriented against their neighbours; unify them (mesh.unify())"),
     (nan, "vertices 12 have coordinates that are not finite numbers"),
     (lambda: with_faces([0, 1, 2], [1, 3, 2]), "vertices 4, 5 belong to no face; remove them"),
     (quads, "faces 32 have more than three corners; triangulate them"),
@@ -407,7 +407,7 @@ def test_several_pieces_are_solved_and_said():
     vertices, faces = one.arrays()
     mesh = CGCMesh.from_vertices_and_faces(np.vstack([vertices, other.arrays()[0] + [10, 0, 0]]), np.vstack([faces, faces + len(vertices)]))
     ready(mesh)
-    assert [(str(p), p.fatal) for p in mesh.check()] == [("the mesh has 2 separate pieces, which are solved side by side", False)]
+    assert [(str(p), p.fatal) for p in mesh.check()] == [("the mesh has 2 separate pieces, which are solved independently", False)]
     result = solve(mesh)
     z = result.mesh.arrays()[0][:, 2]
     assert result.converged and z[: len(vertices)] == pytest.approx(z[len(vertices) :], rel=1e-6, abs=1e-9)

@@ -126,7 +126,7 @@ def test_all_of_it_at_once_with_a_list_of_what_was_done():
     clean = tidy(loose, own, 1e-6, " m")
     assert len(clean.vertices) == 25 and len(clean.faces) == 32
     text = "\n".join(clean.notes)
-    for words in ("welded to others within 1e-06 m", "without a face", "split", "lie on others", "less than three", "turned over"):
+    for words in ("welded to others within 1e-06 m", "without a face", "split", "duplicate", "fewer than three", "turned over"):
         assert words in text
     assert clean.index[-1] == -1 and clean.owner.max() == 15
 

@@ -154,4 +154,4 @@ def test_one_bad_triangle_in_a_mesh_is_found_by_the_check():
     mesh = grid(60, 1e-4)
     mesh.vertex[1830].update(mesh.vertex[1831])
     (problem,) = [p for p in mesh.check() if p.fatal]
-    assert "degenerate, without area" in problem
+    assert "degenerate (zero area)" in problem

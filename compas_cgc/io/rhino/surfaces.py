@@ -13,7 +13,7 @@ from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...errors import FileError
 from ...errors import MeshError
-from ...meshing.kinks import JOINT
+from ...meshing.kinks import KINK_ANGLE
 from ...meshing.kinks import angles_between
 from ...meshing.polyline import arc_lengths
 from ...meshing.polyline import point_at
@@ -148,7 +148,7 @@ def _faces_of_brep(brep: Geometry, edge_length: float, tolerance: float) -> Mesh
         kinks.extend(made.kinks)
         for edge, normal in ends:
             normals.setdefault(edge, []).append(normal)
-    sharp = [edge for edge, found in normals.items() if len(found) == 2 and angles_between(*found).max() > JOINT]
+    sharp = [edge for edge, found in normals.items() if len(found) == 2 and angles_between(*found).max() > KINK_ANGLE]
     return np.concatenate(vertices), np.concatenate(faces), [edges[edge] for edge in sorted(sharp)] + kinks, deviation
 
 

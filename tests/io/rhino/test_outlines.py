@@ -93,9 +93,9 @@ def test_without_layers_the_widest_closed_curve_is_the_outline(mesher, tmp_path)
 
 def test_what_cannot_be_meshed_is_said(mesher, tmp_path, monkeypatch):
     bow = np.array([[0, 0, 0], [5, 5, 0], [5, 0, 0], [0, 5, 0], [0, 0, 0]], float)
-    with pytest.raises(MeshError, match="do not bound an area"):
+    with pytest.raises(MeshError, match="do not enclose an area"):
         mesher(bow, [], [], 0.5, 1e-6)
-    with pytest.raises(MeshError, match="above zero"):
+    with pytest.raises(MeshError, match="must be a positive number"):
         mesher(SQUARE, [], [], 0.0, 1e-6)
     sketch = Sketch()
     sketch.curve(SQUARE[:-1], "CGC::Mesh")

@@ -147,7 +147,7 @@ def test_sentences_have_no_words_for_scripts(hands):
     sentences = [in_request_words(said) for said in check(mesh.to_problem())]
     mesh.set_supports("boundary")
     sentences += [in_request_words(said) for said in check(mesh.to_problem())]
-    sentences += ["take another mesh; unify them (mesh.unify() does)", "give an edge length (--edge-length) to mesh the outline"]
+    sentences += ["take another mesh; unify them (mesh.unify())", "give an edge length (--edge-length) to mesh the outline"]
     said = hands.read("const { capital } = await import('/page/words.js'); return args[0].map(capital)", sentences)
     assert len(said) >= 4 and all(text[0].isupper() and text.endswith(".") for text in said)
     for text in said:
