@@ -1,4 +1,4 @@
-"""Keys of a server: names, roles, and how fast wrong ones may be tried."""
+"""Keys of a server: names, roles, and rate limit of wrong keys."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ USER, OPERATOR = "user", "operator"
 ROLES = (USER, OPERATOR)
 NAME = re.compile(r"[A-Za-z0-9_-]{1,40}")
 MIN_LENGTH = 8  # characters of a key
-ATTEMPTS, WINDOW = 20, 60.0  # wrong keys of one address within so many seconds, before all its requests wait
-MAX_ADDRESSES = 10_000  # addresses whose wrong keys are counted
+ATTEMPTS, WINDOW = 20, 60.0  # number of wrong keys of one address within a time [s] above which the address is blocked
+MAX_ADDRESSES = 10_000  # number of addresses whose wrong keys are counted
 
 
 class Key(NamedTuple):
     """A key and its owner."""
 
-    name: str  # of the owner
+    name: str  # name of the owner
     role: str
     digest: bytes  # SHA-256 of the key
 
 
 LOCAL = Key("", OPERATOR, b"")
-"""The owner of everything on a server without keys, or with a single nameless one."""
+"""Owner of everything on a server without keys, or with a single key without a name."""
 
 
 class Keys(Sequence):
@@ -47,13 +47,13 @@ class Keys(Sequence):
     Parameters
     ----------
     keys
-        Nothing, one key, several keys, or named ones. A single key without a name makes one owner, who is the operator; each of
-        several is an owner named by its hash, a user.
+        None, one key, several keys, or named keys. A single key without a name belongs to the operator, the only owner. Each of
+        several keys without names belongs to a user named by the hash of the key.
 
     Raises
     ------
     CGCError
-        If a key is too short or has other characters than plain ones.
+        If a key is too short or has characters other than printable ASCII.
     """
 
     def __init__(self, keys: Union[None, str, Sequence[str], Sequence[Key]] = None):
@@ -70,9 +70,9 @@ class Keys(Sequence):
         return self._keys[index]
 
     def find(self, compute: str, authorization: str) -> Optional[Key]:
-        """Return the key that the headers RhinoComputeKey or Authorization hold, None if they hold none."""
+        """Return the key in the header RhinoComputeKey or Authorization, None if neither holds a valid key."""
         given = [hashlib.sha256(text.encode("utf-8", "surrogatepass")).digest() for text in _texts(compute, authorization)]
-        # All are compared, so that the time does not depend on the key.
+        # Compare all keys, so that the time does not depend on the key.
         found = [key for key in self._keys for digest in given if hmac.compare_digest(digest, key.digest)]
         return found[0] if found else None
 
@@ -88,7 +88,7 @@ def read_keys(path: Union[str, Path]) -> Keys:
     Raises
     ------
     CGCError
-        If the file cannot be read, or an entry is not valid.
+        If the file cannot be read, or an entry is invalid.
     """
     if sys.version_info >= (3, 11):
         import tomllib
@@ -99,10 +99,10 @@ def read_keys(path: Union[str, Path]) -> Keys:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
         raise CGCError(f"the file of keys {path} cannot be read ({error})") from None
     if not found:
-        raise CGCError(f"{path} holds no key; write a table for each owner, such as [anna] with key and role")
+        raise CGCError(f"{path} holds no key; add a table for each owner, such as [anna] with key and role")
     keys = [_named(path, name, entry) for name, entry in found.items()]
     if len({key.digest for key in keys}) < len(keys):
-        raise CGCError(f"{path}: two owners have the same key; give each its own")
+        raise CGCError(f"{path}: two owners have the same key; use a different key for each")
     return Keys(keys)
 
 
@@ -118,7 +118,7 @@ def _named(path: Union[str, Path], name: str, entry: object) -> Key:
         return Key(name, role, _digest(entry["key"]))
     text = entry["sha256"]
     if not isinstance(text, str) or not re.fullmatch(r"[0-9a-f]{64}", text):
-        raise CGCError(f"{path}: sha256 of {name} must be 64 hexadecimal digits in small letters")
+        raise CGCError(f"{path}: sha256 of {name} must be 64 hexadecimal digits in lower case")
     return Key(name, role, bytes.fromhex(text))
 
 
@@ -134,18 +134,18 @@ def _digest(text: object) -> bytes:
 
 
 def _texts(compute: str, authorization: str) -> list[str]:
-    """Return the keys that the headers RhinoComputeKey and Authorization bring."""
+    """Return the keys in the headers RhinoComputeKey and Authorization."""
     scheme, _, bearer = authorization.partition(" ")
     return [text for text in (compute, bearer.strip() if scheme.lower() == "bearer" else "") if text]
 
 
 class Throttle:
-    """Count of wrong keys by address.
+    """Counter of wrong keys by address.
 
     Parameters
     ----------
     attempts, window
-        Number of wrong keys within so many seconds from which an address has to wait.
+        Number of wrong keys within a time [s] above which an address is blocked.
     """
 
     def __init__(self, attempts: int = ATTEMPTS, window: float = WINDOW):
@@ -154,7 +154,7 @@ class Throttle:
         self._lock = threading.Lock()
 
     def pause(self, address: str) -> float:
-        """Return the seconds that an address has to wait before another key of it is looked at, 0 if none."""
+        """Return the time until an address is no longer blocked [s], 0 if it is not blocked."""
         with self._lock:
             times = self._recent(address)
             return times[-self._attempts] + self._window - time.monotonic() if len(times) >= self._attempts else 0.0

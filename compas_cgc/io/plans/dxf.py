@@ -100,7 +100,7 @@ def _document(path: Path) -> Any:
     except ImportError:
         raise FileError(f"{path}: reading DXF needs ezdxf; install it: pip install 'compas_cgc[fabrication]'") from None
     content = read_bytes(path, READ_LIMITS.bytes)
-    # Faults that ezdxf mends on the way are not the user's concern.
+    # Errors that ezdxf repairs need no note.
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
     with guarded(path):
         if content.startswith(BINARY):
@@ -120,7 +120,7 @@ class _Layers:
         missing = (self.wanted or set()) - set(self.states)
         if missing:
             existing = ", ".join(layer.dxf.name for layer in document.layers)
-            raise FileError(f"{path}: there is no layer {min(missing)!r}; there are {existing}")
+            raise FileError(f"{path}: there is no layer {min(missing)!r}; the layers are {existing}")
 
     def is_read(self, layer: str) -> bool:
         own = layer.casefold()
@@ -146,7 +146,7 @@ class _Layers:
 
 
 def _refuse_too_many(document: Any, path: Path) -> None:
-    """Refuse a drawing whose blocks expand to too many objects, before any is expanded."""
+    """Check the number of objects in a drawing, including those in blocks, before blocks are expanded."""
     counts: dict[str, int] = {}
 
     def count(entities: Iterable[Any], depth: int) -> int:
@@ -166,12 +166,12 @@ def _refuse_too_many(document: Any, path: Path) -> None:
 
     total = count(document.modelspace(), 0)
     if total > MAX_ENTITIES:
-        many = f"{total:.3g} objects with those inside of blocks, more than {MAX_ENTITIES:,}"
-        raise FileError(f"{path}: the drawing has {many}; save the roof as a file of its own")
+        many = f"{total:.3g} objects including those in blocks, more than {MAX_ENTITIES:,}"
+        raise FileError(f"{path}: the drawing has {many}; save the roof to a separate file")
 
 
 def _expanded(entities: Iterable[Any], layers: _Layers, found: _Found) -> Iterator[tuple[Any, str]]:
-    """Yield what is drawn, also inside of blocks, with the layer it shows on."""
+    """Yield the objects, including those in blocks, with their effective layer."""
     stack = [(iter(entities), "0")]
     while stack:
         content, inherited = stack[-1]
@@ -193,7 +193,7 @@ def _expanded(entities: Iterable[Any], layers: _Layers, found: _Found) -> Iterat
 
 
 def _content(insert: Any, found: _Found) -> Iterator[Any]:
-    """Yield what a block reference shows, in the coordinates of the drawing."""
+    """Yield the objects of a block reference in the coordinates of the drawing."""
     from ezdxf.lldxf.const import DXFError
 
     if insert.block() is None:
@@ -208,7 +208,7 @@ def _content(insert: Any, found: _Found) -> Iterator[Any]:
 
 
 class _Found:
-    """What is collected of a drawing."""
+    """Objects collected from a drawing."""
 
     def __init__(self) -> None:
         self.paths: list[tuple[Any, str, Optional[tuple[float, float, float]]]] = []
@@ -274,7 +274,7 @@ class _Found:
         self.meshes.append(PlanMesh(vertices, np.array(faces, dtype=np.int64).reshape(-1, 4), layer))
 
     def curves(self) -> list[PlanCurve]:
-        """Return the curves, flattened to within a small part of the size of the drawing, and collect the 3D faces as meshes."""
+        """Return the curves as polylines within a small tolerance, and collect the 3D faces as meshes."""
         for layer, quads in self.quads.items():
             vertices = np.concatenate(quads)
             self.meshes.append(PlanMesh(vertices, np.arange(len(vertices)).reshape(-1, 4), layer))
@@ -287,7 +287,7 @@ class _Found:
             if len(points) < 2 or not np.isfinite(points).all():
                 self.omitted["curve with a coordinate that is not finite"] += 1
                 continue
-            # To the last digit, which is what makes a curve a closed one.
+            # First and last point must be identical for a closed curve.
             if path.is_closed and len(points) > 3:
                 points[-1] = points[0]
             curves.append(PlanCurve(points, layer, circle))

@@ -47,7 +47,7 @@ def read_3dm_plan(path: Path, layers: Optional[Iterable[str]] = None, join: Opti
     missing = (wanted or set()) - {item.layer.casefold() for item in items}
     if missing:
         raise FileError(
-            f"{path}: there is nothing on a layer {min(missing)!r}; there are {', '.join(sorted({item.layer for item in items}))}"
+            f"{path}: there are no objects on a layer {min(missing)!r}; the layers are {', '.join(sorted({item.layer for item in items}))}"
         )
     read = [item for item in items if (not item.hidden if wanted is None else item.layer.casefold() in wanted)]
     fine = 0.25 * float(archive.Settings.ModelAbsoluteTolerance)

@@ -27,9 +27,9 @@ from .units import unit_name
 
 __all__ = ["DrawnDesign", "DrawnSpline", "read_drawn_design"]
 
-LAYERS = ("design", "mesh", "surface")  # last names of layers that hold a design, the first that has a surface
+LAYERS = ("design", "mesh", "surface")  # last names of layers for a design; the first with a surface is used
 SUPPORTS, SEAMS = "supports", "seams"
-FINE = 100  # edges along the diagonal of a design that has to be meshed before it is fitted
+FINE = 100  # number of edges along the diagonal of a design that is meshed before fitting
 
 
 class DrawnSpline(NamedTuple):
@@ -41,11 +41,11 @@ class DrawnSpline(NamedTuple):
 
 
 class DrawnDesign(NamedTuple):
-    """A design as it is drawn."""
+    """Contents of a design file."""
 
-    spline: Optional[DrawnSpline]  # None where the design is trimmed, or a mesh
-    vertices: FloatArray  # (n, 3) of its mesh, empty for a spline [L]
-    faces: IntArray  # (m, 4), triangles with the last corner twice
+    spline: Optional[DrawnSpline]  # None for a trimmed surface or a mesh
+    vertices: FloatArray  # (n, 3) vertices of its mesh [L], empty for a spline
+    faces: IntArray  # (m, 4), triangles repeat the last corner
     supports: list[FloatArray]  # (k, 3) points, or points along curves [L]
     seams: list[FloatArray]  # (k, 3) points along curves [L]
     units: Optional[str]
@@ -56,8 +56,8 @@ class DrawnDesign(NamedTuple):
 def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None) -> DrawnDesign:
     """Read a design from a .3dm file.
 
-    The design is on a layer ``Design``, ``Mesh`` or ``Surface``, else it is the only surface of the file. Points and curves on a
-    layer ``Supports`` are its supports, curves on a layer ``Seams`` its seams.
+    The design is on a layer ``Design``, ``Mesh`` or ``Surface``, or else the only surface in the file. Points and curves on a
+    layer ``Supports`` are supports, and curves on a layer ``Seams`` are seams.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None
     on_seams = [item for item in items if _last(item.layer) == (seams or SEAMS).casefold()]
     lines = [curve_points(item.geometry, tolerance) for item in on_seams if item.kind == "curve"]
     if seams is not None and not lines:
-        raise FileError(f"{path}: there are no curves on the layer {seams!r}; draw the seams on it, or name another layer")
+        raise FileError(f"{path}: there are no curves on the layer {seams!r}; draw the seams on it, or choose another layer")
     held = [_places(item, tolerance) for item in items if _last(item.layer) == SUPPORTS and item.kind in ("curve", "point", "point cloud")]
     spline = _spline(surfaces[0].geometry) if len(surfaces) == 1 else None
     units = unit_name(archive.Settings.ModelUnitSystem)
@@ -147,14 +147,14 @@ def _spline(geometry: Any) -> Optional[DrawnSpline]:
         return None
     net = [[nurbs.Points[i, j] for j in range(nurbs.Points.CountV)] for i in range(nurbs.Points.CountU)]
     control = np.array([[(p.X, p.Y, p.Z, p.W) for p in row] for row in net])
-    # openNURBS leaves out the first and the last knot.
+    # openNURBS omits the first and the last knot.
     own = [np.array([knots[k] for k in range(len(knots))]) for knots in (nurbs.KnotsU, nurbs.KnotsV)]
     u, v = (np.concatenate([knots[:1], knots, knots[-1:]]) for knots in own)
     return DrawnSpline(control, (u, v), (nurbs.Degree(0), nurbs.Degree(1)))
 
 
 def _untrimmed(brep: Any) -> bool:
-    """Return whether the only loop of a face runs around its whole surface."""
+    """Check whether the only loop of a face is the boundary of its surface."""
     face = brep.Faces[0]
     if len(face.Loops) != 1:
         return False

@@ -1,4 +1,4 @@
-"""Write a rationalised design: the solved surface, its panels by mould, its seams and its distance from the design."""
+"""Writing of rationalised designs: solved surface, panels by mould, seams and distance from the design."""
 
 from __future__ import annotations
 
@@ -58,10 +58,10 @@ def write_panels(
     texts: Optional[Mapping[str, str]] = None,
     source: Union[str, os.PathLike, None] = None,
 ) -> None:
-    """Write a solved surface with its panels on the sublayers of ``CGC Rationalised``, beside what a file holds.
+    """Write a solved surface with its panels on the sublayers of ``CGC Rationalised``, in addition to the contents of a file.
 
     ========  ===================================================================================
-    Moulds    a sublayer for each mould, with a mesh for each of its panels, in its colour
+    Moulds    one sublayer per mould, with one mesh per panel in its colour
     Seams     the seams as polylines
     Distance  the surface coloured by its signed distance from the design, with a legend
     ========  ===================================================================================
@@ -69,7 +69,7 @@ def write_panels(
     Parameters
     ----------
     path
-        The .3dm file; an older one is replaced when the new one is complete.
+        The .3dm file; an existing file is replaced when the new one is complete.
     result
         The solved surface.
     classes
@@ -77,7 +77,7 @@ def write_panels(
     texts
         Document user text, such as the report.
     source
-        The .3dm file of the design, all of which stays.
+        The .3dm file of the design, whose contents are kept.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Jobs of one owner: the engine as a client sees it, in which other owners' jobs do not exist."""
+"""Jobs of one owner: a view of the engine without the jobs of other owners."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ __all__ = ["OwnedJobs"]
 
 
 class OwnedJobs:
-    """The jobs of an owner; every id is looked up within them, see :class:`~compas_cgc.server.jobs.engine.Jobs` for the methods.
+    """The jobs of an owner; ids of other jobs are unknown. For the methods, see :class:`~compas_cgc.server.jobs.engine.Jobs`.
 
     Parameters
     ----------
     jobs
         The engine.
     owner
-        Name, empty for the only owner of a server without keys.
+        Name of the owner, empty for the only owner of a server without keys.
     """
 
     def __init__(self, jobs: Jobs, owner: str):
@@ -44,16 +44,16 @@ class OwnedJobs:
         return job.shown(), new
 
     def get(self, id: str) -> Job:
-        """Return a job with its present progress."""
+        """Return a job with its current progress."""
         return self._jobs.get(self._id(id)).shown()
 
     def page(self, limit: int = 100, offset: int = 0, state: Optional[str] = None) -> tuple[Sequence[Job], int]:
-        """Return so many jobs after the newest ones, all or those in a state, and the number of all of them."""
+        """Return one page of the jobs, newest first, and their total number; optionally only those in one state."""
         found, total = self._jobs.page(limit, offset, state, self._owner)
         return [job.shown() for job in found], total
 
     def positions(self) -> dict[str, int]:
-        """Return the place in the queue of every waiting job of the owner, from 1; jobs of others count."""
+        """Return the position in the queue of every queued job of the owner, counted from 1 including jobs of others."""
         prefix = owned_id(self._owner, "")
         return {id[len(prefix) :]: place for id, place in self._jobs.positions().items() if id.startswith(prefix)}
 
@@ -62,11 +62,11 @@ class OwnedJobs:
         return self._jobs.result(self._id(id))
 
     def surface(self, id: str) -> Optional[bytes]:
-        """Return the present vertices of a running live job."""
+        """Return the current vertices of a running live job."""
         return self._jobs.surface(self._id(id))
 
     def arrived(self, id: str) -> Optional[bytes]:
-        """Return the vertices of the final surface of a live job before it is judged."""
+        """Return the solved vertices of a live job before its verdict."""
         return self._jobs.arrived(self._id(id))
 
     def judged(self, id: str) -> Optional[dict]:
@@ -74,7 +74,7 @@ class OwnedJobs:
         return self._jobs.judged(self._id(id))
 
     def cancel(self, id: str) -> Job:
-        """Ask a job to stop."""
+        """Request that a job stop."""
         return self._jobs.cancel(self._id(id)).shown()
 
     def delete(self, id: str) -> None:
@@ -82,9 +82,9 @@ class OwnedJobs:
         self._jobs.delete(self._id(id))
 
     def wait(self, id: str, seconds: float) -> Job:
-        """Return a job as soon as it is over, or as it is after some seconds."""
+        """Wait until a job is finished, at most for the given time [s], and return it."""
         return self._jobs.wait(self._id(id), seconds).shown()
 
     def follow(self, id: str, heartbeat: float = 15.0) -> Iterator[Optional[Job]]:
-        """Yield a job after every change until it is over, and None when nothing happened for a while."""
+        """Yield a job after every change until it is finished, and None after every `heartbeat` seconds without a change."""
         return (job and job.shown() for job in self._jobs.follow(self._id(id), heartbeat))

@@ -23,7 +23,7 @@ class Item(NamedTuple):
     name
         Name of the item.
     index
-        Position in a numbered list such as ``InputId``; overrides the method of tuples.
+        Position in a numbered list such as ``InputId``.
     type
         A name in :data:`compas_cgc.grasshopper.build.archive.TYPES`.
     value
