@@ -113,7 +113,7 @@ def test_hidden_layers_paper_space_and_other_objects_are_named(drawn):
     assert roles(plan) == ["outline"]
     assert {"left out: 2 texts", "left out, on layers that are hidden: grid (1)"} <= set(plan.notes)
     assert roles(drawn(draw, layers=["GRID", "0"])) == ["outline", "crease"]
-    with pytest.raises(FileError, match="no layer 'walls'; there are 0, "):
+    with pytest.raises(FileError, match="no layer 'walls'; the layers are 0, "):
         drawn(draw, layers=["walls"])
     paper = drawn(lambda document, model: document.layout("Layout1").add_line((0, 0), (1, 1)))
     assert any("1 objects lie in paper space" in note or "2 objects lie in paper space" in note for note in paper.notes)
