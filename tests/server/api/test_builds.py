@@ -159,7 +159,7 @@ def test_the_list_of_tasks_is_the_table(client):
         ({"task": ["net"]}, "'task' must be one of"),
         ({"task": "unroll", "settings": {"sheet": "large"}}, "'sheet' must be LENGTHxWIDTH"),
         ({"task": "unroll", "settings": {"strain": "much"}}, "'strain' must be a number"),
-        ({"task": "unroll", "settings": {"colour": 1}}, "there is no option 'colour'; there are sheet, strain"),
+        ({"task": "unroll", "settings": {"colour": 1}}, "there is no option 'colour'; options are sheet, strain"),
         ({"task": "unroll", "settings": 3}, "'settings' must be an object"),
         ({"task": "unroll", "settings": {"seams": [[1, "a"]]}}, "'seams' must be the numbers of vertices"),
         ({"task": "net", "settings": {"through": [[1, 2]]}}, "'through' must be X,Y,Z"),
