@@ -279,5 +279,5 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     if suffix not in SUFFIXES and Path(path).is_dir():
         raise FileError(f"{path} is a folder; give the path of a file in it")
     if suffix not in SUFFIXES:
-        raise FileError(f"{path}: files of the kind {suffix or 'without suffix'!r} are not known; use {listed()}")
+        raise FileError(f"{path}: the format {suffix or 'without suffix'!r} is not supported; use {listed()}")
     return suffix
