@@ -180,7 +180,7 @@ def test_every_public_name_is_in_the_reference():
 def test_samples_are_the_examples_of_the_clone():
     for path in (ROOT / "examples").glob("*.3dm"):
         assert path.read_bytes() == Path(compas_cgc.get(path.name)).read_bytes()
-    with pytest.raises(compas_cgc.FileError, match="there are canopy.3dm, .*vault.3dm"):
+    with pytest.raises(compas_cgc.FileError, match="the samples are canopy.3dm, .*vault.3dm"):
         compas_cgc.get("nothing.3dm")
 
 
