@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from typing import Optional
 from typing import Union
 
 from ..errors import CGCError
@@ -24,6 +25,7 @@ from .exits import ROUGH
 if TYPE_CHECKING:
     from ..rationalisation import Rationalised
     from ..rationalisation.run import Progress
+    from ..rationalisation.seams import SeamsInput
 
 __all__ = ["add_arguments", "run"]
 
@@ -54,6 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("input", metavar="DESIGN", help="a .3dm, .obj, .ply, .off, .stl or COMPAS .json file")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="the file to write, a .3dm for panels, seams and distances")
     parser.add_argument("--panel", metavar="L", help="width of the panels, such as 2.5 or 2500mm (default: a twelfth of the longer side)")
+    parser.add_argument(
+        "--seams",
+        metavar="WHERE",
+        help="grid, levels (of K, for few regions), a layer of DESIGN, or a .3dm with curves (default: the layer Seams, or grid)",
+    )
     moulds = parser.add_mutually_exclusive_group()
     moulds.add_argument("--moulds", type=int, metavar="N", help="number of moulds (default: 4, or with --within the fewest that keep it)")
     moulds.add_argument(
@@ -77,10 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
 
     known_suffix(arguments.output)
     echo = printer(arguments.quiet)
-    design = read_design(arguments.input)
+    own = arguments.seams
+    layer = own if own not in (None, "grid", "levels") and Path(own).suffix.lower() != ".3dm" else None
+    design = read_design(arguments.input, seams=layer)
     units = design.drawing.units
     if arguments.tolerance is not None:
-        design = read_design(arguments.input, tolerance=length(arguments.tolerance, units, "--tolerance"))
+        design = read_design(arguments.input, seams=layer, tolerance=length(arguments.tolerance, units, "--tolerance"))
     for note in design.notes:
         echo(f"{arguments.input}: {note}")
     within = None if arguments.within is None else length(arguments.within, units, "--within")
@@ -99,6 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
                 design,
                 moulds=moulds,
                 panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
+                seams=_seams(own),
                 within=within,
                 flat=arguments.flat,
                 supports=arguments.supports,
@@ -115,6 +125,17 @@ def run(arguments: argparse.Namespace) -> int:
     if not found.kept:
         return NOT_CONVERGED
     return DONE if found.result.verdict is None or found.result.verdict.fair else ROUGH
+
+
+def _seams(where: Optional[str]) -> SeamsInput:
+    """Return the seams of the argument; those on a layer of the design are read with it."""
+    if where in ("grid", "levels"):
+        return where
+    if where is None or Path(where).suffix.lower() != ".3dm":
+        return None
+    from ..io.rhino.designs import read_all_curves
+
+    return [line.tolist() for line in read_all_curves(where)]
 
 
 def length(text: str, units: Union[str, None], name: str) -> float:

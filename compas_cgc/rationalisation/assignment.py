@@ -25,8 +25,9 @@ __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 STEPS = 3  # of Newton's method after K has changed
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
-STARTS = 2  # clusterings that are improved, the nearest to the design
+STARTS = 3  # clusterings that are improved, the nearest to the design
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
+EVENING, LEAST = 8, 0.3  # rounds of weights, and the weight of no distance against that of the largest
 ENOUGH = 0.97  # of the norm, from which a round is not worth another
 
 Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
@@ -102,21 +103,29 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
     return Placed(placed.assigned, here, float(distance_norm(here, moves.mass)))
 
 
-def refitted(moves: NormalMoves, assigned: Assignment, rounds: int = 3) -> Placed:
-    """Return an assignment of panels on another mesh, with the K of its moulds fitted there."""
-    here = _solved(moves, assigned, np.zeros(len(moves.columns)))
-    used = np.unique(assigned.classes)
-    groups = np.searchsorted(used, assigned.classes)
-    for _ in range(rounds):
-        linear = moves.linearised(here.moves, here.assigned.K, groups)
-        own = Assignment(here.assigned.values[used], np.arange(len(used)), assigned.kept[used], np.ones(len(used), bool))
+def evened(moves: NormalMoves, placed: Placed) -> Placed:
+    """Return an assignment with a surface whose largest distances are less: where they are large, nearness counts more.
+
+    References
+    ----------
+    Lawson's iteratively reweighted least squares, see Rice and Usow, doi:10.1090/S0025-5718-1968-0231111-3.
+    """
+    here, weights = placed, np.ones(len(moves.columns))
+    used = np.unique(placed.assigned.classes)
+    groups = np.searchsorted(used, placed.assigned.classes)
+    for _ in range(EVENING):
+        weights = weights * (LEAST + np.abs(here.moves) / max(here.distance, 1e-300))
+        weights = weights / float(moves.mass @ weights)
+        stressing = moves.stressing(weights)
+        linear = stressing.linearised(here.moves, here.assigned.K, groups)
+        kept = here.assigned.kept[used]
+        own = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
         values = here.assigned.values.copy()
         values[used] = best_values(linear, moves.mass, own).values
-        tried = replace(here.assigned, values=values)
-        there = _solved(moves, tried, linear.at(values[used]))
-        if there.norm > ENOUGH * here.norm:
-            return there if there.norm < here.norm else here
-        here = there
+        tried = _solved(stressing, replace(here.assigned, values=values), linear.at(values[used]))
+        if not tried.norm < here.norm:
+            break
+        here = tried
     return here
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import NamedTuple
 from typing import Optional
 
@@ -84,8 +85,14 @@ class NormalMoves:
         seams = np.zeros(n, bool)
         seams[panelling.seams.ravel()] = True
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
-        energy = sparse.diags(areas[self.columns]) + (weights.smoothness * self.size) ** 4 * bending
-        self._energy = (energy / areas.sum()).tocsr()
+        self._bending = ((weights.smoothness * self.size) ** 4 / areas.sum() * bending).tocsr()
+        self._nearness = self.mass
+
+    def stressing(self, nearness: FloatArray) -> NormalMoves:
+        """Return the same surfaces where moves of vertices count by other weights (c,) in the energy."""
+        other = copy(self)
+        other._nearness = self.mass * nearness
+        return other
 
     def shape(self, moves: FloatArray) -> FloatArray:
         """Return the vertices (n, 3) for moves (c,) [L]."""
@@ -146,7 +153,7 @@ class NormalMoves:
         residual, areas = self._measured(moves, K)
         jacobian = self._equations.jacobian(self.shape(moves), self.normals[self.columns])
         penalties = PENALTY * self.size**4 / areas
-        matrix = self._energy + jacobian.T @ sparse.diags(penalties) @ jacobian
+        matrix = sparse.diags(self._nearness) + self._bending + jacobian.T @ sparse.diags(penalties) @ jacobian
         return _Linearised(factorise(matrix.tocsr(), symmetric=True, refine=False), jacobian, residual, areas, penalties)
 
 

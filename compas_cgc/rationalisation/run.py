@@ -19,7 +19,6 @@ from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import names_what_was_meant
 from ..meshing import named_supports
-from ..meshing.kinks import sharp_parameters
 from ..meshing.polyline import nearest_on_polyline
 from ..model.problem import CGCProblem
 from ..solvers.run import solve
@@ -27,21 +26,20 @@ from .assignment import Moulds
 from .assignment import Placed
 from .assignment import assign
 from .assignment import catalogue
+from .assignment import evened
 from .assignment import finished
 from .design import Design
 from .design import DesignInput
 from .design import read_design
-from .grid_panels import grid_lines
-from .grid_panels import grid_panels
 from .normal_moves import NormalMoves
 from .panelling import Panelling
 from .panelling import vertex_panels
 from .result import Rationalised
+from .seams import SeamsInput
+from .seams import panels_of
 
 __all__ = ["Progress", "rationalise"]
 
-EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
-PANELS = 12  # along the longer side by default
 MAX_MOULDS = 16  # that are tried for a distance that is to be kept
 
 MouldsInput = Union[int, Sequence[float], None]
@@ -64,6 +62,7 @@ def rationalise(
     *,
     moulds: MouldsInput = 4,
     panel: Optional[float] = None,
+    seams: SeamsInput = None,
     within: Optional[float] = None,
     flat: Optional[bool] = None,
     supports: Union[str, Sequence[Sequence[float]], None] = None,
@@ -87,6 +86,9 @@ def rationalise(
         With 1 all panels are flat sheets. None: the fewest that keep the distance ``within``.
     panel
         Width of the panels [L]. Default: a twelfth of the longer side.
+    seams
+        ``"grid"`` along the parameters of a surface or the plan of a mesh; ``"levels"`` along level lines of K, for few regions; or
+        points (k, 3) along curves on the design. Default: those drawn in the file, else the grid.
     within
         Largest distance from the design that is allowed [L].
     flat
@@ -133,31 +135,12 @@ def rationalise(
     for name, value in (("panel", panel), ("within", within)):
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise CGCError(f"{name} must be a length above zero, in the units of the design, not {value!r}")
-    panelling = panels_of(read, panel, edges)
+    panelling = panels_of(read, panel, edges, seams)
     fixed = _fixed(read, panelling, supports)
     moves = NormalMoves(panelling, fixed)
     stop = _Stop(callback)
     best = _assigned(moves, moulds, flat, within, locked, stop)
     return _result(read, panelling, moves, fixed, best, within, stop)
-
-
-def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = None) -> Panelling:
-    """Return the panels of a design between lines of constant parameter."""
-    surface = design.surface
-    width = _default_width(design) if panel is None else float(panel)
-    sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
-    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis]) for axis in range(2))
-    count = (len(first) - 1) * (len(second) - 1)
-    return grid_panels(surface, (first, second), max(EDGES, round(np.sqrt(VERTICES / count))) if edges is None else edges)
-
-
-def _default_width(design: Design) -> float:
-    (u0, u1), (v0, v1) = design.surface.domain
-    t = np.linspace(0.0, 1.0, 65)[:, None]
-    middle = np.array([[0.5 * (u0 + u1), 0.5 * (v0 + v1)]])
-    spans = [np.array([[u1 - u0, 0.0]]), np.array([[0.0, v1 - v0]])]
-    lines = [design.surface.at(middle + (t - 0.5) * span) for span in spans]
-    return max(float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()) for line in lines) / PANELS
 
 
 def _fixed(design: Design, panelling: Panelling, supports: Union[str, Sequence[Sequence[float]], None]) -> Mask:
@@ -237,7 +220,7 @@ def _result(
     design: Design, panelling: Panelling, moves: NormalMoves, fixed: Mask, best: Placed, within: Optional[float], stop: _Stop
 ) -> Rationalised:
     """Return an assignment with its surface solved in the exact measure."""
-    done = finished(moves, best)
+    done = finished(moves, best if stop.stopped else evened(moves, best))
     used, classes = np.unique(done.assigned.classes, return_inverse=True)
     order = np.argsort(done.assigned.values[used], kind="stable")
     curvatures, classes = done.assigned.values[used][order], np.argsort(order)[classes]

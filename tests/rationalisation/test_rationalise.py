@@ -14,7 +14,7 @@ from compas_cgc.rationalisation import Rationalised
 from compas_cgc.rationalisation.design import read_design
 from compas_cgc.rationalisation.normal_moves import NormalMoves
 from compas_cgc.rationalisation.panelling import vertex_panels
-from compas_cgc.rationalisation.run import panels_of
+from compas_cgc.rationalisation.seams import panels_of
 
 from ..support.freeform import mesh_over
 from ..support.freeform import quarter_torus

@@ -25,7 +25,7 @@ from .parametric import ParametricSurface
 from .surfaces import surface_part
 from .units import unit_name
 
-__all__ = ["DrawnDesign", "DrawnSpline", "read_drawn_design"]
+__all__ = ["DrawnDesign", "DrawnSpline", "read_all_curves", "read_drawn_design"]
 
 LAYERS = ("design", "mesh", "surface")  # last names of layers for a design; the first with a surface is used
 SUPPORTS, SEAMS = "supports", "seams"
@@ -91,6 +91,21 @@ def read_drawn_design(path: Union[str, os.PathLike], seams: Optional[str] = None
     vertices = np.concatenate([part.vertices for part in parts])
     faces = np.concatenate([part.faces + count for part, count in zip(parts, counts)])
     return DrawnDesign(None, vertices, faces, held, lines, units, tolerance, [note for own in notes for note in own])
+
+
+def read_all_curves(path: Union[str, os.PathLike]) -> list[FloatArray]:
+    """Return all visible curves of a file, each as points (k, 3) within the file's tolerance [L].
+
+    Raises
+    ------
+    FileError
+        If the file cannot be read or holds no curves.
+    """
+    archive = read_archive(path)
+    items = [item for item in list_items(archive) if item.kind == "curve" and not item.hidden]
+    if not items:
+        raise FileError(f"{path} holds no curves; draw the seams in it")
+    return [curve_points(item.geometry, float(archive.Settings.ModelAbsoluteTolerance)) for item in items]
 
 
 def _last(layer: str) -> str:

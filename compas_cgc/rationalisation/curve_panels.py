@@ -1,0 +1,102 @@
+"""Panels between curves on a surface, within any rim and around holes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..discrete import boundary_vertices
+from ..discrete.arrays import FloatArray
+from ..errors import MeshError
+from ..meshing import face_regions
+from ..meshing import path_edges
+from ..meshing.outline import mesh_from_outline
+from .panelling import Panelling
+from .spline_surface import SplineSurface
+
+__all__ = ["Lengths", "curve_panels", "parameter_rim"]
+
+SAMPLES = 64  # divisions of the domain along which lengths are measured
+POINT = 1e-4  # of an edge, within which points are one
+
+
+class Lengths(NamedTuple):
+    """A plane in which distances are about those on a surface: mean lengths along its parameters."""
+
+    parameters: tuple[FloatArray, FloatArray]
+    lengths: tuple[FloatArray, FloatArray]  # [L]
+
+    @classmethod
+    def of(cls, surface: SplineSurface) -> Lengths:
+        """Measure a surface along lines of constant parameter."""
+        values = [np.linspace(low, high, SAMPLES + 1) for low, high in surface.domain.tolist()]
+        points = surface.at(np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, 2)).reshape(SAMPLES + 1, SAMPLES + 1, 3)
+        steps = [np.linalg.norm(np.diff(points, axis=axis), axis=2).mean(axis=1 - axis) for axis in range(2)]
+        first, second = (np.concatenate([[0.0], np.cumsum(step)]) for step in steps)
+        return cls((values[0], values[1]), (first, second))
+
+    def to_plane(self, uv: FloatArray) -> FloatArray:
+        """Return points of the plane (k, 2) at parameters (k, 2) [L]."""
+        return np.column_stack([_extrapolated(uv[:, k], self.parameters[k], self.lengths[k]) for k in range(2)])
+
+    def to_parameters(self, plane: FloatArray) -> FloatArray:
+        """Return the parameters (k, 2) of points of the plane (k, 2) [L]."""
+        return np.column_stack([_extrapolated(plane[:, k], self.lengths[k], self.parameters[k]) for k in range(2)])
+
+
+def parameter_rim(surface: SplineSurface) -> FloatArray:
+    """Return the rim of the domain of a surface (4, 2)."""
+    (u0, u1), (v0, v1) = surface.domain
+    return np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]])
+
+
+def curve_panels(surface: SplineSurface, rims: Sequence[FloatArray], seams: Sequence[FloatArray], edge_length: float) -> Panelling:
+    """Return a mesh within rims whose edges follow seams; the parts between seams are the panels.
+
+    Vertices lie on the surface, those of a seam on the seam.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    rims
+        ``(k, 2)`` parameters around the surface, then around its holes.
+    seams
+        ``(k, 2)`` parameters along seams, which may leave the rim and cross.
+    edge_length
+        Length of edges aimed at [L].
+
+    Raises
+    ------
+    MeshError
+        If curves bound no area, graze each other or the rim, or the mesher is not installed.
+    """
+    plane = Lengths.of(surface)
+
+    def flat(line: FloatArray) -> FloatArray:
+        points = plane.to_plane(line)
+        return np.column_stack([points, np.zeros(len(points))])
+
+    order = sorted(range(len(rims)), key=lambda k: -abs(_area(plane.to_plane(rims[k]))))
+    outline, *holes = (flat(rims[k]) for k in order)
+    made = mesh_from_outline(outline, holes, [flat(seam) for seam in seams], edge_length, POINT * edge_length)
+    uv = np.clip(plane.to_parameters(made.vertices[:, :2]), surface.domain[:, 0], surface.domain[:, 1])
+    panels = face_regions(made.faces, np.array(path_edges(made.creases), dtype=np.int64).reshape(-1, 2))
+    vertices = surface.at(uv)
+    rim = boundary_vertices(vertices, made.faces)
+    if not len(made.faces):
+        raise MeshError("the rims of the design bound no area")
+    return Panelling(vertices, made.faces, panels, uv, np.column_stack([rim, rim]))
+
+
+def _extrapolated(x: FloatArray, known: FloatArray, values: FloatArray) -> FloatArray:
+    """Return values between known places, and beyond them at the mean rate."""
+    rate = (values[-1] - values[0]) / (known[-1] - known[0])
+    return np.interp(x, known, values) + rate * (x - np.clip(x, known[0], known[-1]))
+
+
+def _area(ring: FloatArray) -> float:
+    x, y = ring.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))

@@ -1,0 +1,134 @@
+"""Seams on a design: a grid of its parameters, level lines of K, or curves that are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Optional
+from typing import Union
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..discrete.arrays import FloatArray
+from ..errors import CGCError
+from ..errors import MeshError
+from ..meshing.kinks import sharp_parameters
+from ..meshing.polyline import resample_all
+from .curve_panels import Lengths
+from .curve_panels import curve_panels
+from .curve_panels import parameter_rim
+from .design import Design
+from .grid_panels import grid_lines
+from .grid_panels import grid_panels
+from .level_seams import level_seams
+from .panelling import Panelling
+
+__all__ = ["PANELS", "SeamsInput", "panels_of"]
+
+EDGES, VERTICES = 4, 2500  # along the side of a panel at least by default, and of the whole mesh about
+PANELS = 12  # along the longer side by default
+LEVELS = 5  # values of K between which level lines run
+NEAR = 0.6  # of an edge, within which a seam that ends at the rim is led over it
+OFFSETS = (0.0, 0.25, -0.25, 0.4)  # of the width of a panel, by which a grid is shifted off a rim that its lines graze
+GRAZING = "grazes"
+
+SeamsInput = Union[str, Sequence[Sequence[Sequence[float]]], None]
+
+
+def panels_of(design: Design, panel: Optional[float], edges: Optional[int] = None, seams: SeamsInput = None) -> Panelling:
+    """Return the panels of a design, with a mesh whose edges follow the seams.
+
+    Parameters
+    ----------
+    design
+        The design.
+    panel
+        Width of the panels of a grid [L]. Default: a twelfth of the longer side.
+    edges
+        Edges along the side of a panel. Default: four, or more where panels are few.
+    seams
+        ``"grid"`` along the parameters, which are the plan where a mesh has one; ``"levels"`` along level lines of K; or points
+        (k, 3) along curves on the design. Default: those drawn, else the grid.
+
+    Raises
+    ------
+    MeshError
+        If the seams divide the design into no panels that can be meshed.
+    """
+    width = _default_width(design) if panel is None else float(panel)
+    if isinstance(seams, str) and seams not in ("grid", "levels"):
+        raise CGCError(f"seams must be 'grid', 'levels' or curves, not {seams!r}")
+    drawn = design.seams if seams is None else () if isinstance(seams, str) else tuple(np.asarray(line, dtype=np.float64) for line in seams)
+    surface, rims = design.surface, list(design.rims) or [parameter_rim(design.surface)]
+    if not len(drawn) and seams != "levels":
+        return _grid(design, width, edges)
+    plane = Lengths.of(surface)
+    area = float(np.prod([own[-1] for own in plane.lengths]))
+    edge = width / edges if edges is not None and panel is not None else float(np.sqrt(area / VERTICES))
+    if seams == "levels":
+        lines = level_seams(surface, LEVELS)
+    else:
+        lines = [_on_surface(design, plane, line, edge) for line in drawn]
+    return curve_panels(surface, rims, [_over_rim(plane, rims, line, edge) for line in lines], edge)
+
+
+def _grid(design: Design, width: float, edges: Optional[int]) -> Panelling:
+    """Return panels between lines of constant parameter, cut at the rim where the design is trimmed."""
+    surface = design.surface
+    sharp = sharp_parameters(surface.at, surface.domain, [knots.tolist() for knots in surface.knots])
+    first, second = (grid_lines(surface, axis, width, [value for own, value in sharp if own == axis]) for axis in range(2))
+    count = (len(first) - 1) * (len(second) - 1)
+    number = max(EDGES, round(np.sqrt(VERTICES / count))) if edges is None else edges
+    if not design.trimmed:
+        return grid_panels(surface, (first, second), number)
+    rims = list(design.rims)
+    for k, offset in enumerate(OFFSETS):
+        lines = []
+        for axis, values in enumerate((first, second)):
+            across = surface.domain[1 - axis]
+            for value in values[1:-1] + offset * np.diff(values).mean():
+                line = np.empty((2, 2))
+                line[:, axis], line[:, 1 - axis] = value, across
+                lines.append(line)
+        try:
+            return curve_panels(surface, rims, lines, width / number)
+        except MeshError as error:
+            if GRAZING not in str(error) or k + 1 == len(OFFSETS):
+                raise
+    raise AssertionError
+
+
+def _on_surface(design: Design, plane: Lengths, line: FloatArray, edge: float) -> FloatArray:
+    """Return the parameters (k, 2) of points along a curve on the surface."""
+    if line.ndim != 2 or line.shape[1] != 3 or len(line) < 2 or not np.isfinite(line).all():
+        raise CGCError(f"a seam must be points (k, 3) along a curve, two or more, not of shape {line.shape}")
+    fine = resample_all(line, 0.5 * edge)
+    values = [np.linspace(low, high, 65) for low, high in design.surface.domain.tolist()]
+    uv = np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, 2)
+    start = uv[cKDTree(design.surface.at(uv)).query(fine)[1]]
+    found = design.surface.foot(fine, start)
+    away = float(np.linalg.norm(design.surface.at(found) - fine, axis=1).max())
+    if away > 2.0 * edge:
+        raise MeshError(f"a seam is up to {away:.3g} away from the design; draw it on the surface, or project it there")
+    return found
+
+
+def _over_rim(plane: Lengths, rims: Sequence[FloatArray], line: FloatArray, edge: float) -> FloatArray:
+    """Return a seam (k, 2) whose ends near the rim are led over it, so that it divides panels."""
+    points = plane.to_plane(line)
+    if np.linalg.norm(points[0] - points[-1]) <= 1e-9 * edge:
+        return line
+    rings = [np.concatenate([plane.to_plane(rim), plane.to_plane(rim)[:1]]) for rim in rims]
+    ring = np.concatenate([resample_all(np.column_stack([own, np.zeros(len(own))]), 0.05 * edge)[:, :2] for own in rings])
+    tree = cKDTree(ring)
+    ends = []
+    for end, before in ((points[0], points[1]), (points[-1], points[-2])):
+        along = end - before
+        ends.append(end + edge * along / max(float(np.linalg.norm(along)), 1e-300) if tree.query(end)[0] <= NEAR * edge else None)
+    parts = [ends[0]] if ends[0] is not None else []
+    extended = np.array([*parts, *points, *([ends[1]] if ends[1] is not None else [])])
+    return plane.to_parameters(extended)
+
+
+def _default_width(design: Design) -> float:
+    return max(float(own[-1]) for own in Lengths.of(design.surface).lengths) / PANELS

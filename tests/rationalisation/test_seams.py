@@ -1,0 +1,61 @@
+"""Seams along curves and level lines, on designs with a rim of their own and holes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc.discrete import edge_faces
+from compas_cgc.meshing import boundary_loops
+from compas_cgc.rationalisation import read_design
+from compas_cgc.rationalisation.level_seams import level_seams
+from compas_cgc.rationalisation.seams import panels_of
+
+from ..support.freeform import bumpy
+from ..support.freeform import mesh_over
+
+
+def heights(x, y):
+    return 1.5 - 0.04 * (x - 5.0) ** 2 - 0.03 * (y - 4.0) ** 2
+
+
+@pytest.fixture(scope="module")
+def plate():
+    """A roof over an ellipse with a round hole."""
+    vertices, faces = mesh_over(heights, 10.0, 8.0, 0.2)
+    middle = vertices[np.array(faces)].mean(axis=1)[:, :2]
+    inside = (((middle - [5.0, 4.0]) / [4.8, 3.8]) ** 2).sum(axis=1) < 1.0
+    inside &= np.linalg.norm(middle - [4.0, 4.0], axis=1) > 1.0
+    return read_design((vertices, [face for face, own in zip(faces, inside) if own]))
+
+
+@pytest.mark.nightly
+def test_a_mesh_follows_a_drawn_seam_around_a_hole(plate):
+    assert plate.trimmed and len(plate.rims) == 2
+    y = np.linspace(-1.0, 9.0, 60)
+    x = 6.5 + 0.4 * np.sin(0.8 * y)
+    panelling = panels_of(plate, None, None, [np.column_stack([x, y, heights(x, y)])])
+    assert panelling.panel_count == 2 and len(boundary_loops(panelling.faces)) == 2
+    on = panelling.vertices[np.unique(panelling.seams)]
+    edge = float(np.median(np.linalg.norm(np.diff(panelling.vertices[panelling.faces[:, :2]], axis=1), axis=2)))
+    # Chords of the seam are away from it by their sagitta, .4 x .64 h^2 / 8 at most.
+    assert np.abs(on[:, 0] - 6.5 - 0.4 * np.sin(0.8 * on[:, 1])).max() < 0.2 * edge**2
+    assert np.abs(on[:, 2] - heights(on[:, 0], on[:, 1])).max() < 2e-3
+
+
+@pytest.mark.nightly
+def test_a_grid_is_cut_at_the_rim(plate):
+    panelling = panels_of(plate, 2.5, 4)
+    edges = edge_faces(panelling.faces)
+    assert len(boundary_loops(panelling.faces)) == 2
+    assert 8 < panelling.panel_count < 24
+    assert (edges[:, 2] >= 0).all()
+
+
+def test_level_lines_run_half_way_between_clusters_of_the_curvature():
+    design = read_design(mesh_over(bumpy("soft", 1), edge=1.0))
+    lines = level_seams(design.surface, 3)
+    assert lines
+    for line in lines:
+        K = design.surface.gaussian(line)
+        assert np.std(K) < 0.3 * np.abs(K).max() + 1e-4
