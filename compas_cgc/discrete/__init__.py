@@ -1,6 +1,6 @@
 """Discrete curvature of triangle meshes: arrays in, arrays out.
 
-Every function takes ``vertices`` ``(n, 3)`` and ``faces`` ``(m, 3)``, anticlockwise
+Every function takes ``vertices`` ``(n, 3)`` and ``faces`` ``(m, 3)``, counterclockwise
 seen from outside, and knows nothing of roles, files or COMPAS objects.
 """
 

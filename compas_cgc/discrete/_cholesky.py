@@ -7,14 +7,14 @@ import math
 from .._compiled import kernel
 from .arrays import FloatArray
 
-SOFT = 1e-14  # pivot, against the trace, below which a system determines too little
+MIN_PIVOT = 1e-14  # smallest pivot relative to the trace
 
 
 @kernel(inner=True)
 def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
-    """Turn the first n of r into the solution of M x = r, of which the lower half of M counts and is used up.
+    """Solve M x = r for the first n unknowns in place of r; only the lower half of M is read, and it is overwritten.
 
-    The diagonal is lifted by this part of the trace: of systems that determine too little it picks the flattest solution.
+    The diagonal is raised by `lift` times the trace, so that a rank-deficient system has the smallest solution.
     """
     trace = 0.0
     for k in range(n):
@@ -23,7 +23,7 @@ def solve_in_place(M: FloatArray, r: FloatArray, n: int, lift: float) -> None:
         pivot = M[k, k] + lift * trace
         for m in range(k):
             pivot -= M[k, m] * M[k, m]
-        least = SOFT * trace
+        least = MIN_PIVOT * trace
         M[k, k] = math.sqrt(pivot if pivot > least else least)
         for j in range(k + 1, n):
             for m in range(k):

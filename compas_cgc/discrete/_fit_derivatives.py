@@ -1,4 +1,4 @@
-"""How what polynomial fits tell of angle defects changes as vertices move, in closed form."""
+"""Derivatives of the truncation error of polynomial fits by the coordinates, in closed form."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ._local_fits import Fit
 from ._local_fits import _powers
 from ._local_fits import corners_of
 from ._local_fits import fan_corners
+from ._local_fits import fit_columns
 from ._local_fits import fits_around
-from ._local_fits import told
 from .arrays import Faces
 from .arrays import FloatArray
 from .arrays import IntArray
@@ -26,9 +26,9 @@ __all__ = ["fitted_with_slopes"]
 def fitted_with_slopes(
     V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int
 ) -> tuple[FloatArray, sparse.csr_matrix]:
-    """Return what polynomials that are not pinned tell (n, 12), else NaN, and the derivatives of their truncation (n, 3n) [1/L^3].
+    """Return the columns of `LocalFits` (n, 12) of unpinned fits, NaN elsewhere, and the derivatives of the truncation (n, 3n) [1/L^3].
 
-    The frames and weights of the fits are taken as they are: what these change is of the order of the waves.
+    The frames and weights of the fits are held constant; their derivatives are of the order of the residuals.
     """
     n = len(V)
     out = np.full((n, COLUMNS), np.nan)
@@ -36,11 +36,11 @@ def fitted_with_slopes(
     by: list[IntArray] = [np.zeros(0, np.int64)]
     slopes: list[FloatArray] = [np.zeros((0, 3))]
     for fit in fits_around(V, N, F, through, wanted, degree, rings, False):
-        out[fit.rows] = told(fit)
+        out[fit.rows] = fit_columns(fit)
         moved = _truncation_slopes(fit)
         at += [np.repeat(fit.rows, np.count_nonzero(fit.there, axis=1)), fit.rows]
         by += [fit.others[fit.there], fit.rows]
-        # Only how a point lies to the vertex counts.
+        # The truncation depends on positions relative to the vertex only.
         slopes += [moved[fit.there], -moved.sum(axis=1)]
     row, column, values = np.repeat(np.concatenate(at), 3), np.concatenate(by), np.concatenate(slopes).ravel()
     places = (3 * column[:, None] + np.arange(3)).ravel()
@@ -58,7 +58,7 @@ def _truncation_slopes(fit: Fit) -> FloatArray:
     for k, power in enumerate(powers):
         by_heights[:, k] = np.einsum("kc,kc->k", defect[2], power)
     by_heights[:, :5] -= _gaussian_slopes(r)
-    # What a height over a point changes, by the least squares; a move aside lifts the polynomial by what it moves off its slope.
+    # Derivatives by the heights, through the least squares; a tangential move changes the height above the fit by the slope.
     height = np.einsum("kt,ktc->kc", substituted(fit.factor, by_heights), fit.weighted)
     height *= np.divide(1.0, fit.unweighted, out=np.zeros_like(u), where=fit.there)
     aside = defect[2] - height
@@ -68,7 +68,7 @@ def _truncation_slopes(fit: Fit) -> FloatArray:
 
 
 def _defect_slopes(fit: Fit) -> FloatArray:
-    """Return the derivatives (3, k, c) of defect over area of the fans put onto fits, by their points."""
+    """Return the derivatives (3, k, c) of defect over area of the fans projected onto the fits, by their points."""
     u, v, _ = fit.places
     points = np.stack([u, v, fit.lifted], axis=2)
     row, left, right = fan_corners(fit.around, fit.group)
@@ -84,7 +84,7 @@ def _defect_slopes(fit: Fit) -> FloatArray:
 
 
 def _corner_slopes(a: FloatArray, b: FloatArray) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
-    """Return the derivatives (k, 3) of the angles between two sides and of their shares of the mixed area, by the one and by the other."""
+    """Return the derivatives (k, 3) of the angles between two sides and of their shares of the mixed area, by each side."""
     normal = np.stack([a[:, i] * b[:, j] - a[:, j] * b[:, i] for i, j in ((1, 2), (2, 0), (0, 1))], axis=1)
     double, dot, aa, bb = (np.einsum("ij,ij->i", x, y)[:, None] for x, y in ((normal, normal), (a, b), (a, a), (b, b)))
     double = np.sqrt(double)
@@ -103,7 +103,7 @@ def _corner_slopes(a: FloatArray, b: FloatArray) -> tuple[tuple[FloatArray, Floa
 
 
 def _gaussian_slopes(r: FloatArray) -> FloatArray:
-    """Return the derivatives (k, 5) of the Gaussian curvature of polynomials by what their first monomials are taken times."""
+    """Return the derivatives (k, 5) of the Gaussian curvature of polynomials by their first five coefficients."""
     a, b, uu, uv, vv = r[:, 0], r[:, 1], 2.0 * r[:, 2], r[:, 3], 2.0 * r[:, 4]
     g = 1.0 + a * a + b * b
     K = (uu * vv - uv * uv) / g**2
@@ -127,5 +127,5 @@ def _slopes(u: FloatArray, v: FloatArray, powers: list[FloatArray], r: FloatArra
 
 
 def _degree(terms: int) -> int:
-    """Return the degree of polynomials with so many terms besides the constant."""
+    """Return the degree of polynomials with a number of terms besides the constant."""
     return int((np.sqrt(8.0 * terms + 9.0) - 3.0) / 2.0)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._cholesky import SOFT
+from ._cholesky import MIN_PIVOT
 from .arrays import FloatArray
 from .arrays import Mask
 
@@ -69,7 +69,7 @@ def substituted(factor: FloatArray, right: FloatArray) -> FloatArray:
 def _factored(M: FloatArray) -> FloatArray:
     """Return the Cholesky factors, below the diagonal and on it, of matrices (t, t, k); soft pivots are lifted."""
     L = np.array(M, order="C")
-    least = SOFT * np.einsum("iik->k", L)
+    least = MIN_PIVOT * np.einsum("iik->k", L)
     for j in range(len(L)):
         L[j:, j] -= np.einsum("imk,mk->ik", L[j:, :j], L[j, :j])
         L[j, j] = np.sqrt(np.maximum(L[j, j], least))

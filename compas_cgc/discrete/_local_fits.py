@@ -1,6 +1,6 @@
-"""Polynomial fits around vertices, many at a time, and what they say about angle defects.
+"""Polynomial fits around vertices, many at a time, and the truncation error of angle defects from them.
 
-All in NumPy: for a first solve their kernels would take as long to compile as everything else.
+All in NumPy: compiled kernels would double the compile time of a first solve.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from .arrays import Mask
 from .arrays import Vectors
 from .arrays import Vertices
 
-TERMS = np.array([0, 2, 5, 9, 14])  # of a polynomial of each degree, without the constant
-SPARE = 1.25  # points against terms below which the degree is lowered
-CHUNK = 300  # vertices that are fitted at once, as many as a cache holds
-PART = 50_000  # vertices whose rings are held at once
-SYMMETRIC = np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # of entries that stand for two, so that the norm is the matrix's
-COLUMNS = 12  # of what fits tell, the last six of them those of a tensor
+TERMS = np.array([0, 2, 5, 9, 14])  # number of terms of a polynomial of each degree, without the constant
+MIN_OVERSAMPLING = 1.25  # points per term below which the degree is lowered
+CHUNK_SIZE = 300  # vertices fitted at once; their data fits into the cache
+PART_SIZE = 50_000  # vertices whose rings are in memory at once
+TENSOR_WEIGHTS = np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # xx, yy, zz, yz, zx, xy: the norm is that of the matrix
+COLUMNS = 12  # of `fit_columns`; the last six are those of `LocalFits.bending`
 
 
 class Rings(NamedTuple):
@@ -42,7 +42,7 @@ class Rings(NamedTuple):
 
 @remembered
 def rings_around(F: Faces, n: int, rows: Indices, through: Mask, rings: int) -> Rings:
-    """Return the rings around some vertices (k,), themselves left out; farther ones are reached through `through` only."""
+    """Return the rings around some vertices (k,), without the vertices themselves; farther rings are reached through `through` only."""
     near = _neighbourhoods(F, n, rows, through, rings)
     fans = _fans(F, n)
     count = fans.start[rows + 1] - fans.start[rows]
@@ -101,42 +101,42 @@ class Fit(NamedTuple):
 def fitted(
     V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool, layout: bool = True
 ) -> FloatArray:
-    """Return what polynomials around the wanted vertices tell (n, 12), else NaN: the columns of `LocalFits`."""
+    """Return the columns of `LocalFits` (n, 12) at the wanted vertices, NaN elsewhere."""
     out = np.full((len(V), COLUMNS), np.nan)
     for fit in fits_around(V, N, F, through, wanted, degree, rings, pinned):
-        out[fit.rows] = told(fit, layout)
+        out[fit.rows] = fit_columns(fit, layout)
     return out
 
 
 def fits_around(V: Vertices, N: Vectors, F: Faces, through: Mask, wanted: Mask, degree: int, rings: int, pinned: bool) -> Iterator[Fit]:
-    """Fit polynomials around the wanted vertices, many at a time; the room of the last ones is used for the next."""
+    """Fit polynomials around the wanted vertices, many at a time; each chunk overwrites the memory of the last."""
     rows = np.flatnonzero(wanted & (N != 0).any(axis=1))
-    for part in (rows[k : k + PART] for k in range(0, len(rows), PART)):
+    for part in (rows[k : k + PART_SIZE] for k in range(0, len(rows), PART_SIZE)):
         around, frames = rings_around(F, len(V), part, through, rings), _frames(N[part])
         count = np.diff(around.near.indptr)
         used = np.full(len(part), degree)
         for lower in range(degree, 2, -1):
-            used[(used == lower) & (count < SPARE * TERMS[lower])] = lower - 1
+            used[(used == lower) & (count < MIN_OVERSAMPLING * TERMS[lower])] = lower - 1
         for own in np.unique(used):
             group = np.flatnonzero((used == own) & (count >= TERMS[own]))
-            # New memory for every chunk would take as long to come by as the fits themselves.
-            room = np.empty((CHUNK, TERMS[own] + (not pinned), count[group].max(initial=0)))
-            for chunk in (group[k : k + CHUNK] for k in range(0, len(group), CHUNK)):
+            # Allocating memory for every chunk would take as long as the fits.
+            room = np.empty((CHUNK_SIZE, TERMS[own] + (not pinned), count[group].max(initial=0)))
+            for chunk in (group[k : k + CHUNK_SIZE] for k in range(0, len(group), CHUNK_SIZE)):
                 yield _fit(V, frames[chunk], around, part[chunk], chunk, int(own), room)
 
 
 def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: Indices, degree: int, room: FloatArray) -> Fit:
     """Return fits of one degree, of vertices that are a group (k,) of those with rings.
 
-    In the `room` the monomials are put; where it has one more than there are, the polynomial is not pinned, and the last unknown
-    is its height over the vertex, which is one of the points.
+    The monomials are written into `room`. If it has one more row than there are monomials, the polynomial is not pinned: the last
+    unknown is its height over the vertex, which is one of the points.
     """
     near = around.near
     first = near.indptr[group]
     count = near.indptr[group + 1] - first
     column = np.arange(count.max())
     there = column < count[:, None]
-    # What fills shorter rows up lies at the vertex itself.
+    # Shorter rows are filled up with the vertex itself.
     others = np.where(there, near.indices[np.where(there, first[:, None] + column, 0)], rows[:, None])
     places, scale = _places(V[others] - V[rows][:, None], frames)
     weighted = room[: len(rows), :, : len(column)]
@@ -145,13 +145,13 @@ def _fit(V: Vertices, frames: FloatArray, around: Rings, rows: Indices, group: I
 
 
 def _places(away: Vectors, frames: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return where points lie that are so far away (k, c, 3), in frames (k, 3, 3) and by the distance of the farthest, and that (k,)."""
+    """Return offsets (k, c, 3) in frames (k, 3, 3), divided by the largest distance, and that distance (k,)."""
     scale = np.sqrt(np.einsum("kcx,kcx->kc", away, away).max(axis=1))
     size = np.where(scale > 0.0, scale, 1.0)
     return np.ascontiguousarray((away @ (frames / size[:, None, None]).transpose(0, 2, 1)).transpose(2, 0, 1)), scale
 
 
-def told(fit: Fit, layout: bool = True) -> FloatArray:
+def fit_columns(fit: Fit, layout: bool = True) -> FloatArray:
     """Return what fits tell (k, 12): the columns of `LocalFits`, with or without what they tell of the layout of the mesh."""
     out = np.full((len(fit.rows), COLUMNS), np.nan)
     scale, terms = fit.scale, fit.terms
@@ -185,7 +185,7 @@ def _tensors(frames: FloatArray, a: FloatArray, b: FloatArray, second: FloatArra
     uu, uv, vv = second.T[..., None]
     p, q = uu * x + uv * y, uv * x + vv * y
     across = [(p[:, i] * x[:, j] + q[:, i] * y[:, j]) for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
-    return np.asarray(np.stack(across, axis=1) * SYMMETRIC, dtype=np.float64)
+    return np.asarray(np.stack(across, axis=1) * TENSOR_WEIGHTS, dtype=np.float64)
 
 
 class Fans(NamedTuple):

@@ -1,7 +1,7 @@
-"""Memory of what was last worked out from a mesh.
+"""Cache of what was last computed from a mesh.
 
-Studies and servers solve many problems on one small mesh, one after the other. What is worked out from a larger one is kept for the
-time of one solve, which asks for it again and again.
+Studies and servers solve many problems on one small mesh, one after the other. Results for a larger mesh are kept during
+one solve only, which needs them repeatedly.
 """
 
 from __future__ import annotations
@@ -22,19 +22,21 @@ from scipy import sparse
 
 __all__ = ["remembered", "remembering"]
 
-SMALL = 2_000_000  # bytes of arguments above which nothing is kept: those of a mesh of 20,000 vertices with roles and creases
-ALL = 4_000_000  # bytes of the arguments of all that is kept
-RECENT = 8  # results of each function
-LARGE = 20_000_000  # bytes of arguments above which nothing is kept for the time of a solve either, as memory is short there
+MAX_BYTES = (
+    2_000_000  # bytes of arguments above which a result is kept during a solve only: a mesh of 20,000 vertices with roles and creases
+)
+MAX_TOTAL_BYTES = 4_000_000  # bytes of the arguments of all results kept for a function
+MAX_RESULTS = 8  # results kept for each function
+MAX_SOLVE_BYTES = 20_000_000  # bytes of arguments above which nothing is kept during a solve either, to save memory
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class _OfSolve(threading.local):
-    """What this thread keeps for the time of a solve, by function and numbers of arguments."""
+    """Results kept by this thread during a solve, by function and numbers of arguments."""
 
     kept: Optional[dict[tuple, Any]] = None
-    seen: list[tuple[str, tuple[int, ...], np.ndarray]] = []  # the arrays that have a number, as bytes
+    seen: list[tuple[str, tuple[int, ...], np.ndarray]] = []  # the numbered arrays: type, shape and bytes
 
 
 _of_solve = _OfSolve()
@@ -42,7 +44,7 @@ _of_solve = _OfSolve()
 
 @contextmanager
 def remembering() -> Iterator[None]:
-    """Keep what is worked out from larger meshes until the end of a block."""
+    """Keep results for larger meshes until the end of a block."""
     if _of_solve.kept is not None:
         yield
         return
@@ -53,10 +55,10 @@ def remembering() -> Iterator[None]:
         _of_solve.kept, _of_solve.seen = None, []
 
 
-def remembered(function: Function, recent: int = RECENT) -> Function:
-    """Return a function that keeps its last results for small arguments: arrays and numbers that alone decide what it returns.
+def remembered(function: Function, recent: int = MAX_RESULTS) -> Function:
+    """Return a function that caches its last results; they may depend on its arguments only, arrays and numbers.
 
-    What it returns belongs to the caller: arrays are copied.
+    Arrays in results are copied, so that the caller may change them.
     """
     kept: OrderedDict[tuple, Any] = OrderedDict()
     sizes: dict[tuple, int] = {}
@@ -65,7 +67,7 @@ def remembered(function: Function, recent: int = RECENT) -> Function:
     @wraps(function)
     def called(*args: Any) -> Any:
         size = sum(own.nbytes for own in args if isinstance(own, np.ndarray))
-        if size > SMALL:
+        if size > MAX_BYTES:
             return _large(function, size, args)
         key = tuple((own.dtype.char, own.shape, own.tobytes()) if isinstance(own, np.ndarray) else own for own in args)
         with lock:
@@ -76,7 +78,7 @@ def remembered(function: Function, recent: int = RECENT) -> Function:
             found = (function(*args),)
             with lock:
                 kept[key], sizes[key] = found, size
-                while len(kept) > recent or sum(sizes.values()) > ALL:
+                while len(kept) > recent or sum(sizes.values()) > MAX_TOTAL_BYTES:
                     del sizes[kept.popitem(last=False)[0]]
         return _copied(found[0])
 
@@ -85,7 +87,7 @@ def remembered(function: Function, recent: int = RECENT) -> Function:
 
 def _large(function: Callable[..., Any], size: int, args: tuple) -> Any:
     kept = _of_solve.kept
-    if kept is None or size > LARGE:
+    if kept is None or size > MAX_SOLVE_BYTES:
         return function(*args)
     key = function, *(_number(own) if isinstance(own, np.ndarray) else own for own in args)
     if key not in kept:
@@ -94,7 +96,7 @@ def _large(function: Callable[..., Any], size: int, args: tuple) -> Any:
 
 
 def _number(array: np.ndarray) -> int:
-    """Return the number of an array among those of this solve; to compare two takes a fraction of the time of a digest."""
+    """Return the number of an array among those of this solve; comparing two arrays is much faster than a digest."""
     char, shape, own = array.dtype.char, array.shape, np.ascontiguousarray(array).reshape(-1).view(np.uint8)
     for number, (other, extent, bytes_) in enumerate(_of_solve.seen):
         if other == char and extent == shape and np.array_equal(bytes_, own):

@@ -10,18 +10,18 @@ from .arrays import FloatArray
 from .arrays import IntArray
 from .arrays import Mask
 
-MOST = 400  # vertices in the rings of one fit
+MOST = 400  # maximum number of vertices in the rings of one fit
 
 
 def around(F: Faces, n: int) -> tuple[IntArray, IntArray]:
-    """Return the faces at every vertex, in compressed rows."""
+    """Return the faces at every vertex: row pointers (n + 1,) and face indices."""
     start = np.concatenate([[0], np.cumsum(np.bincount(F.ravel(), minlength=n))])
     return start, np.argsort(F.ravel(), kind="stable") // 3
 
 
 @kernel(inner=True)
 def gather(i: int, F: Faces, start: IntArray, faces: IntArray, through: Mask, rings: int, ring: IntArray, stamp: IntArray) -> int:
-    """Write the vertices of the rings around i into `ring`, reached through vertices of `through` only; return how many."""
+    """Write the vertices of the rings around i into `ring`, continued through vertices of `through` only; return their number."""
     stamp[i] = i
     count, done, end = 0, 0, 0
     for level in range(rings):

@@ -19,7 +19,7 @@ from .arrays import Vertices
 
 @kernel()
 def chord(square: float, K: float) -> tuple[float, float]:
-    """Return the square of the chord of an arc of this squared length, and its derivative by that."""
+    """Return the squared chord of an arc of a squared length, and its derivative by the squared length."""
     x = math.sqrt(abs(K) * square)
     if x == 0.0:
         return square, 1.0
@@ -45,13 +45,13 @@ def sides(V: Vertices, F: Faces, f: int, K: float, arc: bool) -> tuple[float, fl
 
 @kernel()
 def cosine(a: float, b: float, c: float, K: float) -> float:
-    """Return the cosine of the angle opposite the chord a, times the sines of the others but for the same factor as :func:`sine`."""
+    """Return the cosine of the angle opposite the chord a, up to the common factor of :func:`sine`."""
     return 0.5 * (b + c - a) - 0.25 * K * b * c
 
 
 @kernel()
 def sine(a: float, b: float, c: float, D: float, K: float) -> float:
-    """Return the sine to :func:`cosine`, the same at all three corners; zero for a triangle that the sphere has no room for."""
+    """Return the sine up to the factor of :func:`cosine`, the same at all corners; zero for a triangle too large for the sphere."""
     return math.sqrt(max(0.0, D - 0.25 * K * a * b * c))
 
 
@@ -72,7 +72,7 @@ def angle_sums(V: Vertices, F: Faces, K: PerVertex, arc: bool) -> PerVertex:
 
 @kernel()
 def room(V: Vertices, F: Faces, K: PerFace, arc: bool) -> PerFace:
-    """Return K times the squared circumradius of every face (m,), which has to be less than one."""
+    """Return K times the squared circumradius of every face (m,); the face fits the space form if it is less than one."""
     out = np.empty(F.shape[0])
     for f in range(F.shape[0]):
         a, b, c, _, _, _, D = sides(V, F, f, K[f], arc)
@@ -82,10 +82,10 @@ def room(V: Vertices, F: Faces, K: PerFace, arc: bool) -> PerFace:
 
 @kernel()
 def corner_derivatives(V: Vertices, F: Faces, f: int, x: int, K: float, arc: bool, G: FloatArray) -> bool:
-    """Write into G (3, 3) what the angle at corner `x` of face `f` changes by when each corner moves; False where it has none.
+    """Write the derivatives of the angle at corner `x` of face `f` by the three corners into G (3, 3); return False if there is none.
 
     ``d theta / d a = 1 / 2S`` for the squared chord a opposite, ``- C_c / (2 S b (1 - K b / 4))`` for a side b next to it, with
-    S and C the sine and cosine of the formula and c the other side.
+    S and C the values of `sine` and `cosine`, and c the other side.
     """
     s0, s1, s2, d0, d1, d2, D = sides(V, F, f, K, arc)
     square, slope = (s0, s1, s2), (d0, d1, d2)

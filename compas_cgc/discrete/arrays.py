@@ -34,7 +34,7 @@ IntArray = NDArray[np.int64]
 Vertices = FloatArray
 """``(n, 3)`` coordinates [L]."""
 Faces = IntArray
-"""``(m, 3)`` vertex indices of triangles, anticlockwise seen from outside."""
+"""``(m, 3)`` vertex indices of triangles, counterclockwise seen from outside."""
 Edges = IntArray
 """``(e, 2)`` vertex indices, or ``(e, 4)`` followed by the faces to the left and right, -1 for none."""
 Indices = IntArray
@@ -62,7 +62,7 @@ def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def mesh_arrays(vertices: ArrayLike, faces: ArrayLike) -> tuple[Vertices, Faces]
     F = np.ascontiguousarray(raw, dtype=np.int64)
     if F.size and (F.min() < 0 or F.max() >= len(V)):
         bad = int(np.flatnonzero(((F < 0) | (F >= len(V))).any(axis=1))[0])
-        raise MeshError(f"face {bad} names a vertex that does not exist: {F[bad].tolist()} of {len(V)} vertices")
+        raise MeshError(f"face {bad} names a vertex that does not exist: {F[bad].tolist()}, but there are {len(V)} vertices")
     if not np.isfinite(V).all():
         bad = int(np.flatnonzero(~np.isfinite(V).all(axis=1))[0])
         raise MeshError(f"vertex {bad} has a coordinate that is not a finite number: {V[bad].tolist()}")

@@ -28,7 +28,7 @@ def angle_defects(vertices: ArrayLike, faces: ArrayLike) -> PerVertex:
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def gaussian_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixe
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     areas
         Kind of the cells, see :func:`vertex_areas`.
 

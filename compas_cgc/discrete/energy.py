@@ -38,7 +38,7 @@ def energy(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike, kind: str 
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     targets
         Target Gaussian curvature [1/L^2], one number or ``(m,)`` per face. With
         different targets the value depends on the origin.
@@ -80,7 +80,7 @@ def energy_gradient(vertices: ArrayLike, faces: ArrayLike, targets: ArrayLike) -
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     targets
         Target Gaussian curvature [1/L^2], one number or ``(m,)`` per face.
 

@@ -1,4 +1,4 @@
-"""Polynomials fitted around vertices, as linear operators: how far vertices lie off them, how they bend, and their K."""
+"""Polynomials fitted around vertices, as linear operators: residuals, bending and K."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from ._least_squares import CENTRED
-from ._local_fits import SPARE
+from ._local_fits import MIN_OVERSAMPLING
 from ._local_fits import TERMS
 from ._local_fits import _frames
 from ._local_fits import powers
@@ -25,15 +25,15 @@ from .normals import vertex_normals
 __all__ = ["FitOperators", "fit_operators", "second_derivatives"]
 
 DEGREE, RINGS = 3, 2
-LEAST = 2  # degree below which nothing bends
-OVER = 2  # points more than terms, without which nothing can lie off a fit
-SINGULAR = 1e14  # size of a matrix times that of its inverse, from which it has none
+MIN_DEGREE = 2  # lowest degree with curvature
+MIN_SURPLUS = 2  # points beyond the number of terms, so that there is a residual
+MAX_CONDITION = 1e14  # condition number above which a pseudoinverse is used
 CHUNK = 2000
 RECENT = 2  # meshes whose rings and sparsity are kept: those of 3,000 vertices take some 20 MB
 
 
 class FitOperators(NamedTuple):
-    """What polynomials around some vertices (k,) say."""
+    """Residuals, bending and K of polynomials fitted around some vertices (k,), as operators."""
 
     rows: IntArray  # (k,) the vertices
     waves: sparse.csr_matrix  # (n, n) sum of the squared distances of vertices from the fits, over radius^4, of a coordinate [1/L^2]
@@ -44,8 +44,8 @@ class FitOperators(NamedTuple):
 
 class _Group(NamedTuple):
     at: IntArray  # (g,) positions among the vertices
-    ring: IntArray  # (g, c) vertices, the own one first; those that are none repeat it
-    weight: FloatArray  # (g, c), zero for those
+    ring: IntArray  # (g, c) vertices, the centre first; shorter rings are filled up with it
+    weight: FloatArray  # (g, c), zero for the filled entries
     degree: int
 
 
@@ -54,7 +54,7 @@ class _Pattern(NamedTuple):
 
     indptr: CSRIndices
     indices: CSRIndices
-    slots: IntArray  # where in it the entries of the rings go, group after group
+    slots: IntArray  # position in the matrix of each entry of the rings, group after group
 
     def matrix(self, parts: Sequence[FloatArray], shape: tuple[int, int]) -> sparse.csr_matrix:
         """Return the matrix with entries for every group."""
@@ -69,10 +69,10 @@ class _Rings(NamedTuple):
 
 
 def fit_operators(vertices: FloatArray, faces: IntArray, rows: IntArray, through: Mask, areas: FloatArray) -> FitOperators:
-    """Return what cubic polynomials fitted to two rings say of a surface and of small moves.
+    """Return the operators of cubic polynomials fitted to two rings of a surface.
 
-    Waves and bending are those of the coordinates as functions of places in the tangent planes. Unlike hinges they are
-    consistent on any mesh: a smooth surface has next to no waves.
+    Waves and bending are those of the coordinates as functions over the tangent planes. Unlike dihedral angles they are
+    consistent on any mesh: on a smooth surface the waves are close to zero.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def second_derivatives(plan: FloatArray, faces: IntArray, rows: IntArray, throug
 
 
 def _made(faces: IntArray, n: int, rows: IntArray, through: Mask) -> _Rings:
-    """Return what depends on the mesh alone."""
+    """Return the rings and sparsity, which depend on the faces only."""
     groups = list(_groups(faces, n, rows, through))
     square = [np.broadcast_arrays(own.ring[:, :, None], own.ring[:, None, :]) for own in groups]
     across = [np.broadcast_arrays(own.at[:, None], own.ring) for own in groups]
@@ -166,7 +166,7 @@ _rings = remembered(_made, recent=RECENT)
 
 
 def _pattern(places: Sequence[Sequence[IntArray]], shape: tuple[int, int]) -> _Pattern:
-    """Return the sparsity of entries at rows and columns that come several times."""
+    """Return the sparsity of entries at repeated rows and columns."""
     if not places:
         return _Pattern(np.zeros(shape[0] + 1, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int64))
     row, column = (np.concatenate([own[k].ravel() for own in places]).astype(np.int64) for k in range(2))
@@ -176,14 +176,14 @@ def _pattern(places: Sequence[Sequence[IntArray]], shape: tuple[int, int]) -> _P
 
 
 def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[_Group]:
-    """Return the vertices and their rings, those together whose polynomials have one degree."""
+    """Return the vertices and their rings, grouped by the degree of the polynomials."""
     for first in range(0, len(rows), CHUNK):
         chunk = rows[first : first + CHUNK]
         near = rings_around(faces, n, chunk, through, RINGS).near
         count = np.diff(near.indptr)
-        degree = np.where(count + 1 >= SPARE * (TERMS[DEGREE] + 1), DEGREE, LEAST)
-        for own in range(LEAST, DEGREE + 1):
-            at = np.flatnonzero((degree == own) & (count >= TERMS[own] + OVER))
+        degree = np.where(count + 1 >= MIN_OVERSAMPLING * (TERMS[DEGREE] + 1), DEGREE, MIN_DEGREE)
+        for own in range(MIN_DEGREE, DEGREE + 1):
+            at = np.flatnonzero((degree == own) & (count >= TERMS[own] + MIN_SURPLUS))
             if not len(at):
                 continue
             widest = int(count[at].max())
@@ -195,13 +195,13 @@ def _groups(faces: IntArray, n: int, rows: IntArray, through: Mask) -> Iterator[
 
 
 def _inverted(squares: FloatArray) -> FloatArray:
-    """Return the inverses of symmetric matrices (g, t, t), pseudoinverses of those that are singular to rounding."""
+    """Return the inverses of symmetric matrices (g, t, t), or pseudoinverses if singular to rounding."""
     try:
         inverse: FloatArray = np.asarray(np.linalg.inv(squares), dtype=np.float64)
     except np.linalg.LinAlgError:
         return np.asarray(np.linalg.pinv(squares, hermitian=True), dtype=np.float64)
     sizes = np.abs(squares).max(axis=(1, 2)) * np.abs(inverse).max(axis=(1, 2))
-    singular = ~(sizes < SINGULAR)
+    singular = ~(sizes < MAX_CONDITION)
     if singular.any():
         inverse[singular] = np.linalg.pinv(squares[singular], hermitian=True)
     return inverse

@@ -25,15 +25,15 @@ __all__ = ["CurvatureEquations"]
 
 
 class CurvatureEquations:
-    """One equation per vertex where K is asked for: angle defect less target times mixed area.
+    """One equation per vertex where K is prescribed: angle defect minus target times mixed area.
 
-    Not divided by the area, so that all equations are of one scale. The sparsity is found
+    They are not divided by the area, so that all have the same scale. The sparsity is found
     once; :meth:`jacobian` fills it in one compiled pass over the faces.
 
     Parameters
     ----------
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     targets
         ``(n,)`` target Gaussian curvature of every vertex [1/L^2]; read at ``rows`` only.
     rows
@@ -52,7 +52,7 @@ class CurvatureEquations:
     """
 
     def __init__(self, faces: Faces, targets: ArrayLike, rows: ArrayLike, columns: ArrayLike):
-        # A copy: Numba compiles anew for an array that may not be written to.
+        # A copy: Numba would compile again for a read-only array.
         self.targets: PerVertex = np.array(targets, dtype=np.float64)
         n = len(self.targets)
         self.pattern = RingPattern(faces, n, rows, columns)
@@ -62,7 +62,9 @@ class CurvatureEquations:
         without_ring = np.flatnonzero((boundary_mask(n, self.faces) | ~used)[self.rows])
         if len(without_ring):
             vertex = int(self.rows[without_ring[0]])
-            raise MeshError(f"vertex {vertex} has no closed ring of faces, so it has no K; fix it, free it or carry it by a dummy ring")
+            raise MeshError(
+                f"vertex {vertex} has no closed ring of faces, so its K is not defined; hold the vertex, leave it free or add a dummy ring"
+            )
 
     def measure(self, vertices: Vertices) -> tuple[FloatArray, FloatArray]:
         """Return the residuals [rad] and the mixed areas [L^2] at the rows, ``(k,)`` each, of a shape (n, 3)."""
@@ -77,8 +79,8 @@ class CurvatureEquations:
     def jacobian(self, vertices: Vertices, directions: Optional[Vectors] = None, areas: bool = True) -> sparse.csr_matrix:
         """Return the derivative of the residuals.
 
-        Where an angle passes the right angle the mixed area is continuous, but its
-        derivative jumps; there the one of the present side is returned.
+        Where an angle passes 90 degrees the mixed area is continuous, but its derivative
+        jumps; the one-sided derivative of the current shape is returned.
 
         Parameters
         ----------
@@ -106,8 +108,8 @@ class CurvatureEquations:
     def hessian(self, vertices: FloatArray, multipliers: FloatArray) -> CurvatureHessian:
         """Return the second derivative of the weighted sum of the defects.
 
-        With a Lagrangian's multipliers for weights these are the constraints' second derivatives. The
-        mixed areas are left out: against the angles theirs are of the order of K times the squared edge.
+        With Lagrange multipliers as weights, this is the constraint term of the Hessian. The mixed areas
+        are left out: relative to the angles they are of the order of K times the squared edge length.
 
         Parameters
         ----------
@@ -119,7 +121,7 @@ class CurvatureEquations:
         Returns
         -------
         CurvatureHessian
-            By its products with moves.
+            As products with moves.
         """
         return CurvatureHessian(vertices, self.faces, self._at_vertices(len(vertices), multipliers))
 

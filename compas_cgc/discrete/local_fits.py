@@ -1,4 +1,4 @@
-"""Curvatures of polynomials fitted around vertices: consistent on any mesh, which angle defects are not."""
+"""Curvatures of polynomials fitted around vertices: unlike angle defects, they are consistent on any mesh."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class LocalFits(NamedTuple):
 
     gaussian: FloatArray  # (n,) [1/L^2]
     mean: FloatArray  # (n,) positive where convex towards the normal [1/L]
-    truncation: FloatArray  # (n,) K by angle defects of the ring put onto the polynomial, less that of the polynomial [1/L^2]
-    residual: FloatArray  # (n,) distance of the rings from the polynomial, root mean square by degrees of freedom [L]
-    sagitta: FloatArray  # (n,) of the quadratic part of the polynomial over the rings, root mean square [L]
+    truncation: FloatArray  # (n,) angle defect over area of the ring projected onto the polynomial, minus K of the polynomial [1/L^2]
+    residual: FloatArray  # (n,) RMS distance of the rings from the polynomial, per degree of freedom [L]
+    sagitta: FloatArray  # (n,) RMS of the quadratic part of the polynomial over the rings [L]
     radius: FloatArray  # (n,) distance of the farthest vertex of the rings [L]
-    bending: FloatArray  # (n, 6) second fundamental form in space: xx, yy, zz, and yz, zx, xy times the root of two [1/L]
+    bending: FloatArray  # (n, 6) second fundamental form in space: xx, yy, zz, and sqrt(2) times yz, zx, xy [1/L]
 
 
 def local_fits(
@@ -42,28 +42,28 @@ def local_fits(
     """Fit polynomials to the rings around vertices, as heights over their tangent planes.
 
     Angle defect over area differs from K by a term that depends on the layout of the ring and does not vanish under
-    refinement (Borrelli, Cazals, Morvan 2003); the fits' curvatures converge, and tell that term.
+    refinement (Borrelli, Cazals, Morvan 2003); the curvatures of the fits converge, and so that term can be computed from them.
 
     Parameters
     ----------
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     wanted
-        ``(n,)`` bool: where to fit, vertices with a closed ring of faces only. Default: all of these.
+        ``(n,)`` bool: vertices to fit at; those without a closed ring of faces are skipped. Default: all.
     through
-        ``(n,)`` bool: vertices that the farther rings may be reached through, so that no fit looks across a
-        crease. Default: all.
+        ``(n,)`` bool: vertices through which the farther rings are reached; exclude those of a crease, so that no
+        fit extends across it. Default: all.
     degree
-        Of the polynomials, 2 to 4; lowered where the rings have too few vertices.
+        Degree of the polynomials, 2 to 4; lowered where the rings have too few vertices.
     rings
-        How many.
+        Number of rings.
     pinned
-        Let the polynomials go through their vertices. Else a vertex is but one of the points, and moving it alone changes
-        little.
+        Whether each polynomial passes through its vertex. Otherwise the vertex is one of the fitted points, and moving it
+        alone changes little.
     layout
-        Tell the truncation, which is a quarter of the work; else it is NaN.
+        Whether to compute the truncation, a quarter of the work; otherwise it is NaN.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def local_fits(
     return as_local_fits(_local_fits.fitted(V, vertex_normals(V, F), F, open_to, where, degree, rings, pinned, layout))
 
 
-def as_local_fits(told: FloatArray) -> LocalFits:
-    """Return the columns of what fits tell (n, 12) by their names."""
-    gaussian, mean, truncation, residual, sagitta, radius = told[:, :6].T
-    return LocalFits(gaussian, mean, truncation, residual, sagitta, radius, told[:, 6:])
+def as_local_fits(columns: FloatArray) -> LocalFits:
+    """Return columns (n, 12) as named fields."""
+    gaussian, mean, truncation, residual, sagitta, radius = columns[:, :6].T
+    return LocalFits(gaussian, mean, truncation, residual, sagitta, radius, columns[:, 6:])

@@ -39,7 +39,7 @@ def mean_curvature(vertices: ArrayLike, faces: ArrayLike, areas: str = "mixed") 
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     areas
         Kind of the cells, see :func:`vertex_areas`.
 
@@ -76,7 +76,7 @@ def total_mean_curvature(vertices: ArrayLike, faces: ArrayLike, kind: str = "ste
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
     kind
         ``"steiner"`` (default): half the sum of edge length times exterior dihedral
         angle, over the edges between two faces; its gradient is known in closed form.

@@ -29,7 +29,7 @@ def face_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def vertex_normals(vertices: ArrayLike, faces: ArrayLike) -> Vectors:
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
 
     Returns
     -------

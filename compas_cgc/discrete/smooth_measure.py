@@ -1,4 +1,4 @@
-"""The smooth measure of K: angle defect over area, less what the layout of the mesh puts into it."""
+"""The smooth measure of K: angle defect over area, minus the truncation error due to the layout of the mesh."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from .topology import closed_vertices
 __all__ = ["is_irregular", "is_regular", "layout_errors", "layout_errors_and_slopes"]
 
 DEGREE, RINGS = 4, 3  # of the polynomials
-REGULAR = 0.9  # part of the vertices with six neighbours from which a mesh is regular
-WAVY = 0.2, 0.4  # distance of the rings from a fit, against its bending, up to which it is believed, and not at all
-SINGULAR = 3.0, 6.0  # squares of the curvatures, against the median, likewise
-FAINT = 0.1  # principal curvature, against the other, that is none
-SEEN = 0.03  # error of the layout, against the largest K̄, whose wrinkles show, the median
-SLIGHT = 0.01  # the mean, for K̄ > 0: on spheres most vertices have none, and some have much
+REGULAR_PART = 0.9  # part of vertices with six neighbours from which a mesh is regular
+RESIDUAL_RANGE = 0.2, 0.4  # residual over sagitta of a fit: full weight up to the first, none from the second
+CURVATURE_RANGE = 3.0, 6.0  # squared curvature relative to the median: likewise
+DEVELOPABLE_RATIO = 0.1  # ratio of the principal curvatures at which a surface counts as developable
+VISIBLE_MEDIAN = 0.03  # median truncation error relative to the largest |K̄| above which wrinkles are visible
+VISIBLE_MEAN = 0.01  # the same for the mean, if K̄ > 0: on spheres the error is large at a few vertices only
 
 
 def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:
-    """Return what the layout of a mesh puts into angle defect over area (n,) [1/L^2], zero where no fit tells it.
+    """Return the truncation error (n,) of angle defect over area due to the layout of a mesh [1/L^2], zero where there is no fit.
 
-    It does not vanish under refinement (Borrelli, Cazals, Morvan 2003); polynomials fitted around vertices tell it.
+    It does not vanish under refinement (Borrelli, Cazals, Morvan 2003). It is computed from polynomials fitted around vertices.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatAr
     faces
         ``(m, 3)``.
     asked
-        ``(n,)`` where K is asked for; fits do not look across other vertices.
+        ``(n,)`` bool: vertices where K is prescribed; fits do not extend across other vertices.
 
     References
     ----------
@@ -50,7 +50,7 @@ def layout_errors(vertices: FloatArray, faces: IntArray, asked: Mask) -> FloatAr
 def layout_errors_and_slopes(vertices: FloatArray, faces: IntArray, asked: Mask) -> tuple[FloatArray, sparse.csr_matrix]:
     """Return the errors of :func:`layout_errors` (n,) and their derivatives by the coordinates (n, 3n) [1/L^3].
 
-    How far fits are believed is taken as it is.
+    The weights of the fits are held constant.
     """
     closed = asked & closed_vertices(vertices, faces)
     told, slopes = fitted_with_slopes(vertices, vertex_normals(vertices, faces), faces, asked, closed, DEGREE, RINGS)
@@ -60,23 +60,23 @@ def layout_errors_and_slopes(vertices: FloatArray, faces: IntArray, asked: Mask)
 
 
 def is_irregular(vertices: FloatArray, faces: IntArray, asked: Mask, targets: FloatArray) -> bool:
-    """Return whether a surface that meets its targets (n,) by angle defects would show the layout of its mesh as wrinkles."""
+    """Check whether a surface whose angle defects match its targets (n,) would have visible wrinkles due to its mesh layout."""
     if not asked.any() or is_regular(faces, asked):
         return False
     fits = _fits(vertices, faces, asked)
     least = float(np.abs(targets[asked]).max())
     if least == 0.0:
-        # A developable is held against one with a principal curvature of a part of its other.
+        # For K̄ = 0 the scale is the K of a surface with a small ratio of principal curvatures.
         bent = fits.mean[np.isfinite(fits.mean)]
-        least = FAINT * float(np.median(4.0 * bent**2)) if len(bent) else 0.0
+        least = DEVELOPABLE_RATIO * float(np.median(4.0 * bent**2)) if len(bent) else 0.0
     told = np.abs(_believed(fits, faces, asked)[asked])
-    slight = bool((targets[asked] > 0.0).all()) and told.mean() > SLIGHT * least
-    return bool(slight or np.median(told) > SEEN * least > 0.0)
+    slight = bool((targets[asked] > 0.0).all()) and told.mean() > VISIBLE_MEAN * least
+    return bool(slight or np.median(told) > VISIBLE_MEDIAN * least > 0.0)
 
 
 def is_regular(faces: IntArray, asked: Mask) -> bool:
-    """Return whether nearly all vertices where K is asked for have six neighbours."""
-    return bool(np.mean(np.bincount(faces.ravel(), minlength=len(asked))[asked] == 6) >= REGULAR)
+    """Check whether nearly all vertices where K is prescribed have six neighbours."""
+    return bool(np.mean(np.bincount(faces.ravel(), minlength=len(asked))[asked] == 6) >= REGULAR_PART)
 
 
 def _fits(vertices: FloatArray, faces: IntArray, asked: Mask) -> LocalFits:
@@ -84,7 +84,7 @@ def _fits(vertices: FloatArray, faces: IntArray, asked: Mask) -> LocalFits:
 
 
 def _believed(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
-    """Return the errors that fits tell, as far as these are to be believed."""
+    """Return the truncation errors of fits, times the weights of the fits."""
     return _times(_belief(fits, faces, asked), fits)
 
 
@@ -93,25 +93,25 @@ def _times(belief: FloatArray, fits: LocalFits) -> FloatArray:
 
 
 def _belief(fits: LocalFits, faces: IntArray, asked: Mask) -> FloatArray:
-    """Return how far the errors that fits tell are to be believed (n,): where vertices lie on them.
+    """Return the weights (n,) of fits, 0 to 1: high where the residual is small and the curvature bounded.
 
-    K > 0 over a straight edge has curvatures without bounds, which no polynomial follows.
+    K > 0 next to a straight edge has unbounded curvature, which no polynomial approximates.
     """
     bent = fits.mean**2 + np.abs(fits.gaussian)
     if not np.isfinite(bent).any():
         return np.zeros(len(bent))
     with np.errstate(invalid="ignore", divide="ignore"):
-        close = _falling(fits.residual / fits.sagitta, *WAVY)
-        bounded = _falling(bent / np.median(bent[np.isfinite(bent)]), *SINGULAR)
+        close = _falling(fits.residual / fits.sagitta, *RESIDUAL_RANGE)
+        bounded = _falling(bent / np.median(bent[np.isfinite(bent)]), *CURVATURE_RANGE)
     known = np.isfinite(close * bounded * fits.truncation)
     return np.where(known, _alike(np.where(known, close * bounded, 0.0), faces, asked), 0.0)
 
 
 def _alike(belief: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:
-    """Return beliefs (n,) that fall off gently from vertex to vertex, nowhere before what they were.
+    """Return weights (n,) smoothed over the neighbours.
 
-    The layout moves curvature from a vertex to its neighbours and adds none (Gauss and Bonnet): what is believed of one and
-    not of the others would add some.
+    The layout shifts curvature between neighbours and adds none in total (Gauss and Bonnet): correcting one vertex but not
+    its neighbours would add some.
     """
     least = _least(np.where(asked, belief, 1.0)[faces].min(axis=1), faces, len(belief))
     shared = _around(np.where(asked, least, 0.0), faces) / np.maximum(_around(asked.astype(np.float64), faces), 1.0)
@@ -121,7 +121,7 @@ def _alike(belief: FloatArray, faces: IntArray, asked: Mask) -> FloatArray:
 def _around(values: FloatArray, faces: IntArray) -> FloatArray:
     """Return the sums of values (n,) over inner vertices and their neighbours (n,)."""
     n, at = len(values), faces.ravel()
-    # The faces at a vertex have it once each, and each of its neighbours twice.
+    # The faces at an inner vertex contain it once each, and each of its neighbours twice.
     sums = np.bincount(at, np.repeat(values[faces].sum(axis=1), 3), n)
     own = 1.0 - 0.5 * np.bincount(at, minlength=n)
     return np.asarray(own * values + 0.5 * sums, dtype=np.float64)

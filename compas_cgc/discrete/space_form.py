@@ -26,7 +26,7 @@ from .normals import vertex_normals
 __all__ = ["EXACT", "SpaceFormEquations", "circumradii", "exact_equations", "sliding_ease", "space_form_angle_sums"]
 
 EXACT = ("exact", "exact-arc")
-ACROSS = 0.5  # what a move across the surface costs, against one along it that changes the angles of a saddle as much
+NORMAL_COST = 0.5  # cost of a normal move relative to a tangential one with the same change of angles on a saddle
 
 
 def space_form_angle_sums(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, arc: bool = False) -> PerVertex:
@@ -49,7 +49,7 @@ def space_form_angle_sums(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, a
     K
         Gaussian curvature, one number or one for every vertex ``(n,)`` [1/L^2].
     arc
-        Take edges for lengths along the space form, not for chords.
+        Whether edges are arcs of the space form instead of chords.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def space_form_angle_sums(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, a
 def circumradii(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, arc: bool = False) -> PerFace:
     r"""Return ``K R²`` with R the circumradius of every face (m,), for K of one number or ``(m,)`` [1/L^2].
 
-    From one on the sphere of radius :math:`1/\sqrt K` is too small for the triangle.
+    If it is one or more, the triangle is too large for the sphere of radius :math:`1/\sqrt K`.
     """
     V, F = mesh_arrays(vertices, faces)
     own = np.ascontiguousarray(np.broadcast_to(np.asarray(K, dtype=np.float64), (len(F),)))
@@ -72,10 +72,10 @@ def circumradii(vertices: ArrayLike, faces: ArrayLike, K: ArrayLike, arc: bool =
 
 
 class SpaceFormEquations(CurvatureEquations):
-    """One equation per vertex where K is asked for: ``2 pi`` less the angles of triangles in the space form of its K̄.
+    """One equation per vertex where K is prescribed: ``2 pi`` minus the angles of triangles in the space form of its K̄.
 
-    Fulfilled, they make a simply connected region and its mould of congruent triangles, one for one. Their part of first order
-    in K is that of :class:`~compas_cgc.discrete.jacobian.CurvatureEquations`, with Voronoi cells for chords and a third of each
+    Where they hold, the triangles of a simply connected region are congruent to those of its mould. To first order in K they
+    are the equations of :class:`~compas_cgc.discrete.jacobian.CurvatureEquations`, with Voronoi cells for chords and a third of each
     face for arcs.
     """
 
@@ -105,7 +105,7 @@ class SpaceFormEquations(CurvatureEquations):
         return self.pattern.matrix(_space_form.along(vertices, self.faces, K, slots, size, moves, self.arc))
 
     def too_large(self, vertices: Vertices) -> Optional[int]:
-        """Return a face that the sphere of its K̄ has no room for, the worst; None where all have."""
+        """Return the face that exceeds the sphere of its K̄ most; None if all fit."""
         corners = np.full(len(self.targets), -np.inf)
         corners[self.rows] = self.targets[self.rows]
         K = np.maximum(corners[self.faces].max(axis=1), 0.0)
@@ -115,19 +115,19 @@ class SpaceFormEquations(CurvatureEquations):
         return worst if len(filled) and filled[worst] >= 1.0 else None
 
     def complaint(self, vertices: Vertices) -> str:
-        """Return the sentence on a face that is too large, empty where none is."""
+        """Return a message about the face that is too large, empty if all fit."""
         face = self.too_large(vertices)
         if face is None:
             return ""
         a, b, c = self.faces[face].tolist()
         return (
-            f"the face {a}-{b}-{c} is too large for a mould of its K̄, whose radius has to exceed that of the circle through its "
-            "corners; refine the mesh there"
+            f"the face {a}-{b}-{c} is too large for a mould of its K̄: the radius of its circumcircle is not smaller than that of the "
+            "mould; refine the mesh there"
         )
 
 
 def exact_equations(equations: CurvatureEquations, measure: str) -> CurvatureEquations:
-    """Return the equations of an exact measure with the same targets and unknowns; those given for any other measure."""
+    """Return the equations of an exact measure with the same targets and unknowns; for any other measure, the given equations."""
     if measure not in EXACT:
         return equations
     exact = SpaceFormEquations.__new__(SpaceFormEquations)
@@ -137,10 +137,10 @@ def exact_equations(equations: CurvatureEquations, measure: str) -> CurvatureEqu
 
 
 def sliding_ease(vertices: Vertices, faces: Faces, K: PerVertex, columns: Indices) -> sparse.csr_matrix:
-    """Return the inverse of a metric of moves for which those along a surface are cheap, as far as they change its angles.
+    """Return the inverse of a metric of moves in which tangential moves are cheap, in proportion to their effect on angles.
 
-    On a saddle of curvature K with edges of length h a move across it changes angles by ``sqrt(-K) / h`` for each length, one along it by
-    ``-K``: so that has the weight one, and the first ``1 / (-K h^2)``.
+    On a saddle of curvature K with edges of length h a normal move changes angles by ``sqrt(-K) / h`` per unit of length, a
+    tangential one by ``-K``: their weights are ``1 / (-K h^2)`` and one.
 
     Parameters
     ----------
@@ -149,9 +149,9 @@ def sliding_ease(vertices: Vertices, faces: Faces, K: PerVertex, columns: Indice
     faces
         ``(m, 3)`` vertex indices.
     K
-        ``(n,)`` size of the curvature asked for, 0 where none is [1/L^2].
+        ``(n,)`` absolute value of the prescribed curvature, 0 where there is none [1/L^2].
     columns
-        ``(c,)`` vertices that may move; along the surface those where K is asked for only.
+        ``(c,)`` vertices that may move; tangential moves are cheap only where K is prescribed.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def sliding_ease(vertices: Vertices, faces: Faces, K: PerVertex, columns: Indice
     """
     asked = K > 0.0
     K = np.where(asked, K, K[asked].mean() if asked.any() else 0.0)
-    across = np.minimum(1.0, K * vertex_areas(vertices, faces) / ACROSS)[columns]
+    across = np.minimum(1.0, K * vertex_areas(vertices, faces) / NORMAL_COST)[columns]
     along = np.where(asked[columns], 1.0, across)
     normals = vertex_normals(vertices, faces)[columns]
     blocks = along[:, None, None] * np.eye(3) + (across - along)[:, None, None] * normals[:, :, None] * normals[:, None, :]

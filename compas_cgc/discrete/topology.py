@@ -39,7 +39,7 @@ def _add_next_less_previous(F: Faces, image: NDArray[np.uint64], balance: NDArra
 
 @remembered
 def boundary_mask(n: int, F: Faces) -> Mask:
-    """Mark the vertices whose fan of faces is not closed.
+    """Return a mask of the vertices whose fan of faces is not closed.
 
     Around a closed fan every neighbour is once the next and once the previous one, so
     the sum over (next - previous) vanishes; around an open fan it is first - last.
@@ -52,7 +52,7 @@ def boundary_mask(n: int, F: Faces) -> Mask:
 
 @names_what_was_meant()
 def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
-    """Mark the vertices on an open boundary.
+    """Return a mask of the vertices on an open boundary.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def boundary_vertices(vertices: ArrayLike, faces: ArrayLike) -> Mask:
 
 @names_what_was_meant()
 def edge_faces(faces: ArrayLike) -> Edges:
-    """List every edge once with the faces on its two sides.
+    """Return every edge once with the faces on its two sides.
 
     Parameters
     ----------
@@ -124,13 +124,13 @@ def _edge_faces(F: Faces) -> Edges:
     wrong[paired] |= u[second] == edges[paired, 0]
     if wrong.any():
         a, b = edges[np.flatnonzero(wrong)[0], :2].tolist()
-        raise MeshError(f"edge {a}-{b} does not join exactly two faces of opposite direction; the mesh is not an oriented manifold")
+        raise MeshError(f"edge {a}-{b} does not join exactly two consistently oriented faces; the mesh is not an oriented manifold")
     edges[paired, 3] = owner[second]
     return edges[np.argsort(left, kind="stable")]
 
 
 def closed_vertices(V: Vertices, F: Faces) -> Mask:
-    """Mark the vertices of a closed fan: used, and not on a boundary."""
+    """Return a mask of the vertices with a closed fan of faces."""
     used = np.zeros(len(V), bool)
     used[F.ravel()] = True
     return used & ~boundary_mask(len(V), F)

@@ -24,7 +24,7 @@ def enclosed_volume(vertices: ArrayLike, faces: ArrayLike) -> float:
     vertices
         ``(n, 3)`` coordinates [L].
     faces
-        ``(m, 3)`` vertex indices, anticlockwise seen from outside.
+        ``(m, 3)`` vertex indices, counterclockwise seen from outside.
 
     Returns
     -------

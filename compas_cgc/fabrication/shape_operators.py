@@ -14,7 +14,7 @@ from ..discrete import mesh_arrays
 from ..discrete import vertex_normals
 from ..discrete._cholesky import solve_in_place
 from ..discrete._least_squares import CENTRED
-from ..discrete._local_fits import SPARE
+from ..discrete._local_fits import MIN_OVERSAMPLING
 from ..discrete._local_fits import TERMS
 from ..discrete._rings import MOST
 from ..discrete._rings import around
@@ -106,7 +106,7 @@ def _fitted(V: Vertices, N: Vectors, F: Faces, start: IntArray, near: IntArray, 
             continue
         count = gather(i, F, start, near, through, rings[i], ring, stamp)
         used = degree
-        while used > 2 and count < SPARE * TERMS[used]:
+        while used > 2 and count < MIN_OVERSAMPLING * TERMS[used]:
             used -= 1
         terms = TERMS[used]
         n0, n1, n2 = N[i]

@@ -6,4 +6,4 @@ __all__ = ["SingularMatrixError"]
 
 
 class SingularMatrixError(ArithmeticError):
-    """The matrix has no inverse, or none that rounding leaves anything of."""
+    """The matrix is singular, or singular to rounding."""

@@ -1,4 +1,4 @@
-"""Solutions from the factors of another matrix, near to the one at hand."""
+"""GMRES, preconditioned by the factors of a similar matrix."""
 
 from __future__ import annotations
 
@@ -13,27 +13,31 @@ from ..discrete.arrays import FloatArray
 
 __all__ = ["nearly_solved"]
 
-ROUNDS = 9  # that take about half as long as factors of a matrix of 1e5 unknowns
-EARLY = 3  # rounds after which their pace tells that far more would be needed
+MAX_ITERATIONS = 9  # iterations; they take about half as long as factorising a matrix of 1e5 unknowns
+MIN_ITERATIONS = 3  # iterations before slow convergence may end the solve
 
 
 def nearly_solved(
-    matrix: sparse.csr_matrix, precondition: Callable[[FloatArray], FloatArray], right: FloatArray, tolerance: float, rounds: int = ROUNDS
+    matrix: sparse.csr_matrix,
+    precondition: Callable[[FloatArray], FloatArray],
+    right: FloatArray,
+    tolerance: float,
+    rounds: int = MAX_ITERATIONS,
 ) -> Optional[FloatArray]:
-    """Return the solution of a linear system to a loose tolerance, by generalised minimal residuals; None if that takes too many rounds.
+    """Return the solution of a linear system by GMRES to a loose tolerance; None if that takes too many iterations.
 
     Parameters
     ----------
     matrix
-        ``(n, n)``, of any kind.
+        ``(n, n)``, not necessarily symmetric.
     precondition
-        Returns the solution ``(n,)`` for a matrix near to it and a right side ``(n,)``.
+        Returns the solution ``(n,)`` with a similar matrix for a right-hand side ``(n,)``.
     right
-        ``(n,)`` right side.
+        ``(n,)`` right-hand side.
     tolerance
-        Norm of the residual, as a part of the right side.
+        Norm of the residual relative to that of the right-hand side.
     rounds
-        Most rounds.
+        Maximum number of iterations.
 
     Returns
     -------
@@ -69,7 +73,7 @@ def nearly_solved(
         left = float(np.linalg.norm(H[: k + 2, : k + 1] @ weights - wanted[: k + 2])) / size
         if left <= tolerance:
             return np.asarray(sum(weight * move for weight, move in zip(weights, moves)))
-        if k + 1 >= EARLY and left > tolerance ** ((k + 1) / (1.5 * rounds)):
+        if k + 1 >= MIN_ITERATIONS and left > tolerance ** ((k + 1) / (1.5 * rounds)):
             return None
         basis.append(image / H[k + 1, k])
     return None

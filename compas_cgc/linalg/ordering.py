@@ -19,10 +19,10 @@ from ..discrete.arrays import IntArray
 
 __all__ = ["elimination_order", "has_pattern", "minimum_degree", "nested_dissection"]
 
-DISSECT_FROM = 3000  # unknowns; below, minimum degree is as good, and SciPy has it compiled
+DISSECT_FROM = 3000  # unknowns; below, minimum degree is as good, and compiled in SciPy
 
 LANDMARKS = 3
-SHORT = 0.3  # extent, against the largest, of a direction in which no cut is tried
+MIN_EXTENT = 0.3  # relative to the largest extent; shorter directions are not cut
 LEFT, RIGHT = 1, 2
 
 
@@ -33,14 +33,14 @@ def has_pattern(matrix: sparse.csr_matrix, pattern: Optional[tuple[CSRIndices, C
 
 
 def elimination_order(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None) -> Indices:
-    """Return an elimination order (n,) for a matrix of symmetric sparsity: by minimum degree where it is small, else nested dissection."""
+    """Return an elimination order (n,) for a matrix of symmetric sparsity: by minimum degree if it is small, else by nested dissection."""
     return minimum_degree(matrix) if matrix.shape[0] < DISSECT_FROM else nested_dissection(matrix, points)
 
 
 def minimum_degree(matrix: sparse.csr_matrix) -> Indices:
-    """Return the elimination order (n,) that takes an unknown with the fewest neighbours next, as SuperLU finds it.
+    """Return the minimum degree order (n,) of SuperLU: the unknown with the fewest neighbours is eliminated next.
 
-    SciPy tells it with factors only: those of a matrix of the same sparsity that cannot be singular.
+    SciPy returns it together with factors only, so a diagonally dominant matrix of the same sparsity is factorised.
 
     References
     ----------
@@ -58,7 +58,7 @@ def _minimum_degree(indptr: CSRIndices, indices: CSRIndices) -> Indices:
 
 
 def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = None, leaf: int = 8) -> Indices:
-    """Return an elimination order that halves the unknowns by place, over and over.
+    """Return an elimination order that recursively halves the unknowns by position.
 
     A part is cut at the median of one coordinate, the one that leaves the fewest unknowns next to
     the cut; these are eliminated after both halves. On surface meshes the factors then have
@@ -70,10 +70,10 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
     matrix
         ``(n, n)`` with a symmetric sparsity.
     points
-        ``(n, d)`` place of every unknown, of which coupled ones are close: further coordinates beside the distances
-        in the graph of the matrix from a few unknowns far apart. On irregular meshes they halve the factors.
+        ``(n, d)`` positions of the unknowns; coupled unknowns have to be close. They are used besides the graph distances
+        from a few unknowns far apart. On irregular meshes they halve the size of the factors.
     leaf
-        Parts of this size are not cut any more.
+        Parts of at most this size are not cut.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def nested_dissection(matrix: sparse.csr_matrix, points: Optional[FloatArray] = 
 
 @kernel()
 def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
-    """Return the distances (3, n) from landmarks; parts that are not joined lie behind one another."""
+    """Return the graph distances (3, n) from landmarks; disconnected parts are placed one behind the other."""
     n = len(indptr) - 1
     places = np.zeros((LANDMARKS, n))
     nearest = np.full(n, n)
@@ -110,7 +110,7 @@ def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
     for first in range(n):
         if level[first] >= 0:
             continue
-        # The last of the queue is as far as can be from its first.
+        # The last in the queue is the farthest from the first.
         reached = _spread(indptr, indices, first, level, queue)
         landmark = queue[reached - 1]
         farthest = 0
@@ -130,7 +130,7 @@ def _distances(indptr: CSRIndices, indices: CSRIndices) -> FloatArray:
 
 @kernel()
 def _spread(indptr: CSRIndices, indices: CSRIndices, first: int, level: IntArray, queue: IntArray) -> int:
-    """Set the distance from a first unknown where it is -1, in the order of the queue; return how many are reached."""
+    """Write the graph distances from a first unknown by breadth-first search; return how many unknowns are reached."""
     level[first], queue[0] = 0, first
     done, reached = 0, 1
     while done < reached:
@@ -166,7 +166,7 @@ def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: 
         for k in range(d):
             longest = max(longest, extent[k])
         for k in range(d):
-            if extent[k] >= SHORT * longest:
+            if extent[k] >= MIN_EXTENT * longest:
                 _halve(part, places[k], half)
                 lefts, rights = _beside(indptr, indices, part, half)
                 last = k
@@ -197,7 +197,7 @@ def _dissect(indptr: CSRIndices, indices: CSRIndices, places: FloatArray, leaf: 
 
 @kernel()
 def _extent(part: Indices, place: FloatArray) -> Any:
-    """Return how far the unknowns of a part lie apart."""
+    """Return the extent of a part along one coordinate."""
     low, high = np.inf, -np.inf
     for i in part:
         low, high = min(low, place[i]), max(high, place[i])
@@ -206,14 +206,14 @@ def _extent(part: Indices, place: FloatArray) -> Any:
 
 @kernel()
 def _halve(part: Indices, place: FloatArray, half: NDArray[np.int8]) -> None:
-    """Mark the unknowns of a part below the median of their places as left, the others as right."""
+    """Assign the unknowns of a part below the median coordinate to the left half, the others to the right."""
     middle = len(part) // 2
     median = _select(part, place, middle)
     lefts = 0
     for i in part:
         if place[i] < median:
             lefts += 1
-    # Where many share the median, any of them will do to fill up the left half.
+    # Unknowns at the median fill up the left half.
     spare = middle - lefts if lefts < max(1, middle // 2) else 0
     for i in part:
         half[i] = LEFT if place[i] < median else RIGHT
@@ -224,13 +224,13 @@ def _halve(part: Indices, place: FloatArray, half: NDArray[np.int8]) -> None:
 
 @kernel()
 def _select(part: Indices, place: FloatArray, k: int) -> Any:
-    """Return the k-th smallest place of a part, by Hoare's quickselect."""
+    """Return the k-th smallest coordinate of a part, by Hoare's quickselect."""
     keys = np.empty(len(part))
     for a in range(len(part)):
         keys[a] = place[part[a]]
     low, high = 0, len(part) - 1
     while low < high:
-        # The median of three keeps sorted places from taking quadratic time.
+        # With the median of three as pivot, sorted coordinates do not take quadratic time.
         first, mid, last = keys[low], keys[(low + high) // 2], keys[high]
         pivot = max(min(first, mid), min(max(first, mid), last))
         a, b = low, high
@@ -254,7 +254,7 @@ def _select(part: Indices, place: FloatArray, k: int) -> Any:
 
 @kernel()
 def _beside(indptr: CSRIndices, indices: CSRIndices, part: Indices, half: NDArray[np.int8]) -> tuple[int, int]:
-    """Return how many unknowns of the left half touch the right one, and the other way round."""
+    """Return how many unknowns of each half have a neighbour in the other."""
     lefts, rights = 0, 0
     for i in part:
         if _touches(indptr, indices, i, half):

@@ -15,16 +15,15 @@ __all__ = ["BACKENDS", "LinearSolver", "SingularMatrixError", "factorise", "line
 
 BACKENDS = ("superlu", "pardiso", "amg")
 
-# From here PARDISO is the faster one, and multigrid, slower than both, is taken for its
-# memory. Below, SuperLU makes up for a slower factorisation by its solves and its start; where
-# matrices are not symmetric it does so up to a million unknowns at least.
+# Numbers of unknowns from which PARDISO is faster than SuperLU, which factorises more slowly but starts and solves
+# faster. Multigrid is slower than both and is used for its smaller memory.
 PARDISO_FROM, PARDISO_UNSYMMETRIC = 200_000, 2_000_000
-PARDISO_FRESH = 10_000  # of a wide stencil, where nearly every right side has a matrix of its own: new factors take a sixth of the time
+PARDISO_FRESH = 10_000  # for `fresh` matrices, which PARDISO factorises six times faster
 AMG_FROM = 2_000_000
 
 
 class LinearSolver(Protocol):
-    """What every backend offers; `quick` says whether new factors cost no more than a few solutions by old ones.
+    """Interface of the backends; `quick` is True if factorising costs no more than a few solves.
 
     Examples
     --------
@@ -38,14 +37,14 @@ class LinearSolver(Protocol):
     quick: bool
 
     def factorise(self, matrix: sparse.csr_matrix) -> LinearSolver:
-        """Take a matrix in; what depends on the sparsity only is kept from the last matrix where that was the same.
+        """Factorise a matrix; what depends on the sparsity only is reused while the sparsity stays the same.
 
         Raises :class:`SingularMatrixError` where the matrix has no inverse.
         """
         ...
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solution ``(n,)`` or ``(n, k)`` of the last matrix for a right side of that shape."""
+        """Return the solution ``(n,)`` or ``(n, k)`` with the last matrix for a right-hand side of that shape."""
         ...
 
 
@@ -67,14 +66,13 @@ def linear_solver(
     symmetric
         The matrices are symmetric and positive definite.
     points
-        ``(n, d)`` place of every unknown, for backends that order by place. Default: places
-        found in the sparsity, which has to be symmetric in either case.
+        ``(n, d)`` positions of the unknowns, for backends that order by position. Default: found from
+        the sparsity. The sparsity has to be symmetric in either case.
     refine
-        Whether solutions are checked against the matrix, and refined where that is in need.
-        Without, they are as good as the factors, which multigrid has none of: enough where any
-        fixed matrix near to the inverse will do, and quicker where solves are many.
+        Whether solutions are checked against the matrix and refined if needed. False is faster and enough for a
+        preconditioner; it excludes multigrid, which has no factors.
     fresh
-        Whether nearly every right side has a matrix of its own, and that has a wide stencil.
+        Whether the matrix has a wide stencil and changes for nearly every right-hand side.
     backend
         ``"superlu"`` (SciPy), ``"pardiso"`` (package pypardiso), ``"amg"`` (package pyamg;
         symmetric matrices only), or ``"auto"``: by size, among those that are installed.
@@ -82,7 +80,7 @@ def linear_solver(
     Returns
     -------
     LinearSolver
-        That takes in matrices of one sparsity, one after another.
+        For a sequence of matrices of one sparsity.
 
     Raises
     ------
@@ -109,11 +107,11 @@ def linear_solver(
         return Pardiso(symmetric, refine)
     if backend == "amg":
         if not symmetric:
-            raise ValueError("backend 'amg' is for symmetric positive definite matrices; use 'superlu' or 'pardiso'")
+            raise ValueError("the backend 'amg' solves symmetric positive definite matrices only; use 'superlu' or 'pardiso'")
         from .amg import AMG
 
         return AMG()
-    raise ValueError(f"backend must be 'auto' or one of {', '.join(BACKENDS)}, not {backend!r}")
+    raise ValueError(f"the backend must be 'auto' or one of {', '.join(BACKENDS)}, not {backend!r}")
 
 
 def factorise(
@@ -124,7 +122,7 @@ def factorise(
     refine: bool = True,
     backend: str = "auto",
 ) -> LinearSolver:
-    """Return a solver that has taken in one matrix; see :func:`linear_solver`.
+    """Return a solver with the factors of one matrix; see :func:`linear_solver`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""SuperLU, as in SciPy, ordered for meshes."""
+"""SuperLU of SciPy, with an elimination order for meshes."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 
 __all__ = ["SuperLU"]
 
-GOOD = 1e-10  # relative residual that needs no refinement
-POOR = 1e-6  # relative residual from which the pivots on the diagonal are given up
+GOOD = 1e-10  # relative residual below which a solution is not refined
+POOR = 1e-6  # relative residual above which the matrix is factorised again with partial pivoting
 REFINEMENTS = 2
-PANEL = 4  # columns worked on together; a tenth faster than SuperLU's own choice
-# Unknowns from which the factors are put in order: for fewer a first solve would compile for longer than ever is saved; and up to
-# which so many solves are to be expected that it pays.
-SWEPT = 500, 30_000
+PANEL = 4  # columns per panel; a tenth faster than SuperLU's default
+# Range of unknowns in which the compiled substitutions of `Sweeps` are used: below, compiling takes longer than is saved;
+# above, too few solves are expected.
+SWEEPS_RANGE = 500, 30_000
 
 
 class SuperLU:
-    """LU factors with pivots from the diagonal, and refinement to make up for that.
+    """LU factors with pivots on the diagonal, and iterative refinement of the solutions.
 
     The order of elimination is found once per sparsity.
 
@@ -42,7 +42,7 @@ class SuperLU:
     symmetric
         The matrices are symmetric and positive definite.
     points
-        ``(n, d)`` place of every unknown, if known.
+        ``(n, d)`` positions of the unknowns, if known.
     refine
         Whether solutions are checked and refined.
     """
@@ -59,10 +59,10 @@ class SuperLU:
         self._pivoted = False
 
     def factorise(self, matrix: sparse.csr_matrix) -> SuperLU:
-        """Take a matrix in."""
+        """Factorise a matrix; the elimination order is reused if the sparsity is that of the last one."""
         matrix = sparse.csr_matrix(matrix)
         matrix.sort_indices()
-        self._lu = None  # free the old factors before the new ones are made
+        self._lu = None  # frees the memory before the new factors are computed
         self._matrix = matrix
         if not has_pattern(matrix, self._pattern):
             self._order(matrix)
@@ -73,7 +73,7 @@ class SuperLU:
         return self
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solution for a right side."""
+        """Return the solution for a right-hand side."""
         rhs = np.asarray(rhs, dtype=np.float64)
         if not self._refine:
             return self._apply(rhs)
@@ -85,32 +85,32 @@ class SuperLU:
                 raise SingularMatrixError(str(error)) from None
             x, quality = self._refined(rhs)
         if not np.isfinite(x).all():
-            raise SingularMatrixError("the solution is not finite")
+            raise SingularMatrixError("the matrix is singular: the solution is not finite")
         return x
 
     def _order(self, matrix: sparse.csr_matrix) -> None:
-        """Find the order, and where each entry of the matrix goes by it."""
+        """Find the elimination order and the permuted position of each entry."""
         self._pattern = matrix.indptr, matrix.indices
         self._permutation = elimination_order(matrix, self._points)
         self._places = np.argsort(self._permutation)
         self._gather, self._indices, self._indptr = _permuted(matrix.indptr, matrix.indices, self._permutation)
 
     def _factorise(self, matrix: sparse.csr_matrix) -> None:
-        # The rows of the matrix are handed over as columns: factors of the transposed.
+        # SuperLU expects columns: the rows are passed as such, so the transpose is factorised.
         transposed = sparse.csc_matrix((matrix.data[self._gather], self._indices, self._indptr), shape=matrix.shape)
         self._pivoted = False
         self._lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})
-        swept = self._symmetric and not self._refine and SWEPT[0] <= matrix.shape[0] <= SWEPT[1]
+        swept = self._symmetric and not self._refine and SWEEPS_RANGE[0] <= matrix.shape[0] <= SWEEPS_RANGE[1]
         self._sweeps = _swept(self._lu) if swept else None
 
     def _apply(self, rhs: FloatArray) -> FloatArray:
         if self._lu is None:
-            raise SingularMatrixError("there are no factors; factorise a matrix first")
+            raise SingularMatrixError("there are no factors; call factorise() first")
         if self._pivoted:
             return self._lu.solve(rhs)
         if self._sweeps is not None:
             return self._sweeps.solve(rhs.take(self._permutation, axis=0)).take(self._places, axis=0)
-        # Several right sides at once are solved faster by the factors than by their transposed.
+        # Several right-hand sides are solved faster with the factors than with their transpose.
         which = "N" if self._symmetric and rhs.ndim == 2 else "T"
         y = self._lu.solve(rhs.take(self._permutation, axis=0), which)
         return y.T.take(self._places, axis=-1).T
@@ -134,20 +134,20 @@ class SuperLU:
 
 
 def _swept(lu: Factors) -> Optional[Sweeps]:
-    """Return the factors of a symmetric matrix put in order for many solves; None where pivots have left the diagonal."""
+    """Return compiled substitutions for a symmetric matrix; None if a pivot is not on the diagonal."""
     own = np.arange(lu.shape[0])
     if not (np.array_equal(lu.perm_r, own) and np.array_equal(lu.perm_c, own)):
         return None
     try:
         return Sweeps(lu.L, lu.U.diagonal())
     except ValueError:
-        # A factor may lack what comes out as zero by chance.
+        # An entry of the factor may be missing where it cancels to zero.
         return None
 
 
 @remembered
 def _permuted(indptr: CSRIndices, indices: CSRIndices, order: Indices) -> tuple[CSRIndices, CSRIndices, CSRIndices]:
-    """Return the entries of a matrix in an order of elimination, and the pattern that they have in it."""
+    """Return the positions of the entries, the indices and the row pointers of a matrix permuted to an elimination order."""
     n = len(indptr) - 1
     numbered = sparse.csr_matrix((np.arange(len(indices)), indices, indptr), shape=(n, n))
     permuted = numbered[order][:, order]

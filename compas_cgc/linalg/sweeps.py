@@ -1,4 +1,4 @@
-"""Substitutions with the factors of a symmetric matrix: half of what those of an LU read, four columns at a time."""
+"""Substitutions with the factors of a symmetric matrix, four columns at a time: they read half as much memory as those of an LU."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from ..discrete.arrays import IntArray
 
 __all__ = ["Sweeps"]
 
-WIDE = 4  # columns of a panel, which the sweeps are written out for
-PADDING = 0.2  # zeros that a column may be filled up with, against its entries, to belong to the same panel as the next
+PANEL_WIDTH = 4  # columns of a panel; the loops are unrolled for this number
+MAX_PADDING = 0.2  # part of the entries of a column that may be explicit zeros, so that it joins the panel of the next column
 
 
 class Sweeps:
     """Forward and backward substitution for ``L D Lᵀ``.
 
-    Neighbouring columns with their entries in the same rows make a panel, as in a supernodal factorisation: every unknown
-    below is read and written once for all of them.
+    Neighbouring columns with entries in the same rows form a panel, as in a supernodal factorisation: every unknown
+    below is read and written once per panel.
 
     Parameters
     ----------
     lower
         ``(n, n)`` L, with ones on its diagonal.
     diagonal
-        ``(n,)`` that of D.
+        ``(n,)`` the diagonal of D.
 
     Raises
     ------
     ValueError
-        If L is not what elimination makes: below its first row, a column has to have entries in no other rows than the column
-        of that row.
+        If L does not have the sparsity of a Cholesky factor: if the first entry of a column below the diagonal is in row i,
+        its further entries have to be in rows where column i has entries too.
 
     References
     ----------
@@ -51,18 +51,18 @@ class Sweeps:
         n = len(diagonal)
         first = _first_columns(lower)
         last = np.append(first[1:], n) - 1
-        columns = first[:, None] + np.arange(WIDE)
+        columns = first[:, None] + np.arange(PANEL_WIDTH)
         self._columns = np.where(columns <= last[:, None], columns, n)
         self._start = np.concatenate([[0], np.cumsum(np.diff(lower.indptr)[last] - 1)])
-        self._rows, self._entries = np.zeros(self._start[-1] + 1, np.uint32), np.zeros((self._start[-1], WIDE))
-        self._corners = np.zeros((len(first), WIDE, WIDE))
+        self._rows, self._entries = np.zeros(self._start[-1] + 1, np.uint32), np.zeros((self._start[-1], PANEL_WIDTH))
+        self._corners = np.zeros((len(first), PANEL_WIDTH, PANEL_WIDTH))
         place, into = np.full(n, self._start[-1]), (self._start, self._rows, self._entries, self._corners)
         if not _fill(lower.indptr, lower.indices, lower.data, first, last, place, *into):
-            raise ValueError("L is not what elimination makes of a matrix")
+            raise ValueError("L does not have the sparsity of a Cholesky factor")
         self._inverse = np.append(1.0 / diagonal, 0.0)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solution ``(n,)`` or ``(n, k)`` for a right side of that shape."""
+        """Return the solution ``(n,)`` or ``(n, k)`` for a right-hand side of that shape."""
         pairs = rhs.reshape(len(rhs), -1)
         solved = [self._pair(pairs[:, k : k + 2]) for k in range(0, pairs.shape[1], 2)]
         return (solved[0] if len(solved) == 1 else np.concatenate(solved, axis=1)).reshape(rhs.shape)
@@ -80,10 +80,10 @@ def _first_columns(lower: sparse.csc_matrix) -> IntArray:
     size = np.diff(lower.indptr)
     column = np.repeat(np.arange(len(size)), size)
     joined = np.bincount(column[lower.indices == column + 1], minlength=len(size))[:-1] > 0
-    with_next = np.append(False, joined & (size[1:] - (size[:-1] - 1) <= PADDING * size[1:]))
+    with_next = np.append(False, joined & (size[1:] - (size[:-1] - 1) <= MAX_PADDING * size[1:]))
     at = np.arange(len(size))
     begin = np.maximum.accumulate(np.where(with_next, 0, at))
-    return np.flatnonzero((at - begin) % WIDE == 0)
+    return np.flatnonzero((at - begin) % PANEL_WIDTH == 0)
 
 
 @kernel()
@@ -99,7 +99,7 @@ def _fill(
     entries: FloatArray,
     corners: FloatArray,
 ) -> bool:
-    """Write the rows of the panels, the entries in them, and those between their columns; tell whether all have a place."""
+    """Write the rows and entries of the panels, and the entries between their columns; return False if an entry has no row in its panel."""
     for p in range(len(first)):
         to = start[p]
         for at in range(indptr[last[p]], indptr[last[p] + 1]):
@@ -129,7 +129,7 @@ def _substitute(
     inverse: FloatArray,
     x: FloatArray,
 ) -> None:
-    """Solve for two right sides (n + 1, 2) in their place; columns that a panel lacks are the last unknown, which stays zero."""
+    """Solve for two right-hand sides (n + 1, 2) in place; columns missing in a panel are the last unknown, which stays zero."""
     for p in range(len(columns)):
         i, j, k, m = columns[p, 0], columns[p, 1], columns[p, 2], columns[p, 3]
         c = corners[p]

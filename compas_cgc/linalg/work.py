@@ -1,4 +1,4 @@
-"""Work counted, not timed, so that a search given up for it ends at the same place on every machine."""
+"""Budgets of work: counted instead of timed, so that a search stops at the same step on every machine."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["Work", "count", "is_spent", "rights", "spend", "until_spent"]
 
 T = TypeVar("T")
 
-CALL = 500  # unknowns that the least solve takes as long as, whatever its size
+CALL_OVERHEAD = 500  # overhead of one solve, in unknowns
 
 
 class Work:
-    """So much work as a search may take, in unknowns times right sides solved for, see :func:`rights`.
+    """A budget of work for a search, in unknowns times right-hand sides, see :func:`rights`.
 
     Examples
     --------
@@ -31,12 +31,12 @@ class Work:
 
     @property
     def spent(self) -> bool:
-        """Whether nothing is left."""
+        """Whether the budget is used up."""
         return self.left < 0.0
 
     @contextmanager
     def counted(self) -> Iterator[None]:
-        """Count the work within this context, besides that of the contexts around it."""
+        """Take the work within this context off this budget, and off those of the contexts around it."""
         token = _COUNTED.set((*_COUNTED.get(), self))
         try:
             yield
@@ -52,24 +52,24 @@ _COUNTED: ContextVar[tuple[Work, ...]] = ContextVar("work", default=())
 
 
 def rights(number: float, unknowns: float) -> float:
-    """Return the work of solving for so many right sides; small systems take what every call does.
+    """Return the work of solving for a number of right-hand sides, with the overhead of each call.
 
     Examples
     --------
     >>> rights(2.0, 1500), rights(2.0, 0)
     (4000.0, 1000.0)
     """
-    return number * (unknowns + CALL)
+    return number * (unknowns + CALL_OVERHEAD)
 
 
 def count(amount: float) -> None:
-    """Take an amount off what is left, wherever it is counted, for what is finished in any case."""
+    """Take an amount off all open budgets without stopping the search."""
     for work in _COUNTED.get():
         work.left -= amount
 
 
 def spend(amount: float) -> None:
-    """Take an amount off what is left, wherever it is counted; the first that is too much ends the steps that it is for."""
+    """Take an amount off all open budgets; stop the search when the first budget is used up."""
     enough = not is_spent()
     count(amount)
     if enough and is_spent():
@@ -77,12 +77,12 @@ def spend(amount: float) -> None:
 
 
 def is_spent() -> bool:
-    """Return whether work that is counted is used up."""
+    """Check whether an open budget is used up."""
     return any(work.spent for work in _COUNTED.get())
 
 
 def until_spent(steps: Iterator[T]) -> Iterator[T]:
-    """Pass on steps until the work that is counted is used up, be it by another search that they wait for."""
+    """Yield steps until an open budget is used up, possibly by a nested search."""
     if is_spent():
         return
     try:

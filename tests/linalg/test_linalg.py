@@ -275,11 +275,11 @@ def test_factors_in_panels_solve_whatever_their_columns_have_in_common(meshed):
             assert np.allclose(lower @ (diagonal * (lower.T @ x).T).T, b, rtol=1e-9, atol=1e-9)
 
 
-def test_what_no_elimination_makes_is_refused():
+def test_a_factor_without_the_sparsity_of_a_cholesky_factor_is_refused():
     lower = np.identity(4) + np.diag([0.5, 0.5, 0.0], -1)
     Sweeps(sparse.csc_matrix(lower), np.ones(4))
-    lower[3, 0] = 0.5  # which elimination would have brought into the second column as well
-    with pytest.raises(ValueError, match="elimination"):
+    lower[3, 0] = 0.5  # elimination would have filled (3, 1) too
+    with pytest.raises(ValueError, match="sparsity of a Cholesky factor"):
         Sweeps(sparse.csc_matrix(lower), np.ones(4))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from compas_cgc.linalg.work import CALL
+from compas_cgc.linalg.work import CALL_OVERHEAD
 from compas_cgc.linalg.work import Work
 from compas_cgc.linalg.work import count
 from compas_cgc.linalg.work import is_spent
@@ -39,7 +39,7 @@ def test_steps_that_wait_for_a_search_that_uses_the_work_up_go_on_no_further():
 
 
 def test_small_systems_take_what_every_call_does_and_what_is_finished_in_any_case_ends_no_steps():
-    assert rights(1, 0) == CALL and rights(3, 3000) == 3 * (3000 + CALL)
+    assert rights(1, 0) == CALL_OVERHEAD and rights(3, 3000) == 3 * (3000 + CALL_OVERHEAD)
     work = Work(1.0)
     with work.counted():
         count(2.0)
