@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 from collections.abc import Sequence
+from typing import Any
 from typing import NoReturn
 from typing import cast
 
@@ -24,6 +25,11 @@ def _listed(names: str, last: str) -> str:
 
 class Parser(argparse.ArgumentParser):
     """Parser whose errors name the wrong argument, suggest an option, and refer to the help."""
+
+    def __init__(self, *args: Any, **options: Any):
+        super().__init__(*args, **options)
+        # Before Python 3.14 argparse takes -1e-2 for an option.
+        self._negative_number_matcher = re.compile(r"^-(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?$")
 
     def error(self, message: str) -> NoReturn:
         """Print one sentence and exit."""

@@ -15,6 +15,7 @@ from .materials import METRES
 __all__ = ["ALONG", "LARGEST", "Sheet", "number", "paths", "points", "region_numbers", "sheet", "strain", "text", "truth", "whole"]
 
 LARGEST = 1e9
+LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger number is meant in percent
 ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
@@ -87,6 +88,8 @@ def strain(value: object, what: str) -> float:
     found = _as_float(body)
     if found is None or rest.strip():
         raise CGCError(f"{what} must be a number such as 0.002 or 0.2%, not {_short(value)}")
+    if not percent and found > LARGEST_STRAIN:
+        raise CGCError(f"{what} of {found:g} is {100 * found:g} %, which no sheet survives; for {found:g} % write {found:g}%")
     return found * (0.01 if percent else 1.0)
 
 

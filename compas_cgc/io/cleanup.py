@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Optional
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from ..discrete.topology import boundary_vertices
 from ..errors import FileError
 from ..errors import MeshError
+from ..meshing.cleanup import Tidy
+from ..meshing.cleanup import mean_edge
 from ..meshing.cleanup import tidy
 from ..model.problem import CGCProblem
 from ..model.problem import Drawing
@@ -20,6 +24,8 @@ from .reading import ReadProblem
 __all__ = ["check_mesh", "clean_problem"]
 
 MAX_COORDINATE = 1e12  # [L]; its cube does not overflow
+COARSE_ROUNDING = 1e-4  # of the edge length, above which rounding of coordinates shows in the curvature
+NEARLY_ONE = 1e-3  # of the edge length, below which two vertices on the boundary are probably one
 MAX_CORNERS = 1000  # corners of a face; the time of ear clipping grows with their square
 
 
@@ -32,6 +38,8 @@ def clean_problem(
     creases: Sequence[Sequence[int]] = (),
     targets: Optional[FloatArray] = None,
     notes: Sequence[str] = (),
+    tolerance: float = 0.0,
+    single: bool = False,
 ) -> ReadProblem:
     """Return the problem with the polygons of a file, welded, triangulated and oriented if necessary.
 
@@ -51,6 +59,10 @@ def clean_problem(
         ``(n,)`` target Gaussian curvature [1/L^2], NaN where K is not prescribed.
     notes
         Notes so far.
+    tolerance
+        Distance within which vertices are welded [L].
+    single
+        Whether the coordinates are in single precision.
 
     Raises
     ------
@@ -61,7 +73,7 @@ def clean_problem(
         raise FileError(f"{source} holds lines but no faces; mesh its outline with CGCMesh.from_outline(points, edge_length)")
     check_mesh(source, vertices, faces)
     try:
-        clean = tidy(vertices, faces, 0.0)
+        clean = tidy(vertices, faces, tolerance)
     except MeshError as error:
         raise FileError(f"{source}: {error}") from None
     index = _places(vertices, clean.vertices, clean.index)
@@ -71,7 +83,7 @@ def clean_problem(
         K[index[known]] = targets[known]
     paths = [[int(index[v]) for v in path] for path in creases]
     on = _follow(paths, clean.faces)
-    said = [*notes, *clean.notes]
+    said = [*notes, *clean.notes, *_precision_notes(clean, single), *_gap_notes(clean)]
     if not all(on):
         said.append(f"{len(on) - sum(on)} lines that do not follow edges of the mesh were ignored")
     problem = CGCProblem(
@@ -83,6 +95,33 @@ def clean_problem(
     )
     fixed = {int(index[v]) for v in supports if index[v] >= 0}
     return ReadProblem(problem.with_supports(sorted(fixed)), tuple(said))
+
+
+def _precision_notes(clean: Tidy, single: bool) -> list[str]:
+    """Return a note on coordinates in single precision, with their rounding against the edge length."""
+    if not single:
+        return []
+    step = float(np.spacing(np.abs(clean.vertices).max().astype(np.float32)))
+    share = step / mean_edge(clean.vertices, clean.faces)
+    if share < COARSE_ROUNDING:
+        return ["the file stores seven digits of each coordinate; .3dm, .obj and text .ply store all"]
+    return [
+        f"the file stores coordinates in steps of {step:.3g} so far from the origin, {100 * share:.2g} % of the edge length; "
+        "move the model to the origin and export it again"
+    ]
+
+
+def _gap_notes(clean: Tidy) -> list[str]:
+    """Return a note that proposes a welding distance where vertices on the boundary nearly coincide."""
+    loops = np.flatnonzero(boundary_vertices(clean.vertices, clean.faces))
+    length = mean_edge(clean.vertices, clean.faces)
+    if len(loops) < 2 or not length > 0:
+        return []
+    gaps = cKDTree(clean.vertices[loops]).query(clean.vertices[loops], k=2)[0][:, 1]
+    near = gaps[gaps <= NEARLY_ONE * length]
+    if not len(near):
+        return []
+    return [f"{len(near)} vertices on the boundary lie within {near.max():.2g} of another; weld them with --weld {2 * near.max():.1g}"]
 
 
 def check_mesh(source: Path, vertices: FloatArray, faces: Sequence[Sequence[int]]) -> None:

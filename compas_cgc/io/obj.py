@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Optional
 
 import numpy as np
 
@@ -12,53 +13,67 @@ from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
 from .reading import ReadProblem
+from .rows import number_of
 
 __all__ = ["obj_text", "read_obj"]
 
-_TARGET = re.compile(r"^K=(\S+)$")
+_TARGET = re.compile(r"\bK\s*=\s*(\S+)")
+# Free-form geometry, which needs the surface and not its control points.
+_FREE_FORM = ("curv", "curv2", "surf")
 
 
-def read_obj(path: Path) -> ReadProblem:
-    """Read a .obj file.
+def read_obj(path: Path, tolerance: float = 0.0) -> ReadProblem:
+    """Read a .obj file, its statements in any order.
 
     Faces can have any number of corners. ``l`` elements are creases, ``p`` elements are supports,
-    and a group name such as ``K=0.03`` sets the target of its faces.
+    and a group named ``K=0.03`` sets the target of its faces.
+
+    Parameters
+    ----------
+    path
+        The file.
+    tolerance
+        Distance within which vertices are welded [L].
     """
     vertices: list[list[float]] = []
-    faces: list[list[int]] = []
-    lines: list[list[int]] = []
-    points: list[int] = []
-    targets: dict[int, float] = {}
+    elements: list[tuple[int, str, str, list[int], Optional[float]]] = []
+    notes: list[str] = []
     K = None
     for number, line in Cursor.of_file(path).lines():
         word, *rest = line.split()
         try:
             if word == "v":
-                vertices.append([float(x) for x in rest[:3]])
                 if len(rest) < 3:
                     raise ValueError("three coordinates are required")
+                vertices.append([number_of(x) for x in rest[:3]])
             elif word in ("f", "l", "p"):
-                # Indices count from 1, or backwards from the last vertex if negative; v/vt/vn also refers to textures and normals.
+                # Indices count from 1, or back from the last vertex before; v/vt/vn names textures and normals too.
                 index = [int(part.split("/")[0]) for part in rest]
-                index = [i - 1 if i > 0 else len(vertices) + i for i in index]
-                if any(not 0 <= i < len(vertices) for i in index):
-                    raise ValueError("the vertex does not exist")
-                if word == "f":
-                    faces.append(index)
-                    if K is not None:
-                        targets.update((v, K) for v in index)
-                elif word == "l":
-                    lines.append(index)
-                else:
-                    points += index
+                if 0 in index:
+                    raise ValueError("vertices count from 1")
+                elements.append((number, line, word, [i - 1 if i > 0 else len(vertices) + i for i in index], K))
             elif word == "g":
-                found = [m.group(1) for m in map(_TARGET.match, rest) if m]
-                K = float(found[0]) if found else None
+                found = _TARGET.search(line)
+                K = number_of(found[1]) if found else None
+            elif word in _FREE_FORM and not notes:
+                notes.append(f"free-form geometry ({word}) was left out; mesh it before the export")
         except ValueError as error:
-            raise FileError(f"{path}, line {number}: {line.strip()[:60]!r} cannot be read ({error}); correct it or export again") from None
+            raise _unreadable(path, number, line, str(error)) from None
+    wrong = next((own for own in elements if any(not 0 <= v < len(vertices) for v in own[3])), None)
+    if wrong is not None:
+        raise _unreadable(path, wrong[0], wrong[1], f"there are {len(vertices)} vertices")
+    values = np.full(len(vertices), np.nan)
+    for _, _, word, index, target in elements:
+        if word == "f" and target is not None:
+            values[index] = target
+    faces, lines, points = ([index for _, _, word, index, _ in elements if word == kind] for kind in "flp")
     places = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    values = np.array([targets.get(v, np.nan) for v in range(len(vertices))])
-    return clean_problem(path, places, faces, supports=points, creases=lines, targets=values)
+    supports = [v for index in points for v in index]
+    return clean_problem(path, places, faces, supports=supports, creases=lines, targets=values, notes=notes, tolerance=tolerance)
+
+
+def _unreadable(path: Path, number: int, line: str, reason: str) -> FileError:
+    return FileError(f"{path}, line {number}: {line.strip()[:60]!r} cannot be read ({reason}); correct it or export again")
 
 
 def obj_text(problem: CGCProblem) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,32 +13,93 @@ from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
 from .reading import ReadProblem
+from .rows import Rows
+from .rows import number_of
 
 __all__ = ["off_text", "read_off"]
 
+# Texture, colour, normal, homogeneous and any dimension; the counts may follow without a space.
+_HEADER = re.compile(r"^(ST)?(C)?(N)?(4)?(n)?OFF(?=\d|$)")
+COLOURS = (0, 1, 3, 4)  # values after the corners of a face
 
-def read_off(path: Path) -> ReadProblem:
-    """Read a .off file; colours and normals are ignored."""
+
+class _Layout(NamedTuple):
+    """Numbers of each vertex."""
+
+    size: int  # of the coordinates
+    whole: int  # with normal, colour and texture
+
+
+def read_off(path: Path, tolerance: float = 0.0) -> ReadProblem:
+    """Read a .off file, with or without its first word; colours, normals and textures are not used.
+
+    Parameters
+    ----------
+    path
+        The file.
+    tolerance
+        Distance within which vertices are welded [L].
+    """
     cursor = Cursor.of_file(path)
-    lines = [line for _, line in cursor.lines()]
-    if not lines or not lines[0].split()[0].upper().endswith("OFF"):
-        raise FileError(f"{path} does not begin with OFF; give an .off file")
-    # The counts may follow the keyword OFF on the same line.
-    head = lines[0].split()[1:] or lines[1:2] and lines[1].split()
-    body = lines[1:] if lines[0].split()[1:] else lines[2:]
+    rows = Rows(cursor)
+    layout = _header(rows, path)
     try:
-        n, m = cursor.count(int(head[0]), 1, "vertices"), cursor.count(int(head[1]), 1, "faces")
-        if len(body) < n + m:
-            raise ValueError(f"it declares {n} vertices and {m} faces, but only {len(body)} lines follow")
-        vertices = [[float(x) for x in line.split()[:3]] for line in body[:n]]
-        faces = []
-        for line in body[n : n + m]:
-            size, *words = line.split()
-            faces.append([int(i) for i in words[: cursor.count(int(size), 1, "corners")]])
-        places = np.array(vertices, dtype=np.float64).reshape(n, 3)
+        n, m = rows.integer(), rows.integer()
+        # The number of edges, which some programs leave out.
+        if rows.in_row or (rows.left > n + m and rows.row_size == 1):
+            rows.integer()
+        cursor.count(n, 1, "vertices")
+        cursor.count(m, 1, "faces")
+        vertices, faces = _by_rows(rows, n, m, layout) if rows.left == n + m else _by_tokens(rows, n, m, layout)
     except (IndexError, ValueError) as error:
-        raise FileError(f"{path} cannot be read ({error}); export it again") from None
-    return clean_problem(path, places, faces)
+        raise FileError(f"{path}{rows.where}: {error}; correct the file or export it again") from None
+    places = np.array(vertices, dtype=np.float64).reshape(n, layout.size)
+    if layout.size == 4:
+        places = places / places[:, 3:]
+    return clean_problem(path, places[:, :3], faces, tolerance=tolerance)
+
+
+def _header(rows: Rows, path: Path) -> _Layout:
+    word = rows.peek()
+    found = _HEADER.match(word) or _HEADER.match(word.upper())
+    if found is None and not re.fullmatch(r"\d+", word):
+        raise FileError(f"{path} does not begin with OFF or with counts; give an .off file")
+    if found is None:
+        return _Layout(3, 3)
+    texture, colour, normal, four, any_size = found.groups()
+    rows.replace_first(word[found.end() :])
+    if rows.peek().upper() == "BINARY":
+        raise FileError(f"{path} is a binary .off file, which is not read; export it as text")
+    size = 4 if four else 3
+    if any_size and rows.integer() != 3:
+        raise FileError(f"{path} has vertices that are not three-dimensional; export them with three coordinates")
+    return _Layout(size, size + (3 if normal else 0) + (4 if colour else 0) + (2 if texture else 0))
+
+
+def _by_rows(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[list[list[float]], list[list[int]]]:
+    """Read a row for each vertex and face; further numbers in a row are colours and the like."""
+    vertices = []
+    for _ in range(n):
+        words = rows.row()
+        if len(words) < layout.size:
+            raise ValueError(f"a vertex needs {layout.size} coordinates, the row has {len(words)}")
+        vertices.append([number_of(word) for word in words[: layout.size]])
+    faces = []
+    for _ in range(m):
+        size, *words = rows.row()
+        corners = int(size)
+        if corners < 0 or len(words) - corners not in COLOURS:
+            raise ValueError(f"the face announces {corners} corners, and {len(words)} numbers follow")
+        faces.append([int(word) for word in words[:corners]])
+    return vertices, faces
+
+
+def _by_tokens(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[list[list[float]], list[list[int]]]:
+    """Read numbers wherever the rows break; without rows, colours of faces cannot be told from the next face."""
+    vertices = [[rows.real() for _ in range(layout.whole)][: layout.size] for _ in range(n)]
+    faces = [[rows.integer() for _ in range(rows.count("corners"))] for _ in range(m)]
+    rows.refuse_rest()
+    return vertices, faces
 
 
 def off_text(problem: CGCProblem) -> str:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+from collections.abc import Iterator
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 from typing import Optional
@@ -14,10 +18,14 @@ from ..model.roles import FIXED
 from ..model.roles import ROLES
 from .cleanup import clean_problem
 from .cursor import Cursor
+from .cursor import reason_of
 from .reading import ReadProblem
+from .rows import Rows
+from .rows import number_of
 
 __all__ = ["ply_text", "read_ply"]
 
+_END_OF_HEADER = re.compile(rb"(?<=[\r\n])end_header[ \t]*(?:\r\n|\r|\n)")
 _TYPES = {
     "char": "i1",
     "int8": "i1",
@@ -50,43 +58,85 @@ class _Element(NamedTuple):
     properties: list[_Property]
 
 
-def read_ply(path: Path) -> ReadProblem:
+def read_ply(path: Path, tolerance: float = 0.0) -> ReadProblem:
     """Read a .ply file, text or binary of either byte order.
 
     The properties ``role`` and ``target`` of vertices and ``crease`` of edges, as written by
-    :func:`ply_text`, are optional.
+    :func:`ply_text`, are optional. Triangle strips become triangles.
+
+    Parameters
+    ----------
+    path
+        The file.
+    tolerance
+        Distance within which vertices are welded [L].
     """
     cursor = Cursor.of_file(path)
+    where = ""
     try:
         kind, elements = _header(cursor)
-        rows = _text_rows(cursor, elements) if kind == "ascii" else _binary_rows(cursor, elements, kind)
-        tables = dict(zip((element.name for element in elements), rows))
+        if kind == "ascii":
+            rows = Rows(cursor, comments=("comment", "obj_info"))
+            try:
+                read = _text_rows(cursor, rows, elements)
+            except (IndexError, ValueError):
+                where = rows.where
+                raise
+        else:
+            read = _binary_rows(cursor, elements, kind)
+        tables = dict(zip((element.name for element in elements), read))
         table = tables["vertex"]
         vertices = np.column_stack([np.asarray(table[axis], dtype=np.float64) for axis in "xyz"])
-        shapes = tables.get("face", {"vertex_indices": []})
-        corners = next(name for name in ("vertex_indices", "vertex_index") if name in shapes)
-        faces = [[int(i) for i in face] for face in shapes[corners]]
+        faces = _faces(tables)
         edges = tables.get("edge", {})
         marked = zip(edges["vertex1"], edges["vertex2"], edges["crease"]) if "crease" in edges else ()
         creases = [[int(u), int(v)] for u, v, on in marked if on]
         roles = np.asarray(table.get("role", []), dtype=np.int64)
         targets = np.asarray(table["target"], dtype=np.float64) if "target" in table else None
-    except (KeyError, IndexError, ValueError, StopIteration, OverflowError) as error:
-        raise FileError(f"{path} cannot be read as .ply ({error or 'it ends too early'}); export it again") from None
-    single = any(p.kind == "f4" and p.name == "x" for element in elements for p in element.properties) and kind != "ascii"
-    notes = ("this .ply file stores only seven digits; .3dm and .obj files keep full precision",) if single else ()
+    except (KeyError, IndexError, ValueError, OverflowError) as error:
+        raise FileError(f"{path}{where} cannot be read as .ply ({reason_of(error)}); export it again") from None
+    single = any(p.kind == "f4" and p.name == "x" for element in elements for p in element.properties)
     supports = np.flatnonzero(roles == FIXED).tolist()
-    return clean_problem(path, vertices, faces, supports=supports, creases=creases, targets=targets, notes=notes)
+    return clean_problem(
+        path, vertices, faces, supports=supports, creases=creases, targets=targets, tolerance=tolerance, single=single and kind != "ascii"
+    )
+
+
+def _faces(tables: Mapping[str, Mapping[str, list]]) -> list[list[int]]:
+    """Return the corners of all faces and of the triangles of strips."""
+    shapes = tables.get("face", {})
+    corners = next((name for name in ("vertex_indices", "vertex_index") if name in shapes), None)
+    if shapes and corners is None:
+        raise ValueError(f"its faces have no vertex_indices, but {', '.join(shapes)}")
+    faces = [[int(i) for i in face] for face in shapes[corners]] if corners else []
+    strips = next((table for name, table in tables.items() if name in ("tristrips", "tri_strips")), {})
+    for strip in next(iter(strips.values()), []):
+        faces += _triangles(strip)
+    return faces
+
+
+def _triangles(strip: Iterable[int]) -> list[list[int]]:
+    """Return the triangles of a strip, in which -1 begins a new one; every second triangle runs the other way."""
+    triangles: list[list[int]] = []
+    run: list[int] = []
+    for vertex in [*strip, -1]:
+        if vertex >= 0:
+            run.append(int(vertex))
+            continue
+        parts = [[run[k], run[k + 1], run[k + 2]] if k % 2 == 0 else [run[k + 1], run[k], run[k + 2]] for k in range(len(run) - 2)]
+        triangles += [part for part in parts if len(set(part)) == 3]
+        run = []
+    return triangles
 
 
 def _header(cursor: Cursor) -> tuple[str, list[_Element]]:
-    data = cursor.data
-    end = data.find(b"end_header")
-    if not data[:4].lower().startswith(b"ply") or end < 0:
+    # Rows may end as on any system; the words may occur in comments too.
+    end = _END_OF_HEADER.search(cursor.data)
+    if not cursor.data[:4].lower().startswith(b"ply") or end is None:
         raise ValueError("it does not begin with a header")
-    cursor.skip(data.index(b"\n", end) + 1)
+    cursor.skip(end.end())
     kind, elements = "", []
-    for words in (line.split() for line in data[:end].decode("ascii", "replace").splitlines()):
+    for words in (line.split() for line in cursor.data[: end.start()].decode("ascii", "replace").splitlines()):
         if words[:1] == ["format"]:
             kind = words[1]
         elif words[:1] == ["element"]:
@@ -100,21 +150,40 @@ def _header(cursor: Cursor) -> tuple[str, list[_Element]]:
     return kind, elements
 
 
-def _text_rows(cursor: Cursor, elements: list[_Element]) -> list[dict[str, list]]:
-    words = cursor.words()
+def _text_rows(cursor: Cursor, rows: Rows, elements: list[_Element]) -> list[dict[str, list]]:
+    """Read a row for each element, whose further values are not used, or where there are not as many rows, value by value."""
+    by_rows = rows.left == sum(cursor.count(element.size, 1, f"elements {element.name!r}") for element in elements)
     tables = []
     for element in elements:
         table: dict[str, list] = {p.name: [] for p in element.properties}
-        for _ in range(cursor.count(element.size, len(element.properties), f"elements {element.name!r}")):
+        for _ in range(element.size):
+            words = iter(rows.row()) if by_rows else rows.words()
             for p in element.properties:
-                read = float if p.kind[0] == "f" else int
+                read = number_of if p.kind[0] == "f" else int
                 if p.length is None:
-                    table[p.name].append(read(next(words)))
+                    table[p.name].append(read(_next(words)))
                 else:
-                    count = cursor.count(int(next(words)), 1, f"values of {p.name!r}")
-                    table[p.name].append([read(next(words)) for _ in range(count)])
+                    count = cursor.count(_length(_next(words)), 1, f"values of {p.name!r}")
+                    table[p.name].append([read(_next(words)) for _ in range(count)])
         tables.append(table)
+    if not by_rows:
+        rows.refuse_rest()
     return tables
+
+
+def _next(words: Iterator[str]) -> str:
+    word = next(words, None)
+    if word is None:
+        raise ValueError("the row has fewer values than the header announces")
+    return word
+
+
+def _length(word: str) -> int:
+    """Return the length of a list, which some programs write as a float."""
+    value = number_of(word)
+    if value != int(value):
+        raise ValueError(f"{word!r} is not the length of a list")
+    return int(value)
 
 
 def _binary_rows(cursor: Cursor, elements: list[_Element], kind: str) -> list[dict[str, list]]:

@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ..discrete import face_normals
+from ..discrete.arrays import FloatArray
 from ..errors import FileError
 from ..model.problem import CGCProblem
 from .cleanup import clean_problem
 from .cursor import Cursor
 from .reading import ReadProblem
+from .rows import number_of
 
 __all__ = ["read_stl", "stl_text"]
 
@@ -20,25 +22,43 @@ _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
-def read_stl(path: Path) -> ReadProblem:
-    """Read a .stl file, binary or text; coincident corners become one vertex."""
+def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
+    """Read a .stl file, binary or text; corners at the same place become one vertex.
+
+    Parameters
+    ----------
+    path
+        The file.
+    tolerance
+        Distance within which vertices are welded [L].
+    """
     data = Cursor.of_file(path).data
     count = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
+    rest = len(data) - 84 - 50 * count
+    is_text = data[:80].lstrip().lower().startswith(b"solid") and b"facet" in data[:1024].lower()
     notes: tuple[str, ...] = ()
-    if len(data) == 84 + 50 * count:
+    if rest == 0 or (count > 0 and rest > 0 and not is_text):
         with np.errstate(invalid="ignore"):  # signalling NaN
             corners = np.frombuffer(data, dtype=_RECORD, count=count, offset=84)["corners"].reshape(-1, 3).astype(np.float64)
-        notes = ("a binary .stl file stores only seven digits; .3dm, .obj and .ply files keep full precision",)
-    elif data[:80].lstrip().lower().startswith(b"solid"):
-        try:
-            corners = np.array([[float(x) for x in found] for found in _VERTEX.findall(data)]).reshape(-1, 3)
-        except ValueError as error:
-            raise FileError(f"{path} cannot be read ({error}); export it again") from None
-        if len(corners) != 3 * len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE)):
-            raise FileError(f"{path} is incomplete: a triangle does not have three corners; export it again")
+        notes = (f"{rest} bytes after the last of the {count} triangles were ignored",) if rest else ()
+    elif is_text:
+        corners = _text_corners(path, data)
+    elif count > 0:
+        raise FileError(f"{path} announces {count} triangles and holds {(len(data) - 84) // 50}; export it again")
     else:
         raise FileError(f"{path} is not a complete .stl file; export it again")
-    return clean_problem(path, corners, np.arange(len(corners)).reshape(-1, 3).tolist(), notes=notes)
+    faces = np.arange(len(corners)).reshape(-1, 3).tolist()
+    return clean_problem(path, corners, faces, notes=notes, tolerance=tolerance, single=not is_text or rest == 0)
+
+
+def _text_corners(path: Path, data: bytes) -> FloatArray:
+    try:
+        corners = np.array([[number_of(x.decode("latin-1")) for x in found] for found in _VERTEX.findall(data)]).reshape(-1, 3)
+    except ValueError as error:
+        raise FileError(f"{path} cannot be read ({error}); export it again") from None
+    if len(corners) != 3 * len(re.findall(rb"\bendfacet\b", data, re.IGNORECASE)):
+        raise FileError(f"{path} is not complete: a triangle does not have three corners; export it again")
+    return corners
 
 
 def stl_text(problem: CGCProblem) -> str:

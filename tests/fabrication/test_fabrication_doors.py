@@ -14,8 +14,10 @@ from compas_cgc import CGCMesh
 from compas_cgc import CGCProblem
 from compas_cgc import write
 from compas_cgc.cli import main
+from compas_cgc.errors import CGCError
 from compas_cgc.fabrication import curve_net
 from compas_cgc.fabrication import membrane
+from compas_cgc.fabrication import option_values
 from compas_cgc.fabrication import unroll
 from compas_cgc.fabrication.option_values import sheet
 
@@ -188,3 +190,9 @@ def test_the_component_net():
     assert len(out["first"]) + len(out["second"]) == len(net.curves) and out["sides"] == net.lengths.tolist()
     through = place("Net").run(cgc_mesh=mesh, through=[Point3d(0.0, 0.0, 4.0)])
     assert len(through["first"]) == len(through["second"]) == 1
+
+
+def test_a_strain_given_in_percent_without_its_sign_is_refused():
+    with pytest.raises(CGCError, match=r"of 0.5 is 50 %, which no sheet survives; for 0.5 % write 0.5%"):
+        option_values.strain("0.5", "--strain")
+    assert option_values.strain("0.5%", "--strain") == option_values.strain("0.005", "--strain") == 0.005

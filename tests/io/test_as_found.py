@@ -1,0 +1,204 @@
+"""Mesh files as other programs write them: what is read, and what is refused with its place."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from compas_cgc.errors import FileError
+from compas_cgc.io import read_problem
+from tests.support.shapes import grid
+
+POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0.5, 0.5, 1)]
+FACES = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+ROWS = [*(" ".join(map(str, point)) for point in POINTS), *(f"3 {a} {b} {c}" for a, b, c in FACES)]
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    def load(name, content, **how):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_problem(path, **how)
+
+    return load
+
+
+def _is_pyramid(read):
+    problem = read.problem
+    assert np.array_equal(problem.vertices, POINTS) and sorted(map(sorted, problem.faces.tolist())) == sorted(map(sorted, FACES))
+    return True
+
+
+OFF = {
+    "plain": "OFF\n5 4 8\n" + "\n".join(ROWS),
+    "counts without edges": "OFF\n5 4\n" + "\n".join(ROWS),
+    "counts behind the word": "OFF 5 4 0\n" + "\n".join(ROWS),
+    "counts joined to the word": "OFF5 4 0\n" + "\n".join(ROWS),
+    "without the word": "5 4 0\n" + "\n".join(ROWS),
+    "one number a row": "OFF\n5\n4\n0\n" + "\n".join(" ".join(ROWS).split()),
+    "all in one row": "OFF 5 4 0 " + " ".join(ROWS),
+    "comments and blanks": "OFF # made by hand\n\n5 4 0\n" + "\n# next\n".join(ROWS),
+    "colours": "COFF\n5 4 0\n" + "\n".join([f"{row} 1 0 0 1" for row in ROWS[:5]] + [f"{row} 255 0 0" for row in ROWS[5:]]),
+    "normals": "NOFF\n5 4 0\n" + "\n".join([f"{row} 0 0 1" for row in ROWS[:5]] + ROWS[5:]),
+    "homogeneous": "4OFF\n5 4 0\n" + "\n".join([" ".join(str(2 * x) for x in (*p, 1)) for p in POINTS] + ROWS[5:]),
+    "any dimension": "nOFF\n3\n5 4 0\n" + "\n".join(ROWS),
+    "old line ends": ("OFF\n5 4 0\n" + "\n".join(ROWS)).replace("\n", "\r"),
+}
+
+
+@pytest.mark.parametrize("kind", OFF)
+def test_off(loaded, kind):
+    assert _is_pyramid(loaded("a.off", OFF[kind]))
+
+
+HEADER = "ply\nformat ascii 1.0\ncomment end_header is not here\nelement vertex 5\n"
+XYZ = "property double x\nproperty double y\nproperty double z\n"
+CORNERS = "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+PLY = {
+    "plain": HEADER + XYZ + CORNERS + "\n".join(ROWS),
+    "old line ends": (HEADER + XYZ + CORNERS + "\n".join(ROWS)).replace("\n", "\r"),
+    "one number a row": HEADER + XYZ + CORNERS + "\n".join(" ".join(ROWS).split()),
+    "more values in a row": HEADER + XYZ + CORNERS + "\n".join(f"{row} 7 7" for row in ROWS),
+    "comments in the body": HEADER + XYZ + CORNERS + "comment here\n" + "\n".join(ROWS),
+    "float lengths": HEADER + XYZ + CORNERS.replace("uchar", "float") + "\n".join(row.replace("3 ", "3.0 ", 1) if k > 4 else row for k, row in enumerate(ROWS)),
+    "strips": HEADER + XYZ + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+    + "\n".join([*ROWS[:5], "12 0 1 4 2 -1 2 3 4 -1 3 0 4"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", PLY)
+def test_ply(loaded, kind):
+    assert _is_pyramid(loaded("a.ply", PLY[kind]))
+
+
+def test_obj_in_any_order_with_exponents_of_fortran_and_targets(loaded):
+    faces = "".join(f"f {a + 1}/1 {b + 1}//2 {c + 1}\n" for a, b, c in FACES)
+    points = "".join(f"v {x}D+00 {y}d0 {z} 1.0\n" for x, y, z in POINTS)
+    read = loaded("a.obj", f"g roof K = .02\n{faces}{points}curv 0 1 1 2\n")
+    assert _is_pyramid(read) and np.nanmax(read.problem.targets) == 0.02
+    assert any("free-form geometry (curv) was left out" in note for note in read.notes)
+
+
+def test_obj_relative_indices_count_from_the_statement(loaded):
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in POINTS)
+    assert _is_pyramid(loaded("a.obj", text + "".join(f"f {a - 5} {b - 5} {c - 5}\n" for a, b, c in FACES)))
+
+
+REFUSED = {
+    "comma.obj": ("v 0,5 0 0\n", "line 1: .*decimal comma"),
+    "target.obj": ("g K = soft\n", "line 1: .*'soft' is not a number"),
+    "zero.obj": ("v 0 0 0\nf 0 1 1\n", "line 2: .*vertices count from 1"),
+    "missing.obj": ("f 1 2 3\nv 0 0 0\n", "line 1: .*there are 1 vertices"),
+    "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face announces 3 corners, and 2 numbers follow"),
+    "short.off": (OFF["plain"].replace("\n3 3 0 4", ""), "the file ends too early"),
+    "long.off": (OFF["all in one row"] + " 7", "1 numbers are left over"),
+    "binary.off": ("OFF BINARY\n5 4 0\n", "binary .off"),
+    "plane.off": ("nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "not three-dimensional"),
+    "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 16 .*fewer values than the header announces"),
+    "names.ply": (PLY["plain"].replace("vertex_indices", "corners"), "no vertex_indices, but corners"),
+    "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "announces 3 triangles and holds 2"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_fault_is_refused_with_its_place(loaded, name):
+    content, words = REFUSED[name]
+    with pytest.raises(FileError, match=f"{name}.*{words}"):
+        loaded(name, content)
+
+
+def _stl(points):
+    corners = np.zeros(len(FACES), np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]))
+    corners["corners"] = np.array(points)[np.array(FACES)]
+    return b"solid but binary".ljust(80) + len(FACES).to_bytes(4, "little") + corners.tobytes()
+
+
+def test_stl_with_bytes_after_its_end(loaded):
+    read = loaded("a.stl", _stl(POINTS) + b"\0\0")
+    assert len(read.problem.vertices) == 5 and any(note.startswith("2 bytes after the last of the 4 triangles") for note in read.notes)
+
+
+def test_rounding_far_from_the_origin_is_reported_against_the_edge_length(loaded):
+    near, far = (" ".join(loaded("a.stl", _stl(np.array(POINTS) + shift)).notes) for shift in (0, [4e5, 8e5, 0]))
+    assert "seven digits" in near and "in steps of 0.0625 so far from the origin" in far and "% of the edge length" in far
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off"])
+def test_points_that_nearly_coincide_are_proposed_for_welding_and_welded(loaded, suffix):
+    points = np.array(POINTS, float)[np.array(FACES)].reshape(-1, 3)
+    points += 1e-7 * np.random.default_rng(3).normal(size=points.shape)
+    if suffix == ".obj":
+        text = "".join(f"v {x} {y} {z}\n" for x, y, z in points) + "".join(f"f {k + 1} {k + 2} {k + 3}\n" for k in range(0, 12, 3))
+    else:
+        text = (
+            "OFF 12 4 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in points) + "".join(f"3 {k} {k + 1} {k + 2}\n" for k in range(0, 12, 3))
+        )
+    note = next(note for note in loaded(f"a{suffix}", text).notes if "--weld" in note)
+    distance = float(note.rpartition(" ")[2])
+    assert 1e-8 < distance < 1e-5
+    assert len(loaded(f"a{suffix}", text, tolerance=distance).problem.vertices) == 5
+
+
+def test_a_mutated_file_never_gives_a_different_mesh(loaded):
+    """Rows cut or doubled, counts changed and words moved to other rows: the same mesh, or a sentence."""
+    vertices, faces = grid(3)
+    body = [*(" ".join(map(repr, row)) for row in vertices.tolist()), *(f"3 {a} {b} {c}" for a, b, c in faces.tolist())]
+    head = {
+        ".off": f"OFF\n{len(vertices)} {len(faces)} 0\n",
+        ".ply": f"{HEADER.replace('vertex 5', f'vertex {len(vertices)}')}{XYZ}{CORNERS.replace('face 4', f'face {len(faces)}')}",
+    }
+    random = np.random.default_rng(5)
+    outcomes = {True: 0, False: 0}
+    for _ in range(150):
+        suffix = (".off", ".ply")[int(random.integers(2))]
+        rows, top = list(body), head[suffix]
+        kind, at = int(random.integers(4)), int(random.integers(len(body)))
+        if kind == 0:
+            rows.pop(at)
+        elif kind == 1:
+            rows.insert(at, rows[at])
+        elif kind == 2:
+            top = top.replace(str(len(faces)), str(len(faces) + int(random.choice([-2, -1, 1, 2]))), 1)
+        else:
+            words = " ".join(rows).split()
+            cuts = np.sort(random.choice(np.arange(1, len(words)), int(random.integers(1, len(rows))), replace=False))
+            rows = [" ".join(part) for part in np.split(np.array(words), cuts)]
+        try:
+            problem = loaded(f"a{suffix}", top + "\n".join(rows)).problem
+        except FileError:
+            outcomes[False] += 1
+        else:
+            outcomes[True] += 1
+            assert kind == 3 and np.array_equal(problem.vertices, vertices) and np.array_equal(problem.faces, faces)
+    assert min(outcomes.values()) > 20
+
+
+def _compas_0():
+    vertex = {str(k): dict(zip("xyz", point)) for k, point in enumerate(POINTS)}
+    return {"attributes": {"name": "Mesh"}, "dva": {"z": 0.0}, "vertex": vertex, "face": {str(k): face for k, face in enumerate(FACES)}}
+
+
+def test_compas_data_of_older_versions(loaded):
+    old = _compas_0()
+    for own in old["vertex"].values():
+        if own["z"] == 0:
+            del own["z"]
+    assert _is_pyramid(loaded("a.json", json.dumps(old)))
+    assert _is_pyramid(loaded("a.json", json.dumps({"dtype": "compas.datastructures/Mesh", "value": old})))
+
+
+def test_a_mesh_among_other_objects_is_found_and_named(loaded):
+    curve = {"dtype": "compas.geometry/NurbsCurve", "data": {"points": []}}
+    read = loaded("a.json", json.dumps({"curve": curve, "roof": _compas_0()}))
+    assert _is_pyramid(read) and read.notes == ("beside the mesh the file holds 1 NurbsCurve, which was not read",)
+    two = json.dumps([_compas_0(), {"floor": _compas_0()}])
+    with pytest.raises(FileError, match=r"2 meshes, '0', '1\[floor\]'|2 meshes, '0', 'floor'; choose one by its name \(--mesh NAME\)"):
+        loaded("a.json", two)
+    assert _is_pyramid(loaded("a.json", two, mesh="floor"))
+    with pytest.raises(FileError, match="no mesh 'wall'"):
+        loaded("a.json", two, mesh="wall")
+    with pytest.raises(FileError, match="holds NurbsCurve and no mesh"):
+        loaded("a.json", json.dumps([curve]))
