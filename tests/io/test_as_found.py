@@ -63,7 +63,7 @@ PLY = {
     "one number a row": HEADER + XYZ + CORNERS + "\n".join(" ".join(ROWS).split()),
     "more values in a row": HEADER + XYZ + CORNERS + "\n".join(f"{row} 7 7" for row in ROWS),
     "comments in the body": HEADER + XYZ + CORNERS + "comment here\n" + "\n".join(ROWS),
-    "float lengths": HEADER + XYZ + CORNERS.replace("uchar", "float") + "\n".join(row.replace("3 ", "3.0 ", 1) if k > 4 else row for k, row in enumerate(ROWS)),
+    "float lengths": HEADER + XYZ + CORNERS.replace("uchar", "float") + "\n".join([*ROWS[:5], *("3.0" + row[1:] for row in ROWS[5:])]),
     "strips": HEADER + XYZ + "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
     + "\n".join([*ROWS[:5], "12 0 1 4 2 -1 2 3 4 -1 3 0 4"]),
 }  # fmt: skip
