@@ -45,7 +45,8 @@ class Rows:
 
     def __init__(self, cursor: Cursor, comments: tuple[str, ...] = ()):
         self._cursor = cursor
-        rows = ((number, text.split()) for number, text in cursor.lines())
+        before = len(cursor.data[: cursor.position].splitlines())
+        rows = ((before + number, text.split()) for number, text in cursor.lines())
         self._rows = [(number, words) for number, words in rows if words[0] not in comments]
         self._row = 0
         self._word = 0

@@ -97,7 +97,7 @@ REFUSED = {
     "long.off": (OFF["all in one row"] + " 7", "1 numbers are left over"),
     "binary.off": ("OFF BINARY\n5 4 0\n", "binary .off"),
     "plane.off": ("nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "not three-dimensional"),
-    "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 16 .*fewer values than the header announces"),
+    "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 17 .*fewer values than the header announces"),
     "names.ply": (PLY["plain"].replace("vertex_indices", "corners"), "no vertex_indices, but corners"),
     "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "announces 3 triangles and holds 2"),
 }
