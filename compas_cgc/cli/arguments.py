@@ -10,6 +10,7 @@ from typing import Any
 from typing import Optional
 
 from ..errors import CGCError
+from ..io.formats import READ_SUFFIXES
 from ..io.formats import listed
 from ..solvers import METHODS
 from ..solvers import Option
@@ -32,12 +33,12 @@ _ROLES = ("mesh", "supports", "creases", "targets", "constraints", "goals")
 
 def add_input(parser: argparse.ArgumentParser, kind: str = "a") -> None:
     """Add the argument for the input file."""
-    parser.add_argument("input", metavar="FILE", help=f"{kind} {listed()} file")
+    parser.add_argument("input", metavar="FILE", help=f"{kind} {listed(READ_SUFFIXES)} file")
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments for reading ``.3dm`` files."""
-    group = parser.add_argument_group("reading .3dm files")
+    """Add the arguments for reading files."""
+    group = parser.add_argument_group("reading files")
     group.add_argument(
         "--layer",
         action="append",
@@ -53,8 +54,12 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--edge-length", type=float, metavar="L", help="mesh curves and surfaces with this edge length, in model units")
     group.add_argument(
-        "--weld", type=float, metavar="D", help="merge points closer than this, in model units (default: the file's tolerance)"
+        "--weld",
+        type=float,
+        metavar="D",
+        help="merge points closer than this, in model units (default: the tolerance of a .3dm, else coincident points)",
     )
+    group.add_argument("--mesh", metavar="NAME", help="name of the mesh in a COMPAS .json that holds several")
 
 
 def add_supports(parser: argparse.ArgumentParser) -> None:
@@ -101,7 +106,13 @@ def _reading(arguments: argparse.Namespace) -> dict[str, Any]:
         if not equals or role not in _ROLES or not name:
             raise CGCError(f"--layer must be ROLE=NAME with ROLE one of {', '.join(_ROLES)}, not {text!r}")
         layers.setdefault(role, []).append(name)
-    return {"layers": layers or None, "crease": arguments.crease, "tolerance": arguments.weld, "edge_length": arguments.edge_length}
+    return {
+        "layers": layers or None,
+        "crease": arguments.crease,
+        "tolerance": arguments.weld,
+        "edge_length": arguments.edge_length,
+        "mesh": arguments.mesh,
+    }
 
 
 def with_targets(problem: CGCProblem, texts: Sequence[str]) -> CGCProblem:

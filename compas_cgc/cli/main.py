@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import os
 import signal
 import sys
 import threading
@@ -14,7 +15,7 @@ from typing import Optional
 
 from .._version import __version__
 from ..errors import nearest_name
-from ..io.formats import SUFFIXES
+from ..io.formats import READ_SUFFIXES
 from .console import compiling
 from .exits import INTERRUPTED
 from .exits import REFUSED
@@ -76,8 +77,8 @@ def main(argv: Optional[Sequence[str]] = None) -> int:
         # A console that cannot print K̄ must not end a solve.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    words = sys.argv[1:] if argv is None else list(argv)
-    if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in SUFFIXES:
+    words = [_without_quotes(word) for word in (sys.argv[1:] if argv is None else argv)]
+    if words and words[0] not in COMMANDS and Path(words[0]).suffix.lower() in READ_SUFFIXES:
         print(f"compas-cgc: {words[0]} is a file; put a command before it, such as compas-cgc check {words[0]}", file=sys.stderr)
         return REFUSED
     if not words or words[0] == "help":
@@ -119,3 +120,10 @@ def _end_cleanly_on_signals() -> None:
             # A parent such as nohup may have a signal ignored.
             if number is not None and signal.getsignal(number) is signal.SIG_DFL:
                 signal.signal(number, end)
+
+
+def _without_quotes(word: str) -> str:
+    """Return an argument as a shell would pass it: paths copied in Windows keep their quotes, and scripts do not expand ``~``."""
+    if len(word) > 1 and word[0] == word[-1] == '"':
+        word = word[1:-1]
+    return os.path.expanduser(word) if word.startswith("~") else word

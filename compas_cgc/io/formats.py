@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-__all__ = ["FORMATS", "MEDIA_TYPES", "OUTPUTS", "SUFFIXES", "Format", "listed"]
+__all__ = ["FORMATS", "MEDIA_TYPES", "OUTPUTS", "READ_SUFFIXES", "SUFFIXES", "Format", "listed"]
 
 
 class Format(NamedTuple):
@@ -52,6 +52,7 @@ FORMATS = {
 }
 
 SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates)
+READ_SUFFIXES = tuple(suffix for suffix, own in FORMATS.items() if own.coordinates or own.plan)
 
 # Files of the tasks that follow a solve; the suffix selects the contents.
 OUTPUTS = {

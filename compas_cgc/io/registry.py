@@ -20,6 +20,7 @@ from ._files import written
 from .compas_json import json_text
 from .compas_json import read_json
 from .cursor import guarded
+from .formats import READ_SUFFIXES
 from .formats import SUFFIXES
 from .formats import listed
 from .reading import ReadProblem
@@ -42,6 +43,7 @@ def read_problem(
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
+    mesh: Optional[str] = None,
     result: bool = False,
 ) -> ReadProblem:
     """Read a mesh with its supports, creases, targets and goals.
@@ -52,8 +54,15 @@ def read_problem(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length, result
-        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
+    layers, crease, edge_length
+        For .3dm and .dxf, see :func:`compas_cgc.io.rhino.read_3dm`.
+    tolerance
+        Distance within which points are merged [L]. Default: that of a .3dm file, small gaps between the curves of a .dxf file,
+        and only coincident points in other formats.
+    mesh
+        Name of the mesh in a COMPAS .json file that holds several.
+    result
+        Whether to read the result in a .3dm file instead of the drawing.
 
     Returns
     -------
@@ -73,15 +82,20 @@ def read_problem(
     0.04
     """
     source = Path(path)
-    suffix = known_suffix(source)
+    suffix = _suffix_among(source, READ_SUFFIXES)
     with guarded(source):
         if suffix == ".3dm":
             from .rhino.read import read_3dm
 
             return read_3dm(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, result=result)
         if suffix == ".json":
-            return ReadProblem(read_json(source).to_problem())
-        return _function("read_{}", suffix)(source)
+            found, notes = read_json(source, mesh)
+            return ReadProblem(found.to_problem(), tuple(notes))
+        if suffix == ".dxf":
+            from .plans.problem import read_dxf
+
+            return read_dxf(source, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
+        return _function("read_{}", suffix)(source, tolerance or 0.0)
 
 
 @names_what_was_meant()
@@ -92,6 +106,7 @@ def read_mesh(
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
+    mesh: Optional[str] = None,
 ) -> tuple[CGCMesh, list[str]]:
     """Read a mesh and notes on its contents, see :func:`read_problem`.
 
@@ -99,8 +114,8 @@ def read_mesh(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length
-        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
+    layers, crease, tolerance, edge_length, mesh
+        See :func:`read_problem`.
 
     Returns
     -------
@@ -123,8 +138,8 @@ def read_mesh(
     """
     from ..datastructures import CGCMesh
 
-    if known_suffix(path) == ".json":
-        return read_json(Path(path)), []
+    if _suffix_among(path, READ_SUFFIXES) == ".json":
+        return read_json(Path(path), mesh)
     found = read_problem(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)
     return CGCMesh.from_problem(found.checked()), list(found.notes)
 
@@ -137,6 +152,7 @@ def read(
     crease: str = "trace",
     tolerance: Optional[float] = None,
     edge_length: Optional[float] = None,
+    mesh: Optional[str] = None,
 ) -> CGCMesh:
     """Read a mesh with supports, creases, targets and goals, see :func:`read_mesh`.
 
@@ -144,8 +160,8 @@ def read(
     ----------
     path
         A file in one of the formats of :data:`compas_cgc.io.FORMATS`.
-    layers, crease, tolerance, edge_length
-        For .3dm, see :func:`compas_cgc.io.rhino.read_3dm`.
+    layers, crease, tolerance, edge_length, mesh
+        See :func:`read_problem`.
 
     Returns
     -------
@@ -159,7 +175,7 @@ def read(
     >>> mesh.number_of_faces(), mesh.region_target(4)
     (450, 0.04)
     """
-    return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length)[0]
+    return read_mesh(path, layers=layers, crease=crease, tolerance=tolerance, edge_length=edge_length, mesh=mesh)[0]
 
 
 @names_what_was_meant()
@@ -273,11 +289,15 @@ def known_suffix(path: Union[str, os.PathLike[str]]) -> str:
     >>> known_suffix("Roof.3DM")
     '.3dm'
     """
+    return _suffix_among(path, SUFFIXES)
+
+
+def _suffix_among(path: PathLike, suffixes: tuple[str, ...]) -> str:
     if not isinstance(path, (str, os.PathLike)):
         raise FileError(f"the first argument must be a path, as in write('roof.3dm', mesh), not a {type(path).__name__}")
     suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES and Path(path).is_dir():
+    if suffix not in suffixes and Path(path).is_dir():
         raise FileError(f"{path} is a folder; give the path of a file in it")
-    if suffix not in SUFFIXES:
-        raise FileError(f"{path}: the format {suffix or 'without suffix'!r} is not supported; use {listed()}")
+    if suffix not in suffixes:
+        raise FileError(f"{path}: the format {suffix or 'without suffix'!r} is not supported; use {listed(suffixes)}")
     return suffix

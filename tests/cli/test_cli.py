@@ -443,3 +443,26 @@ def test_help_is_given_without_dashes(capsys):
     with pytest.raises(SystemExit) as ended:
         main(["help", "limits"])
     assert ended.value.code == 0 and "compas-cgc limits" in capsys.readouterr().out
+
+
+def test_negative_numbers_may_have_exponents():
+    words = ["solve", "plan.obj", "-o", "roof.obj", "--target"]
+    for text in ("-1e-2", "-.5E+1", "-3"):
+        assert build_parser("solve").parse_args([*words, text]).target == [text]
+
+
+def test_paths_may_keep_their_quotes_and_a_tilde(tmp_path, dome, monkeypatch, capsys):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    assert call("check", f'"{dome}"') == call("check", "~/dome.json")
+    assert "no such file" not in capsys.readouterr().err
+
+
+def test_a_dxf_drawing_is_checked_and_meshed(tmp_path, capsys):
+    import ezdxf
+
+    document = ezdxf.new(units=6)
+    document.modelspace().add_lwpolyline([(0, 0), (9, 0), (9, 6), (0, 6)], close=True)
+    document.saveas(tmp_path / "plan.dxf")
+    call("check", tmp_path / "plan.dxf", "--edge-length", "1.5")
+    assert "outline" in capsys.readouterr().out
