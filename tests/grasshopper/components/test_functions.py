@@ -93,7 +93,7 @@ def test_a_component_fresh_from_the_ribbon_breaks_nothing(name):
         ("Goals", {"rise": 0.0}, "rise must be a number other than 0"),
         ("Goals", {"clear": [line((0, 0, 0), (1, 0, 0), (1, 1, 0))], "clearance": [1.0]}, "a curve at the input clear is open"),
         ("Goals", {"clear": [line((0, 0, 0), (1, 0, 0))], "clearance": [1.0, 2.0]}, "there are 2 clearances for 1 curves"),
-        ("Constraints", {"cgc_mesh": "NINE", "points": [Point3d(0.5, 0.5, 0.0)]}, "the point 0 is 0.707 away"),
+        ("Constraints", {"cgc_mesh": "NINE", "points": [Point3d(0.5, 0.5, 0.0)]}, "point 0 is 0.707 away"),
         ("Constraints", {"cgc_mesh": "NINE", "curve": line((0.5, 0, 1), (0.5, 9, 1))}, "no vertex lies on the curve"),
         ("Example", {"number": 9}, "number must be from 2 to 7, not 9"),
         ("Example", {"number": 4, "variant": "z"}, "has no variant 'z'"),
