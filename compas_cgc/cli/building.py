@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from typing import Any
+from typing import Callable
 from typing import Optional
 
 from .._atomic_write import published_together
@@ -101,8 +102,10 @@ def read_solved(arguments: argparse.Namespace) -> CGCProblem:
     return with_targets(read.checked(), arguments.target)
 
 
-def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional[str] = None) -> int:
-    """Read the surface, run the task, print its report and write all outputs."""
+def build_and_write(
+    arguments: argparse.Namespace, task: str, supports: Optional[str] = None, revised: Optional[Callable[[Any, dict], Any]] = None
+) -> int:
+    """Read the surface, run the task, print its report and write all outputs; `revised` changes the report before."""
     from ..fabrication.tasks import build
     from ..io.builds import build_suffix
     from ..io.builds import write_build
@@ -117,6 +120,7 @@ def build_and_write(arguments: argparse.Namespace, task: str, supports: Optional
     parts = Parts(1 + len(arguments.output), quiet=arguments.quiet)
     with parts.part(f"computing {task}"):
         report = build(task, problem, settings)
+        report = report if revised is None else revised(report, settings)
     echo(str(report))
     written = []
     with published_together():

@@ -365,8 +365,14 @@ def _edge_loads(V: Vertices, F: Faces, on: EdgeLoads, corners: FloatArray) -> Ed
 
 def _remarks(loads: EdgeLoads, edge_beams: bool, correction: float) -> tuple[str, ...]:
     free = np.linalg.norm(loads.load[loads.kind == 2], axis=1)
+    held = int((loads.kind == 0).sum())
     creases = np.linalg.norm(loads.load[loads.kind == 1], axis=1)
     remarks = []
+    if held > 3:
+        remarks.append(
+            f"statically indeterminate: {held} edges are held in all directions, so that equilibrium alone does not determine the forces; "
+            "these forces need supports that take exactly the line loads given here, and elastic finite elements differ from them"
+        )
     if len(free) and edge_beams:
         remarks.append(f"free edges need edge beams for line loads of up to {free.max():.4g}; membrane forces do not vanish there")
     if len(creases):

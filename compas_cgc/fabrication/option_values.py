@@ -12,7 +12,21 @@ from typing import Union
 from ..errors import CGCError
 from .materials import METRES
 
-__all__ = ["ALONG", "LARGEST", "Sheet", "number", "paths", "points", "region_numbers", "sheet", "strain", "text", "truth", "whole"]
+__all__ = [
+    "ALONG",
+    "LARGEST",
+    "Sheet",
+    "number",
+    "paths",
+    "plan_vector",
+    "points",
+    "region_numbers",
+    "sheet",
+    "strain",
+    "text",
+    "truth",
+    "whole",
+]
 
 LARGEST = 1e9
 LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger number is meant in percent
@@ -112,6 +126,14 @@ def points(value: object, what: str) -> Union[str, list[list[float]]]:
         said = " ".join(rows) if all(isinstance(row, str) for row in rows) else value
         raise CGCError(f"{what} must be X,Y,Z such as 1.0,2.0,0.5, or 'supports', not {_short(said)}")
     return [row for row in found if row is not None]
+
+
+def plan_vector(value: object, what: str) -> list[float]:
+    """Return a vector in plan such as ``0.5,0.2`` or ``[0.5, 0.2]``."""
+    found = _numbers(value)
+    if found is None or len(found) != 2:
+        raise CGCError(f"{what} must be X,Y such as 0.5,0.0, not {_short(value)}")
+    return found
 
 
 def region_numbers(value: object, what: str) -> list[int]:

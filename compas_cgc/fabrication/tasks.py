@@ -219,6 +219,46 @@ TASKS: dict[str, Task] = {
                 ),
                 BuildOption("weight", "downward load per area of the surface", values.number, {**_NUMBER, "default": 0.0}, "G"),
                 BuildOption(
+                    "snow", "load per area in plan, a load case of .inp files", values.number, {**_LENGTH, "default": 0.0}, "S", file=True
+                ),
+                BuildOption(
+                    "wind",
+                    "wind pressure as a vector in plan, a load case of .inp files",
+                    values.plan_vector,
+                    {
+                        "oneOf": [
+                            {"type": "string", "pattern": r"^[-+0-9.eE]+ *, *[-+0-9.eE]+$"},
+                            {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+                        ]
+                    },
+                    "X,Y",
+                    file=True,
+                ),
+                BuildOption(
+                    "thickness",
+                    "thickness of the membrane in .inp files in mm (default: 10)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0, "default": 10.0},
+                    "MM",
+                    file=True,
+                ),
+                BuildOption(
+                    "beam",
+                    "side of the square beams along creases and free edges in .inp files in mm (default: 200)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0, "default": 200.0},
+                    "MM",
+                    file=True,
+                ),
+                BuildOption(
+                    "modulus",
+                    "Young's modulus in .inp files, in the unit of the load (default: 1e9, a placeholder)",
+                    values.number,
+                    {**_LENGTH, "exclusiveMinimum": 0, "default": 1e9},
+                    "E",
+                    file=True,
+                ),
+                BuildOption(
                     "edge_beams",
                     "beams along free edges; without them these edges carry no load (default: yes)",
                     values.truth,

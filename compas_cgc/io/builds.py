@@ -67,7 +67,7 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     if task == "unroll":
         return write_patterns(path, report, **file_options(task, settings))
     if task == "membrane":
-        write_forces(path, report)
+        write_forces(path, report, **file_options(task, settings))
     elif task == "net":
         write_net(path, report)
     elif suffix == ".3dm":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from typing import Any
 from typing import Union
 
 from .._version import __version__
@@ -11,12 +12,13 @@ from ..fabrication.membrane_state import MembraneState
 from ._files import suffix_among
 from ._files import written
 from .formats import OUTPUTS
+from .inp import Model
 from .inp import inp_text
 
 __all__ = ["forces_json", "write_forces"]
 
 
-def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
+def write_forces(path: Union[str, os.PathLike], state: MembraneState, **model: Any) -> None:
     """Write forces in the format of the suffix, atomically.
 
     Parameters
@@ -26,11 +28,15 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
         mesh has the forces as attributes.
     state
         Forces from :func:`compas_cgc.fabrication.membrane`.
+    model
+        Fields of :class:`compas_cgc.io.inp.Model` for .inp files.
 
     Raises
     ------
     FileError
         If the file cannot be written.
+    CGCError
+        If a thickness, beam or modulus is not positive.
     """
     suffix = suffix_among(path, OUTPUTS["membrane"], "forces")
     if suffix == ".3dm":
@@ -38,7 +44,7 @@ def write_forces(path: Union[str, os.PathLike], state: MembraneState) -> None:
 
         write_force_layers(path, state)
         return
-    text = inp_text(state) if suffix == ".inp" else forces_json(state)
+    text = inp_text(state, Model(**model)) if suffix == ".inp" else forces_json(state)
     with written(path) as temporary:
         temporary.write_bytes(text.encode("utf-8"))
 

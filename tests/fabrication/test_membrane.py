@@ -210,7 +210,7 @@ def test_files_hold_the_forces(tmp_path):
         write_forces(path, state)
     text = paths[0].read_text()
     elements = text.split("ELSET=REGION0\n")[1].split("*")[0].split()
-    assert text.count("M3D3") == 1 and "ALL, P, 1.5" in text and "*BOUNDARY\nSUPPORTS, 1, 3" in text
+    assert text.count("M3D3") == 1 and "INSIDE, P, 1.5" in text and "*BOUNDARY\nSUPPORTS, 1, 3" in text
     assert len(elements) == 4 * len(state.problem.faces)
     from compas.data import json_load
 
