@@ -29,7 +29,8 @@ READ = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *PAGES]
 ELSEWHERE = {"goals.md", "gallery.md", "fairness.md"}
 # Commands that other tests run, or that do not come to an end.
 NOT_RUN = {"serve", "bench", "reproduce", "grasshopper", "warm", "example"}
-NIGHTLY = {"fabrication.md"}
+# Long examples of what other tests show on smaller meshes.
+NIGHTLY = {"fabrication.md", "recipes.md", "studies.md", "roof.md", "canopy.md", "vault.md", "facade.md", "cushion.md"}
 
 
 def blocks(path: Path, *languages: str) -> list[tuple[str, str]]:

@@ -183,18 +183,15 @@ def test_the_next_method_is_tried_when_one_stalls(monkeypatch):
     assert f"(newton {stalled[0].status})" in result.message
 
 
-def test_when_none_arrives_the_best_surface_is_returned_and_said():
-    """K < 0 with the whole edge fixed is over-determined."""
-    mesh = CGCMesh.from_meshgrid(dx=2, nx=10)
-    for v in mesh.vertices():
-        x, y, _ = mesh.vertex_coordinates(v)
-        mesh.vertex_attribute(v, "z", 0.3 * ((x - 1) ** 2 - (y - 1) ** 2))
+def test_when_no_method_converges_the_best_surface_is_returned_with_a_remedy():
+    """A plane convex rim supported all round carries no K < 0 in total: the angles along it only grow with height (Gauss-Bonnet)."""
+    mesh = CGCMesh.from_meshgrid(dx=2, nx=6)
     mesh.set_supports("boundary")
     mesh.set_target(-0.2)
     before = analyse(mesh).max_error
     result = solve(mesh)
-    assert result.status == "stalled" and "some free edge" in result.message
-    assert result.max_error <= before * (1 + 1e-12), "the start itself, but for rounding"
+    assert not result.converged and "some free edge" in result.message
+    assert result.max_error <= before * (1 + 1e-12), "no worse than the initial surface, but for rounding"
 
 
 def test_of_several_that_stall_the_nearest_is_returned(monkeypatch):

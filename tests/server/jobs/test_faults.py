@@ -115,14 +115,15 @@ def test_many_that_hang_up_leave_nothing_behind(one_worker):
         wait_for(lambda: (health()["busy"], health()["waiting"]) == (0, 0), what="solves of clients that are gone")
 
 
-def test_jobs_keep_nobody_waiting_who_waits_for_an_answer(tmp_path):
-    with running_server(tmp_path / "jobs.sqlite", KEY, workers=1, limits={"blocking": 20.0}) as server:
-        for _ in range(3):
-            assert submit(server, endless())[0] == 202
-        wait_for(lambda: (server.client.health()["busy"], server.client.health()["waiting"]) == (1, 2))
-        for k in range(10):
-            assert server.ask("POST", "/solve", hops_body("dome", K=0.01 + 0.001 * k))[0] == 200
-        assert [status["state"] for status in server.client.jobs()] == ["queued", "queued", "running"]
+def test_jobs_keep_nobody_waiting_who_waits_for_an_answer(open_server):
+    client = open_server.client
+    ids = [submit(open_server, endless())[1]["id"] for _ in range(3)]
+    wait_for(lambda: (client.health()["busy"], client.health()["waiting"]) == (1, 2))
+    for k in range(10):
+        assert open_server.ask("POST", "/solve", hops_body("dome", K=0.01 + 0.001 * k))[0] == 200
+    assert [client.poll(id)["state"] for id in ids] == ["running", "queued", "queued"]
+    for id in ids:
+        client.delete(id)
 
 
 def test_half_a_request_holds_no_worker(one_worker):
@@ -303,6 +304,7 @@ def test_event_streams_are_bounded_and_given_back(one_worker):
     one_worker.client.delete(id)
 
 
+@pytest.mark.nightly
 def test_the_time_of_a_job_is_bounded(tmp_path):
     with running_server(tmp_path / "jobs.sqlite", workers=1, limits={"seconds": 0.5}) as server:
         id = submit(server, endless())[1]["id"]
@@ -332,6 +334,7 @@ def test_a_worker_killed_under_a_hops_component_is_told_to_it(one_worker):
     assert one_worker.ask("POST", "/solve", hops_body("dome"))[0] == 200
 
 
+@pytest.mark.nightly
 def test_connections_that_drip_heads_or_send_nothing_stop_nobody(tmp_path):
     opened = []
 
