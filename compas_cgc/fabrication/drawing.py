@@ -14,6 +14,7 @@ from ..discrete.arrays import Mask
 from ..errors import CGCError
 from ..errors import names_what_was_meant
 from .figures import in_mm
+from .figures import metres
 from .outlines import Loop
 from .outlines import Seam
 from .patchwork import EDGE
@@ -26,8 +27,8 @@ __all__ = ["LAYERS", "Drawing", "Line", "Text", "clearance", "draw_sheets", "fol
 # Layers with their RGB colours.
 LAYERS = {
     "SHEET": (150, 150, 150),
-    "OUTLINE": (200, 30, 30),
-    "ALLOWANCE": (20, 130, 140),
+    "CUT": (200, 30, 30),
+    "OUTLINE": (20, 130, 140),
     "FOLD_UP": (30, 80, 200),
     "FOLD_DOWN": (150, 40, 160),
     "RULING": (40, 150, 70),
@@ -70,6 +71,13 @@ class Drawing(NamedTuple):
     units: Optional[str]  # such as ``Meters``
     hidden: tuple[str, ...] = ()  # layers that are initially off
 
+    def within(self, units: str) -> Drawing:
+        """Return the drawing in other units, such as ``Millimeters``."""
+        scale = metres(self.units) / metres(units)
+        lines = [line._replace(points=scale * line.points) for line in self.lines]
+        texts = [text._replace(place=scale * text.place, height=scale * text.height) for text in self.texts]
+        return Drawing(lines, texts, (scale * self.size[0], scale * self.size[1]), units, self.hidden)
+
 
 @names_what_was_meant()
 def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, sheet: Optional[int] = None) -> Drawing:
@@ -102,7 +110,7 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> sorted({line.layer for line in draw_sheets(patterns).lines})
-    ['FOLD_DOWN', 'FOLD_UP', 'MARK', 'OUTLINE', 'RULING', 'SHEET']
+    ['CUT', 'FOLD_DOWN', 'FOLD_UP', 'MARK', 'RULING', 'SHEET']
     """
     refuse_others(patterns, "sheets are drawn", "draw_sheets")
     if sheet is not None and sheet not in range(patterns.sheets):
@@ -131,12 +139,16 @@ def draw_sheets(patterns: Patterns, fold: float = MIN_FOLD, nodes: bool = True, 
         if piece.sheet not in origins:
             continue
         origin = origins[piece.sheet]
-        lines += [Line("OUTLINE", loop.points + origin, True) for loop in piece.loops]
-        lines += [Line("ALLOWANCE", loop + origin, True) for loop in piece.allowance]
+        # With an allowance the outline is where pieces meet, not where they are cut.
+        outlines = [loop.points + origin for loop in piece.loops]
+        lines += [Line("CUT", points, True) for points in ([loop + origin for loop in piece.allowance] or outlines)]
+        lines += [Line("OUTLINE", points, True) for points in (outlines if piece.allowance else [])]
         lines += _fold_lines(patterns, number, fold, origin)
         own = patterns.patchwork
         place, room = roomiest(own.plane[own.piece == number].mean(axis=1), [loop.points for loop in piece.loops])
-        texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.6 * room))))
+        # The circle of free room around the label contains its corners.
+        half = 0.5 * np.hypot(LETTER_WIDTH * len(piece.label), 1.0)
+        texts.append(Text("LABEL", piece.label, place + origin, float(min(4.0 * height, 0.95 * room / half))))
         if nodes:
             texts += [text for loop in piece.loops for text in _node_numbers(loop, names, ticked[number], mark, height, origin)]
     for ruling in patterns.rulings:

@@ -51,7 +51,7 @@ def show_all(document: Document, points: FloatArray) -> None:
 
 
 def dxf_text(drawing: Drawing) -> str:
-    """Return a drawing as DXF R2010; outlines are closed LWPOLYLINE entities on the layer OUTLINE, counterclockwise, holes clockwise.
+    """Return a drawing as DXF R2010; cuts are closed LWPOLYLINE entities on the layer CUT, counterclockwise, holes clockwise.
 
     Parameters
     ----------

@@ -14,6 +14,7 @@ from .materials import METRES
 
 __all__ = [
     "ALONG",
+    "DRAWING_UNITS",
     "LARGEST",
     "Sheet",
     "number",
@@ -31,6 +32,8 @@ __all__ = [
 LARGEST = 1e9
 LARGEST_STRAIN = 0.05  # metals and timber break or buckle long before; a larger number is meant in percent
 ALONG = ("plan", "curvature")  # coordinates that a grid of panels may follow
+# Units of files by their usual abbreviation.
+DRAWING_UNITS = {"mm": "Millimeters", "cm": "Centimeters", "m": "Meters", "in": "Inches", "ft": "Feet"}
 _UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 
 

@@ -93,7 +93,7 @@ class Patterns:
     >>> from compas_cgc.fabrication import unroll
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> patterns.sheets
-    18
+    14
     """
 
     problem: CGCProblem
@@ -152,6 +152,12 @@ class Patterns:
         free = [(self.stock.spacing or 0.0, "between pieces"), (self.stock.margin, "along edges"), (self.stock.allowance, "around pieces")]
         lines.append("free: " + (", ".join(f"{in_mm([length], units)} {where}" for length, where in free if length) or "nothing"))
         lines.append(f"largest length difference between the sides of a seam: {1000.0 * metres(units) * self.seam_mismatch:.2g} mm")
+        short = [seam for seam in self.seams if seam.length < 0.1 / metres(units)]
+        if short:
+            named = ", ".join(
+                f"{seam.number} ({'/'.join(self.pieces[k].label for k in seam.pieces)}, {in_mm([seam.length], units)})" for seam in short
+            )
+            lines.append(f"seams shorter than 100 mm: {named}")
         for own in self.unrollings:
             if own.unrolled:
                 lines.append(

@@ -14,15 +14,31 @@ from scipy.spatial import QhullError
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from .patchwork import CREASE
 from .patchwork import Patchwork
 from .patchwork import connected_pieces
+from .patchwork import mates
 from .patchwork import outline_sides
 from .patchwork import split_piece
 
-__all__ = ["Box", "best_box", "cut_to_fit"]
+__all__ = ["JOINTS", "Box", "Joints", "best_box", "cut_to_fit", "shortest_contact"]
 
 SNAP_TOLERANCE = 1e-9  # distance of a node from a cut, relative to the size of the piece, that counts as zero
 MAX_PIECES = 5000
+POSITIONS = 9  # of a joint that are compared
+CUT_TOLERANCE = 1e-7  # distance of a node from a cut, relative to the size of the piece, below which the cut passes through it
+SLACK = 1e-6  # of a sheet that a joint leaves free, so that this tolerance does not make a piece too large
+
+
+class Joints(NamedTuple):
+    """Preferences for the joints of a piece that is larger than a sheet."""
+
+    across: str  # the direction cut first: "more" for the one that needs more sheets, "width", or "length" of the sheet
+    fill: float  # position of a joint between the least and the largest possible: 0.5 divides evenly, 0 and 1 fill whole sheets
+
+
+# Even division first; the others leave few large offcuts instead of many small ones.
+JOINTS = tuple(Joints(across, fill) for across in ("more", "width", "length") for fill in (0.5, 1.0, 0.0))
 
 
 class Box(NamedTuple):
@@ -55,6 +71,8 @@ def cut_to_fit(
     too_wide: Optional[Callable[[Patchwork, int], bool]] = None,
     taken: Optional[Callable[[Patchwork, int], FloatArray]] = None,
     before_cut: Optional[Callable[[Patchwork, int, Box], None]] = None,
+    joints: Joints = JOINTS[0],
+    shortest: float = 0.0,
 ) -> Patchwork:
     """Cut pieces by straight lines until each fits on a sheet and does not overlap itself.
 
@@ -72,6 +90,10 @@ def cut_to_fit(
         Function that returns points (k, 2) around the room of a piece. Default: its corners.
     before_cut
         Function called with a piece and its rectangle before a cut; it may raise to stop. Default: all pieces may be cut.
+    joints
+        Preferences for the positions of cuts.
+    shortest
+        Length of seams below which a cut is moved, if its pieces allow it [L].
 
     Returns
     -------
@@ -103,18 +125,64 @@ def cut_to_fit(
                 before_cut(own, piece, box)
             if own.piece.max() > MAX_PIECES:
                 raise ValueError(too_many)
-            own = _parted(_halved(own, piece, box, sheet), piece)
+            own = _parted(_halved(own, piece, box, sheet, joints, shortest), piece)
 
 
-def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float]) -> Patchwork:
-    """Cut a piece across the direction that needs more sheets, or a fitting piece across its longer side."""
-    fits = box.parts <= 1
-    length, width = (box.length, box.width) if fits else (box.length / sheet[0], box.width / sheet[1])
-    normal = box.along if length >= width else np.array([-box.along[1], box.along[0]])
-    count = 2 if fits else max(2, int(np.ceil(max(length, width) - 1e-12)))
-    height = own.plane[own.piece == piece] @ normal
-    level = height.min() + np.ptp(height) * (count // 2) / count
-    return split_piece(own, piece, normal, level, SNAP_TOLERANCE * float(np.ptp(height)))
+def _halved(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], joints: Joints, shortest: float) -> Patchwork:
+    """Cut a piece at the preferred position without short seams, or where the shortest seam is longest."""
+    normal, levels = _levels(own, piece, box, sheet, joints)
+    tolerance = CUT_TOLERANCE * float(np.ptp(own.plane[own.piece == piece] @ normal))
+    best, longest = own, -1.0
+    for level in levels:
+        cut = split_piece(own, piece, normal, level, tolerance)
+        length = shortest_contact(cut, (piece, int(own.piece.max()) + 1)) if shortest > 0.0 else np.inf
+        if length > longest:
+            best, longest = cut, length
+        if length >= shortest:
+            break
+    return best
+
+
+def _levels(own: Patchwork, piece: int, box: Box, sheet: tuple[float, float], joints: Joints) -> tuple[FloatArray, list[float]]:
+    """Return the normal of a cut and its possible levels along it, the preferred one first.
+
+    With every level the two parts together need as many sheets along the normal as the piece.
+    """
+    across = np.array([-box.along[1], box.along[0]])
+    if box.parts <= 1:
+        normal = box.along if box.length >= box.width else across
+        height = own.plane[own.piece == piece] @ normal
+        return normal, [float(0.5 * (height.min() + height.max()))]
+    along = box.length / sheet[0] >= box.width / sheet[1]
+    if joints.across != "more" and min(box.length / sheet[0], box.width / sheet[1]) > 1.0:
+        along = joints.across == "length"
+    normal, extent, full = (box.along, box.length, sheet[0]) if along else (across, box.width, sheet[1])
+    count = max(2, int(np.ceil(extent / full - 1e-12)))
+    height, first = own.plane[own.piece == piece] @ normal, count // 2
+    room = full * (1.0 - SLACK) - (extent - np.ptp(height))  # the allowance needs the rest
+    low, high = height.max() - room * (count - first), height.min() + room * first
+    even = float(height.min() + np.ptp(height) * first / count)
+    if not low < high:
+        return normal, [even]
+    # The even division is not the middle of the range if the count is odd.
+    share = np.interp(joints.fill, [0.0, 0.5, 1.0], [low, np.clip(even, low, high), high])
+    levels = np.append(share, np.linspace(low, high, POSITIONS))
+    return normal, levels[np.argsort(np.abs(levels - share), kind="stable")].tolist()
+
+
+def shortest_contact(own: Patchwork, pieces: tuple[int, ...]) -> float:
+    """Return the least length that one of some pieces shares with another piece, without creases; infinite if there is none [L]."""
+    mate = mates(own.faces)
+    other = np.where(mate >= 0, own.piece[mate // 3], -1)
+    between = (other >= 0) & (other != own.piece[:, None]) & (own.side < CREASE) & np.isin(own.piece, pieces)[:, None]
+    if not between.any():
+        return float("inf")
+    lengths = np.linalg.norm(np.roll(own.plane, -1, axis=1) - own.plane, axis=2)[between]
+    one = np.broadcast_to(own.piece[:, None], other.shape)[between]
+    pairs = np.unique(np.sort(np.column_stack([one, other[between]]), axis=1), axis=0, return_inverse=True)[1].ravel()
+    # Contacts of two of the pieces are counted from both sides.
+    twice = np.bincount(pairs, np.isin(one, pieces) & np.isin(other[between], pieces)) > 0
+    return float((np.bincount(pairs, lengths) / np.where(twice, 2.0, 1.0)).min())
 
 
 def _parted(own: Patchwork, piece: int) -> Patchwork:

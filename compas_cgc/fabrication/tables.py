@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .figures import metres
 from .patchwork import NONE
 from .patchwork import SIDES
 from .patchwork import mates
@@ -18,7 +19,7 @@ from .patterns import Patterns
 __all__ = ["csv_text", "edge_table", "edge_table_text", "escaped", "unescaped"]
 
 _FORMULA_MARKS = frozenset("=+-@\t\r")  # first characters of formulas in spreadsheets
-_HEAD = ("piece", "from", "to", "kind", "length in space", "length in plane", "fold in degrees", "seam", "beyond")
+_HEAD = ("piece", "from", "to", "kind", "length in space in mm", "length in plane in mm", "fold in degrees", "seam", "beyond")
 
 
 def csv_text(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -62,7 +63,7 @@ def edge_table(patterns: Patterns) -> list[tuple]:
     -------
     list of tuple
         Label of the piece, the two nodes, kind (``fold`` inside a piece; ``cut``, ``seam`` or ``crease`` between pieces;
-        ``edge`` at the boundary), length in space and in the plane [L], fold angle [degree], number of the seam and label of the
+        ``edge`` at the boundary), length in space and in the plane [mm], fold angle [degree], number of the seam and label of the
         neighbouring piece, or empty.
     """
     own = patterns.patchwork
@@ -77,7 +78,7 @@ def edge_table(patterns: Patterns) -> list[tuple]:
     for seam in patterns.seams:
         for a, b in zip(seam.nodes[:-1].tolist(), seam.nodes[1:].tolist()):
             seam_of[min(a, b), max(a, b)] = seam.number
-    rows = []
+    rows, scale = [], 1e3 * metres(patterns.problem.drawing.units)
     faces, corners = np.nonzero(wanted)
     order = np.lexsort((corners, faces, own.piece[faces]))
     for f, c in zip(faces[order].tolist(), corners[order].tolist()):
@@ -90,8 +91,8 @@ def edge_table(patterns: Patterns) -> list[tuple]:
                 int(own.names[a]),
                 int(own.names[b]),
                 SIDES[own.side[f, c]],
-                repr(float(space[f, c])),
-                repr(float(plane[f, c])),
+                repr(float(scale * space[f, c])),
+                repr(float(scale * plane[f, c])),
                 f"{np.degrees(patterns.folds[f, c]):.4f}",
                 number,
                 beyond,

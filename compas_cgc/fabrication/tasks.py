@@ -181,6 +181,13 @@ TASKS: dict[str, Task] = {
                     {**_LENGTH, "default": 0.0},
                     "D",
                 ),
+                BuildOption(
+                    "shortest",
+                    "length in mm of seams below which joints are moved if possible, or named in the report (default: 100)",
+                    values.number,
+                    {**_LENGTH, "default": 100.0},
+                    "MM",
+                ),
                 BuildOption("rulings", "distance between drawn rulings; 0 draws none", values.number, _LENGTH, "D"),
                 BuildOption(
                     "whole",
@@ -193,6 +200,14 @@ TASKS: dict[str, Task] = {
                     "node numbers along outlines (default: yes)",
                     values.truth,
                     {"type": "boolean", "default": True},
+                    file=True,
+                ),
+                BuildOption(
+                    "units",
+                    "units of .dxf and .svg files (default: mm)",
+                    values.text,
+                    {"enum": [*values.DRAWING_UNITS, "drawing"], "default": "mm"},
+                    "|".join([*values.DRAWING_UNITS, "drawing"]),
                     file=True,
                 ),
                 BuildOption(

@@ -18,15 +18,20 @@ from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from .figures import in_mm
+from .figures import metres
 from .flattening import flatten
 from .layout import among
 from .layout import cut_open
 from .option_values import truth
+from .outlines import seams_between
+from .patchwork import CREASE
+from .patchwork import SIDES
 from .patchwork import Patchwork
 from .patchwork import weights_in
 from .patterns import Patterns
 from .patterns import patterns_of
 from .piece_strains import strains_of
+from .pieces import JOINTS
 from .pieces import Box
 from .pieces import cut_to_fit
 from .placing import extent
@@ -56,6 +61,7 @@ def unroll(
     margin: float = 0.0,
     allowance: float = 0.0,
     rulings: Optional[float] = None,
+    shortest: float = 100.0,
     whole: Optional[bool] = None,
     rough: bool = False,
 ) -> Patterns:
@@ -85,6 +91,8 @@ def unroll(
     rulings
         Distance between drawn rulings [L], 0 for none. Default: 1/12 of the size of the region, at most a quarter of the sheet
         width.
+    shortest
+        Length of seams, without creases, below which joints are moved if possible, and named in the report otherwise [mm].
     whole
         Whether to keep the parts between creases and seams whole, so that parts larger than a sheet are refused instead of cut.
         Default: True if seams are given.
@@ -106,7 +114,7 @@ def unroll(
     >>> import compas_cgc
     >>> patterns = unroll(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), (3.0, 1.5))
     >>> len(patterns.pieces), patterns.sheets
-    (18, 18)
+    (18, 14)
     """
     kept = seams is not None if whole is None else truth(whole, "whole")
     problem = solved_problem(surface, rough)
@@ -142,16 +150,23 @@ def unroll(
         if kept:
             _refuse_to_cut(problem, stock, own, piece, box)
 
+    room = stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)
+    least = 1e-3 * checked_number(shortest, "shortest") / metres(problem.drawing.units)
+    # Without sheets there is nothing to choose; curved pieces are flattened after every cut, so that a choice is expensive.
+    choices = JOINTS if stock.sheet is not None and not curved else JOINTS[:1]
     try:
-        cut = cut_to_fit(
-            flat, (stock.room[0] * (1 - EDGE_TOLERANCE), stock.room[1] * (1 - EDGE_TOLERANCE)), flattened, too_wide, taken, refuse
-        )
+        layouts = [on_sheets(cut_to_fit(flat, room, flattened, too_wide, taken, refuse, joints, least), stock) for joints in choices]
     except ValueError as error:
         raise CGCError(str(error)) from None
-    placed, on_sheet, stock = on_sheets(cut, stock)
+    placed, on_sheet, stock = min(layouts, key=lambda own: (_short_seams(own[0], least), max(own[1]), int(own[0].piece.max())))
     ruled = [own.region for own in unrollings if own.unrolled] if rulings != 0 else []
     lines, straightness = rulings_of(problem, placed, ruled, rulings, np.inf if stock.sheet is None else 0.25 * stock.sheet[1])
     return patterns_of(problem, placed, on_sheet, unrollings, stock, lines, straightness)
+
+
+def _short_seams(own: Patchwork, least: float) -> int:
+    """Return the number of seams, without creases, shorter than a length [L]."""
+    return sum(seam.length < least for seam in seams_between(own) if seam.kind != SIDES[CREASE])
 
 
 def _check_scale(problem: CGCProblem, stock: Stock) -> None:

@@ -12,6 +12,9 @@ from scipy.spatial import Delaunay
 
 from compas_cgc import CGCError
 from compas_cgc import CGCProblem
+from compas_cgc import get
+from compas_cgc import read
+from compas_cgc import solve
 from compas_cgc.discrete import face_areas
 from compas_cgc.fabrication import draw_sheets
 from compas_cgc.fabrication import flatten
@@ -169,8 +172,8 @@ def test_allowances_stand_off_every_edge_and_have_room_on_sheets(cut):
         strips.append((piece.sheet, outer))
     gaps = [a.distance(b) for i, (sheet, a) in enumerate(strips) for other, b in strips[:i] if sheet == other]
     assert not gaps or min(gaps) >= 0.01 - 1e-12
-    lines = [line.points for line in draw_sheets(own).lines if line.layer == "ALLOWANCE"]
-    assert len(lines) == len(own.pieces) and not any(line.layer == "ALLOWANCE" for line in draw_sheets(cut).lines)
+    lines = [line.points for line in draw_sheets(own).lines if line.layer == "CUT"]
+    assert len(lines) == len(own.pieces) and not any(line.layer == "OUTLINE" for line in draw_sheets(cut).lines)
     with pytest.raises(CGCError, match="an allowance of 0.2 leaves no room for pieces on a sheet of 3 x 1.5; use less than 0.188"):
         unroll(vault(), SHEET, rough=True, allowance=0.2)
 
@@ -245,8 +248,8 @@ def test_there_may_be_a_file_for_each_sheet(cut, tmp_path):
     for sheet, path in enumerate(paths):
         outlines, texts = read_dxf(path)
         here = [piece for piece in cut.pieces if piece.sheet == sheet]
-        assert sum(map(signed_area, outlines)) == pytest.approx(sum(piece.area for piece in here), rel=1e-12)
-        assert np.concatenate(outlines).min() >= 0 and (np.concatenate(outlines).max(axis=0) <= SHEET).all()
+        assert sum(map(signed_area, outlines)) == pytest.approx(1e6 * sum(piece.area for piece in here), rel=1e-12)
+        assert np.concatenate(outlines).min() >= 0 and (np.concatenate(outlines).max(axis=0) <= 1e3 * np.array(SHEET)).all()
         assert {piece.label for piece in here} <= set(texts)
     (packed,) = write_patterns(tmp_path / "cut.zip", cut)
     with zipfile.ZipFile(packed) as archive:
@@ -348,11 +351,12 @@ def test_every_format_holds_the_pieces(cut, suffix, tmp_path):
     if suffix == ".csv":
         rows = list(csv.DictReader(path.open()))
         assert {row["piece"] for row in rows} == {piece.label for piece in cut.pieces}
-        assert max(abs(float(row["length in space"]) / float(row["length in plane"]) - 1) for row in rows) < 1e-11
+        assert max(abs(float(row["length in space in mm"]) / float(row["length in plane in mm"]) - 1) for row in rows) < 1e-11
         assert {row["seam"] for row in rows} - {""} == {str(seam.number) for seam in cut.seams}
         return
     outlines, texts = READERS[suffix](path)
-    assert sum(map(signed_area, outlines)) == pytest.approx(cut.area, rel=1e-12)
+    # Drawings are in millimetres, .3dm files in the units of the surface.
+    assert sum(map(signed_area, outlines)) == pytest.approx(cut.area * (1.0 if suffix == ".3dm" else 1e6), rel=1e-12)
     assert {piece.label for piece in cut.pieces} <= set(texts)
 
 
@@ -361,7 +365,7 @@ def read_dxf(path):
     document = ezdxf.readfile(path)
     assert not document.audit().errors
     space = document.modelspace()
-    lines = [np.array([point[:2] for point in line.get_points()]) for line in space.query('LWPOLYLINE[layer=="OUTLINE"]')]
+    lines = [np.array([point[:2] for point in line.get_points()]) for line in space.query('LWPOLYLINE[layer=="CUT"]')]
     # It opens on all that there is.
     low, high = np.array([document.header["$EXTMIN"], document.header["$EXTMAX"]])[:, :2]
     view = document.viewports.get("*Active")[0].dxf
@@ -375,7 +379,7 @@ def read_svg(path):
     space = {"svg": "http://www.w3.org/2000/svg"}
     root = ElementTree.parse(path).getroot()
     lines = []
-    for polygon in root.findall(".//svg:g[@id='OUTLINE']/svg:polygon", space):
+    for polygon in root.findall(".//svg:g[@id='CUT']/svg:polygon", space):
         lines.append(np.array([[float(x) for x in pair.split(",")] for pair in polygon.get("points").split()]) * [1, -1])
     return lines, [text.text for text in root.findall(".//svg:text", space)]
 
@@ -385,7 +389,7 @@ def read_layers(path):
     from compas_cgc.io.rhino.archive import read_archive
 
     items = list_items(read_archive(path))
-    lines = [item.geometry.TryGetPolyline() for item in items if item.layer == "CGC Patterns::Outline"]
+    lines = [item.geometry.TryGetPolyline() for item in items if item.layer == "CGC Patterns::Cut"]
     return [np.array([(p.X, p.Y) for p in line])[:-1] for line in lines], [item.geometry.Text for item in items if item.kind == "text dot"]
 
 
@@ -401,7 +405,7 @@ def test_marks_stand_at_the_same_nodes_on_both_sides(cut):
 
 def test_no_text_lies_over_marks_and_outlines(cut):
     drawing = draw_sheets(cut)
-    ends = [np.vstack([line.points, line.points[:1]]) for line in drawing.lines if line.layer in ("MARK", "OUTLINE")]
+    ends = [np.vstack([line.points, line.points[:1]]) for line in drawing.lines if line.layer in ("MARK", "CUT")]
     share = np.linspace(0.0, 1.0, 41)[:, None]
     along = np.vstack([a + share * (b - a) for points in ends for a, b in zip(points[:-1], points[1:])])
     texts = [text for text in drawing.texts if text.layer in ("NODE", "SEAM")]
@@ -577,3 +581,38 @@ def test_what_cannot_be_unrolled_is_refused_in_a_sentence(call, sentence):
 def test_a_rectangle_larger_than_the_sheet_is_refused():
     with pytest.raises(ValueError, match="does not fit on a sheet"):
         nest([(1.0, 1.0), (4.0, 1.0)], SHEET)
+
+
+def test_a_program_that_ignores_units_reads_millimetres(cut, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    lengths = {}
+    for units, code in (("mm", 4), ("m", 6), ("drawing", 6)):
+        write_patterns(tmp_path / f"{units}.dxf", cut, units=units)
+        document = ezdxf.readfile(tmp_path / f"{units}.dxf")
+        assert document.header["$INSUNITS"] == code
+        outline = document.modelspace().query('LWPOLYLINE[layer=="CUT"]')[0]
+        lengths[units] = np.ptp([point[0] for point in outline.get_points()])
+    own = np.ptp(cut.pieces[0].loops[0].points[:, 0])
+    assert lengths["mm"] == pytest.approx(1000.0 * own, rel=1e-12) and lengths["m"] == lengths["drawing"] == pytest.approx(own, rel=1e-12)
+    with pytest.raises(CGCError, match="files can be in mm, cm, m, in, ft or drawing units"):
+        write_patterns(tmp_path / "other.dxf", cut, units="miles")
+
+
+def test_labels_lie_inside_their_pieces(cut):
+    shapely = pytest.importorskip("shapely")
+    drawing = draw_sheets(cut)
+    labels = {text.text: text for text in drawing.texts if text.layer == "LABEL"}
+    cuts = [shapely.Polygon(line.points) for line in drawing.lines if line.layer == "CUT"]
+    for label in labels.values():
+        half = 0.5 * label.height * np.array([0.8 * len(label.text), 1.0])
+        assert any(own.contains(shapely.box(*(label.place - half), *(label.place + half))) for own in cuts)
+
+
+def test_joints_fill_sheets_and_short_seams_are_moved_or_named():
+    vault = solve(read(get("vault.3dm")))
+    chosen, plain = (unroll(vault, (3.0, 1.5), spacing=0.0, rulings=0, shortest=shortest) for shortest in (100.0, 0.0))
+    assert chosen.sheets <= 15 and plain.sheets <= 15
+    assert min(seam.length for seam in chosen.seams) >= 0.1 and "shorter than" not in chosen.summary()
+    short = [seam for seam in plain.seams if seam.length < 0.1]
+    assert short and all(f"{seam.number} (" in plain.summary() for seam in short)
+    assert chosen.area == pytest.approx(chosen.area_in_space, rel=1e-12)

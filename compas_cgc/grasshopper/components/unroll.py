@@ -77,7 +77,7 @@ def unroll(
         used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
         pieces.append(mesh_from_arrays(own.space[used], corners.reshape(-1, 3)))
     return UnrollOutputs(
-        outlines=lines.get("OUTLINE", []),
+        outlines=lines.get("OUTLINE") or lines.get("CUT", []),
         folds=[*lines.get("FOLD_UP", []), *lines.get("FOLD_DOWN", [])],
         rulings=lines.get("RULING", []),
         marks=lines.get("MARK", []),
@@ -86,6 +86,6 @@ def unroll(
         places=points_to_rhino(flattened(np.array([text.place for text in labels]))),
         pieces=pieces,
         report=patterns.summary(),
-        allowances=lines.get("ALLOWANCE", []),
+        allowances=lines.get("CUT", []) if "OUTLINE" in lines else [],
         cut_list=cut_list_text(patterns).splitlines(),
     )

@@ -97,7 +97,7 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
         used, corners = np.unique(own.faces[own.piece == number], return_inverse=True)
         pieces.append(mesh_text(own.space[used], corners.reshape(-1, 3)))
     return [
-        entry("Outlines", "Curve", lines.get("OUTLINE", [])),
+        entry("Outlines", "Curve", lines.get("OUTLINE") or lines.get("CUT", [])),
         entry("Folds", "Curve", [*lines.get("FOLD_UP", []), *lines.get("FOLD_DOWN", [])]),
         entry("Rulings", "Curve", lines.get("RULING", [])),
         entry("Marks", "Curve", lines.get("MARK", [])),
@@ -106,7 +106,7 @@ def _unroll_outputs(problem: CGCProblem, patterns: Any) -> list[dict]:
         entry("Places", "Point", flattened(np.array([text.place for text in labels])).tolist()),
         entry("Pieces", "Mesh", pieces),
         entry("Strains", "Number", [piece.strain for piece in patterns.pieces]),
-        entry("Allowances", "Curve", lines.get("ALLOWANCE", [])),
+        entry("Allowances", "Curve", lines.get("CUT", []) if "OUTLINE" in lines else []),
         entry("Sheet", "Integer", [piece.sheet for piece in patterns.pieces]),
         entry("CutList", "Text", cut_list_text(patterns).splitlines()),
     ]

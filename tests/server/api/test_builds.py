@@ -86,7 +86,7 @@ def test_what_is_drawn_is_the_surface(client):
     place = told["in_place"]
     V, F = np.array(place["vertices"]), np.array(place["triangles"])
     assert np.linalg.norm(np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]]), axis=1).sum() / 2 == pytest.approx(told["area"])
-    assert {line["layer"] for line in told["lines"]} >= {"OUTLINE", "SHEET"} and len(told["pieces"]) == 1 + max(place["piece"])
+    assert {line["layer"] for line in told["lines"]} >= {"CUT", "SHEET"} and len(told["pieces"]) == 1 + max(place["piece"])
     length, width = told["sheet"]
     for piece in told["pieces"]:
         (low, high) = (own(np.array(piece["outlines"][0]), axis=0) for own in (np.min, np.max))
@@ -107,7 +107,7 @@ def test_sheets_have_margins_allowances_and_files_of_their_own(client):
     told = client.build("unroll", vertices, faces, settings=given, **options)
     made = unroll(problem(CONE), (3.0, 1.5), spacing=0.0, margin=0.02, allowance=0.03)
     assert told["text"] == str(made) and "dxf" not in told["formats"]
-    assert sum(line["layer"] == "ALLOWANCE" for line in told["lines"]) == len(made.pieces)
+    assert sum(line["layer"] == "CUT" for line in told["lines"]) == len(made.pieces)
     with zipfile.ZipFile(io.BytesIO(client.result(told["id"], "zip"))) as archive:
         assert len(archive.namelist()) == made.sheets + 2
     with pytest.raises(Refused, match="one per sheet; request the format zip"):
