@@ -38,3 +38,12 @@ def open_server(tmp_path_factory):
 
     with running_server(tmp_path_factory.mktemp("open-server") / "jobs.sqlite", workers=1) as running:
         yield running
+
+
+@pytest.fixture(scope="session")
+def proxy():
+    """A proxy of a service for COMPAS RPC in a process of its own, shared like ``server``."""
+    from .support.server_process import running_rpc
+
+    with running_rpc() as running:
+        yield running

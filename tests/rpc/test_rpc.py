@@ -18,14 +18,7 @@ from compas_cgc import __version__
 from compas_cgc import solve
 
 from ..support.server_process import PATIENCE
-from ..support.server_process import running_rpc
 from ..support.server_process import wait_for
-
-
-@pytest.fixture(scope="module")
-def proxy():
-    with running_rpc() as own:
-        yield own
 
 
 def roof(n=8):
