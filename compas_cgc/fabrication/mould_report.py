@@ -9,7 +9,9 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import face_areas
 from ..discrete.arrays import Faces
+from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
 from .development import Development
 from .fitting import Fit
@@ -60,13 +62,15 @@ class PanelFit:
     gap: float  # largest distance between the positions of a vertex in different faces [mm]
     edge_error: float  # largest relative difference of edges on the mould
     rigid: float  # largest deviation from its position if it is not bent [mm]
-    change: Optional[float]  # largest change of curvature from mould to position, None if unknown [1/m]
-    stress: Optional[float]  # stress of this bending [MPa]
+    change: Optional[float]  # largest principal change of curvature from mould to position [1/m]
+    stress: Optional[float]  # largest stress of this bending [MPa]
     development: Development  # of the mesh faces that it covers, with the pole at the centre of the cap
     vertices: Vertices  # (p, 3) vertices in position [L]
     faces: Faces  # (f, 3) faces, flipped if the panel is concave towards its normals
     on_mould: Vertices  # (p, 3) vertices on the mould, whose pole is at the origin [L]
     into_place: Fit  # best rigid motion from the mould to the position
+    stresses: FloatArray  # (f,) stress of bending of every face [MPa]
+    singular: bool  # whether its largest stress grows as the mesh is refined, as at point supports
 
     @property
     def width(self) -> float:
@@ -77,7 +81,7 @@ class PanelFit:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as a dict that can be written as JSON."""
-        own = {name: getattr(self, name) for name in ("mould", "radius", "gap", "edge_error", "rigid", "change", "stress")}
+        own = {name: getattr(self, name) for name in ("mould", "radius", "gap", "edge_error", "rigid", "change", "stress", "singular")}
         return {"panel": self.panel.name, "region": self.panel.region, "faces": len(self.panel.faces), **own}
 
 
@@ -133,6 +137,14 @@ class MouldReport:
         return {"moulds": moulds, "panels": [own.to_dict() for own in self.panels], **about}
 
     @property
+    def stress_95(self) -> float:
+        """95th percentile, by area, of the bending stress of all panels [MPa]; unlike the maximum it converges under refinement."""
+        stress = np.concatenate([own.stresses for own in self.panels])
+        areas = np.concatenate([face_areas(own.vertices, own.faces) for own in self.panels])
+        order = np.argsort(stress, kind="stable")
+        return float(stress[order][np.searchsorted(np.cumsum(areas[order]), 0.95 * areas.sum())])
+
+    @property
     def edges(self) -> str:
         """``arcs`` or ``chords``: what mesh edges are on the moulds."""
         return "arcs" if self.arc else "chords"
@@ -142,9 +154,20 @@ class MouldReport:
             [
                 f"{_many(len(self.panels), 'panel')} on {_many(len(self.moulds), 'mould')}, with edges as {self.edges}",
                 *(line for own in self.moulds for line in self._lines(own)),
+                f"bending stress on 95 % of the area: at most {_two_digits(self.stress_95)} MPa",
+                *self._singular(),
                 "congruence does not guarantee that a sheet can be bent into place: check the change of curvature and the stress",
             ]
         )
+
+    def _singular(self) -> list[str]:
+        names = [own.panel.name for own in self.panels if own.singular]
+        if not names:
+            return []
+        return [
+            "curvature is unbounded at point supports, corners of held edges and straight held edges (K > 0), so that the largest stress "
+            f"depends on the mesh in panels {', '.join(names)}"
+        ]
 
     def _lines(self, mould: Mould) -> list[str]:
         own = [fit for fit in self.panels if fit.mould == mould.number]

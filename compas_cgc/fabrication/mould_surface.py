@@ -33,11 +33,15 @@ class Surface(NamedTuple):
         x, y = self._half_plane(points)
         here = _pseudosphere(x, y)
         pole = _pseudosphere(np.zeros(1), np.array([self.depth]))[0]
-        # Axes along the meridian, along the parallel and outwards.
+        return radius * (here - pole) @ self._axes
+
+    @property
+    def _axes(self) -> FloatArray:
+        """Axes of the pseudosphere at its pole as columns: along the meridian, along the parallel and outwards (3, 3)."""
         slope = math.sqrt(1.0 - 1.0 / self.depth**2)
         down = np.array([-1.0 / self.depth, 0.0, slope])
         along = np.array([0.0, -1.0, 0.0])
-        return radius * (here - pole) @ np.array([down, along, np.cross(down, along)]).T
+        return np.array([down, along, np.cross(down, along)]).T
 
     def principal(self, points: FloatArray) -> FloatArray:
         """Return the principal curvatures at points (n, 3), the larger first (n, 2) [1/L]; positive if convex towards +z."""
@@ -46,6 +50,31 @@ class Surface(NamedTuple):
             return np.full((len(points), 2), root)
         bend = np.sqrt(self._half_plane(points)[1] ** 2 - 1.0)
         return root * np.sort(np.column_stack([bend, -1.0 / bend]), axis=1)[:, ::-1]
+
+    def second_forms(self, corners: FloatArray, first: FloatArray) -> FloatArray:
+        """Return the second fundamental forms at the corners of triangles, on the two edges from their first corner (m, 3, 2, 2) [L].
+
+        They are positive where the surface is convex.
+
+        Parameters
+        ----------
+        corners
+            (m, 3, 3) points of the space form.
+        first
+            (m, 2, 2) scalar products of the edges [L^2].
+        """
+        if self.K >= 0.0:
+            return np.repeat(math.sqrt(self.K) * first[:, None], 3, axis=1)
+        points = corners.reshape(-1, 3)
+        x, y = self._half_plane(points)
+        bend, none = np.sqrt(y**2 - 1.0), np.zeros(len(x))
+        around = np.column_stack([-np.sin(x), np.cos(x), none]) @ self._axes
+        up = np.column_stack([-np.cos(x) / y, -np.sin(x) / y, np.sqrt(1.0 - 1.0 / y**2)]) @ self._axes
+        places = self.places(points).reshape(-1, 3, 3)
+        edges = (places[:, 1:] - places[:, :1])[:, None]
+        along, across = (np.einsum("fcek,fck->fce", np.repeat(edges, 3, axis=1), way.reshape(-1, 3, 3)) for way in (around, up))
+        bend = math.sqrt(-self.K) * bend.reshape(-1, 3)[:, :, None, None]
+        return bend * along[..., :, None] * along[..., None, :] + self.K / bend * across[..., :, None] * across[..., None, :]
 
     def _half_plane(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return coordinates of points in the upper half plane, in which the pseudosphere is ``y >= 1``."""

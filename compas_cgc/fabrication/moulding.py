@@ -11,6 +11,7 @@ from typing import Union
 import numpy as np
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import Mask
 from ..discrete.arrays import Vertices
 from ..discrete.local_fits import LocalFits
 from ..discrete.local_fits import local_fits
@@ -22,13 +23,16 @@ from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from . import space_form
+from .bending import corner_operators
+from .bending import curvature_changes
+from .bending import mesh_dependent
+from .bending import plate_stress
 from .caps import smallest_cap
 from .development import Development
 from .development import check_disk
 from .development import lay_out
 from .fitting import rigid_fits
 from .materials import Material
-from .materials import bending_stress
 from .materials import material_named
 from .materials import metres_per_unit
 from .mould_report import Mould
@@ -57,6 +61,7 @@ class _Laid(NamedTuple):
     laid: Development  # of the whole mesh faces
     there: PartsOnMould
     radius: float
+    places: FloatArray  # (m, 3, 3) corners of the whole mesh faces in position [L]
 
 
 def _instead(name: str) -> str:
@@ -131,6 +136,7 @@ def moulds(
     targets = problem.region_targets()
     curvatures = [_curvature_of(problem, panel, targets) for panel in panels]
     fits = local_fits(problem.vertices, problem.faces, problem.asked, problem.asked)
+    operators, singular = corner_operators(problem), mesh_dependent(problem)
     by_arcs = _by_arcs(problem) if arc is None else arc
     pieces = [_laid(problem, panel, K, fits, by_arcs) for panel, K in zip(panels, curvatures)]
     pieces = _shared(problem, pieces, 1e-3 * tolerance / unit, by_arcs)
@@ -143,7 +149,7 @@ def moulds(
         radius = max(piece.radius for piece in groups[K])
         made.append(Mould(len(made) + 1, surface_for(K, radius), radius, len(groups[K])))
         for piece in groups[K]:
-            results[piece.panel.name] = _fitted(piece, made[-1], fits, stuff, thickness, unit)
+            results[piece.panel.name] = _fitted(piece, made[-1], operators, singular, stuff, thickness, unit)
     return MouldReport(made, [results[panel.name] for panel in panels], stuff, float(thickness), unit, by_arcs)
 
 
@@ -222,7 +228,7 @@ def _on(problem: CGCProblem, panel: Panel, K: float, parts: PanelParts, arc: boo
         )
     cap = smallest_cap(there.on_form, K)
     laid = laid.turned(space_form.to_pole(cap.centre, K))
-    return _Laid(panel, K, parts, laid, on_mould(parts, laid, arc), cap.radius)
+    return _Laid(panel, K, parts, laid, on_mould(parts, laid, arc), cap.radius, V)
 
 
 def _shared(problem: CGCProblem, pieces: list[_Laid], tolerance: float, arc: bool) -> list[_Laid]:
@@ -253,7 +259,9 @@ def _astray(piece: _Laid) -> float:
     return max(piece.there.gap, piece.there.edge_error * float(np.linalg.norm(np.roll(V, -1, axis=1) - V, axis=2).max()))
 
 
-def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thickness: float, unit: float) -> PanelFit:
+def _fitted(
+    piece: _Laid, mould: Mould, operators: FloatArray, singular: Mask, material: Material, thickness: float, unit: float
+) -> PanelFit:
     """Return the fit of a panel on its mould, rotated about the pole to the best rigid fit."""
     K, vertices = mould.K, piece.parts.vertices
     angles = 2 * np.pi * np.arange(ROTATIONS) / ROTATIONS if K < 0.0 else [_heading(piece.there.on_form, vertices)]
@@ -261,9 +269,8 @@ def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thi
     places = np.array([_places(piece, mould.surface, motion) for motion in motions])
     nearest = rigid_fits(places, vertices)
     best = int(np.argmin([np.abs(nearest(own) - vertices).max() for own in places])) if len(places) > 1 else 0
-    change = _change(mould.surface, piece.parts, space_form.turned(piece.there.on_form, motions[best]), fits)
-    per_metre = None if change is None else change / unit
-    stress = None if per_metre is None else 1e-6 * bending_stress(material, 1e-3 * thickness, per_metre)
+    changes = _changes(mould.surface, piece, motions[best], operators) / unit
+    stresses = 1e-6 * plate_stress(material, 1e-3 * thickness, changes).max(axis=1)
     return PanelFit(
         piece.panel,
         mould.number,
@@ -271,13 +278,15 @@ def _fitted(piece: _Laid, mould: Mould, fits: LocalFits, material: Material, thi
         1e3 * unit * piece.there.gap,
         piece.there.edge_error,
         1e3 * unit * nearest.most,
-        per_metre,
-        stress,
+        float(np.abs(changes).max()),
+        float(stresses.max()),
         piece.laid.turned(motions[best]),
         vertices,
         piece.parts.faces,
         places[best],
         nearest,
+        stresses[piece.parts.within],
+        bool(singular[piece.parts.whole].any()),
     )
 
 
@@ -299,15 +308,9 @@ def _heading(points: FloatArray, there: FloatArray) -> float:
     return math.atan2(cross, np.einsum("ij,ij", here, away))
 
 
-def _change(surface: Surface, parts: PanelParts, points: FloatArray, fits: LocalFits) -> Optional[float]:
-    """Return the largest change of a principal curvature from mould to position, None if unknown [1/L]."""
-    mean, gaussian = (parts.at_vertices(own[parts.whole]) for own in (fits.mean, fits.gaussian))
-    known = np.isfinite(mean)
-    if not known.any():
-        return None
-    spread = np.sqrt(np.maximum(mean**2 - gaussian, 0.0))
-    own = np.column_stack([mean + spread, mean - spread])[known]
-    if surface.K > 0.0:
-        # Concave panels are flipped.
-        own = own * math.copysign(1.0, float(own.sum()))
-    return float(np.abs(own - surface.principal(points)[known]).max())
+def _changes(surface: Surface, piece: _Laid, motion: FloatArray, operators: FloatArray) -> FloatArray:
+    """Return the principal changes of curvature at the corners of the whole faces of a panel, from mould to position (m, 3, 2) [1/L]."""
+    parts, laid = piece.parts, piece.laid
+    corners = space_form.turned(laid.points, motion)[laid.faces]
+    side = -1.0 if parts.turned else 1.0
+    return curvature_changes(surface, corners, piece.places, side * operators[parts.own_faces])

@@ -38,14 +38,7 @@ class PanelParts(NamedTuple):
     within: IntArray  # (f,) index into `whole` for every face
     weights: FloatArray  # (f, 3, 3) barycentric weights of the corners in the whole face
     cut: bool  # whether some faces are parts only
-
-    def at_vertices(self, values: FloatArray) -> FloatArray:
-        """Return values at the vertices (p,), interpolated from the corners of whole faces (m, 3)."""
-        parts = np.where(self.weights == 0.0, 0.0, self.weights * values[self.within][:, None])
-        found = np.empty(len(self.vertices))
-        # All faces around a vertex give the same value up to rounding.
-        found[self.faces.reshape(-1)] = parts.sum(axis=2).reshape(-1)
-        return found
+    turned: bool  # whether the orientation of the mesh is reversed
 
 
 class PartsOnMould(NamedTuple):
@@ -69,7 +62,7 @@ def parts_of(problem: CGCProblem, panel: Panel, turned: bool = False) -> PanelPa
         faces, whole, weights = faces[:, ::-1], whole[:, ::-1], weights[:, ::-1, ::-1]
     edges = edge_faces(faces)
     opened, origin = cut_open(faces, edges[edges[:, 3] >= 0])
-    return PanelParts(whole, numbers, mesh.vertices[origin], opened, within.reshape(-1), weights, panel.cut is not None)
+    return PanelParts(whole, numbers, mesh.vertices[origin], opened, within.reshape(-1), weights, panel.cut is not None, turned)
 
 
 def on_mould(parts: PanelParts, laid: Development, arc: bool) -> PartsOnMould:

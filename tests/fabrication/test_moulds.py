@@ -17,6 +17,7 @@ from compas_cgc.fabrication import MATERIALS
 from compas_cgc.fabrication import moulds
 from compas_cgc.fabrication import panels
 from compas_cgc.fabrication import widest_panel
+from compas_cgc.fabrication.bending import corner_operators
 from compas_cgc.fabrication.caps import smallest_cap
 from compas_cgc.fabrication.fitting import rigid_fits
 from compas_cgc.fabrication.flattening import flatten
@@ -320,7 +321,10 @@ def test_a_dome_fits_its_sphere_without_bending_either_way_up():
     for surface in (dome, bowl, turned_over):
         report = moulds(surface, panels(surface, 4.0), material="steel", thickness=3)
         assert max(fit.rigid for fit in report.panels) < 1e-8
-        assert max(fit.change for fit in report.panels if fit.change is not None) < 2e-3
+        # Within the edge, and up to the edge, where curvature is extrapolated.
+        apart = np.abs(np.sort(np.abs(np.linalg.eigvalsh(corner_operators(surface))), axis=2)[..., 1:] - 0.1).max(axis=2)
+        assert apart[surface.asked[surface.faces]].max() < 2e-3
+        assert max(fit.change for fit in report.panels) < 2.5e-3
 
 
 def test_units_and_lengths_along_the_mould_are_noticed():

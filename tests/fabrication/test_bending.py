@@ -1,0 +1,114 @@
+"""Bending of panels against an independent evaluation: closed forms in position, differentiated moulds, rigid triangles between them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from compas_cgc import CGCProblem
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
+from compas_cgc.fabrication import space_form
+from compas_cgc.fabrication.bending import mesh_dependent
+from compas_cgc.fabrication.bending import plate_stress
+from compas_cgc.fabrication.materials import MATERIALS
+
+from ..support.constant_curvature import revolved_patch
+from ..support.shapes import grid
+
+
+def patch(n, K) -> CGCProblem:
+    return CGCProblem(*revolved_patch(n, K)).with_supports("boundary").with_targets(K)
+
+
+def revolved_operator(points, K):
+    """Return the shape operators of the surface of revolution through points (n, 3), convex across its rings (n, 3, 3)."""
+    r = np.hypot(points[:, 1], points[:, 2])
+    root = np.sqrt(1.0 - (16.0 - r**2) * K)
+    around = np.column_stack([0 * r, points[:, 2], -points[:, 1]]) / r[:, None]
+    slope = np.sqrt(np.maximum((16.0 - r**2) * K, 0.0))
+    along = np.column_stack([root, -np.sign(points[:, 0] * K)[:, None] * (slope / r)[:, None] * points[:, 1:]])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    ring = root / r
+    return ring[:, None, None] * around[:, :, None] * around[:, None] + (K / ring)[:, None, None] * along[:, :, None] * along[:, None]
+
+
+def differentiated_operators(surface, points):
+    """Return the shape operators of a mould at points of the space form by finite differences of its positions (p, 3, 3)."""
+    step = 1e-3
+    ways = step * np.eye(3)[1:]
+
+    def at(move):
+        return surface.places(space_form.normalised(points + move, surface.K))
+
+    slopes = np.stack([(at(way) - at(-way)) / (2 * step) for way in ways], axis=2)
+    normals = np.cross(slopes[:, :, 0], slopes[:, :, 1])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    second = np.empty((len(points), 2, 2))
+    for i in range(2):
+        for j in range(2):
+            one, other = ways[i], ways[j]
+            bend = (at(one + other) - at(one - other) - at(other - one) + at(-one - other)) / (4 * step**2)
+            second[:, i, j] = -np.einsum("pk,pk->p", bend, normals)
+    inverse = np.linalg.inv(slopes.transpose(0, 2, 1) @ slopes)
+    return slopes @ inverse @ second @ inverse @ slopes.transpose(0, 2, 1)
+
+
+def independent(fit, mould, K):
+    """Return the principal changes of curvature at the corners of the faces of a panel of whole faces (f, 3, 2)."""
+    points = fit.development.points
+    assert np.allclose(mould.surface.places(points), fit.on_mould)
+    places, on_mould = fit.vertices[fit.faces], fit.on_mould[fit.faces]
+    mould_operator = differentiated_operators(mould.surface, points)[fit.faces]
+    changes = []
+    for here, away, M in zip(places, on_mould, mould_operator):
+        frames = []
+        for corners in (here, away):
+            e = corners[1] - corners[0]
+            normal = np.cross(e, corners[2] - corners[0])
+            frames.append(np.array([e / np.linalg.norm(e), np.cross(normal, e) / np.linalg.norm(np.cross(normal, e))]))
+        values = np.linalg.eigvalsh(frames[0] @ revolved_operator(here, K) @ frames[0].T - frames[1] @ M @ frames[1].T)
+        changes.append(np.take_along_axis(values, np.argsort(-np.abs(values), axis=1), axis=1))
+    return np.array(changes)
+
+
+@pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
+def test_stress_is_that_of_an_independent_evaluation_and_not_below(K):
+    problem = patch(24, K)
+    report = moulds(problem, panels(problem, count=4))
+    ratios = []
+    for fit in report.panels:
+        changes = independent(fit, report.moulds[0], K)
+        stress = 1e-6 * plate_stress(report.material, 6e-3, changes)
+        ratios.append(fit.stresses / stress.max(axis=1))
+        assert fit.stress == pytest.approx(stress.max(), rel=0.05) and fit.stress >= 0.9995 * stress.max()
+    ratios = np.concatenate(ratios)
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.01) and 0.97 < ratios.min() and ratios.max() < 1.05
+
+
+@pytest.mark.parametrize("K", [0.02, -0.02], ids=["dome", "saddle"])
+def test_stress_converges_under_refinement(K):
+    reports = []
+    for n in (12, 24):
+        problem = patch(n, K)
+        reports.append(moulds(problem, panels(problem, count=4)))
+    coarse, fine = (np.array([max(fit.stress for fit in own.panels), own.stress_95]) for own in reports)
+    assert coarse == pytest.approx(fine, rel=0.05)
+    assert f"bending stress on 95 % of the area: at most {reports[1].stress_95:.2g} MPa" in str(reports[1])
+
+
+def test_a_plate_bent_to_a_bowl_has_more_stress_than_one_bent_to_a_saddle():
+    glass = MATERIALS["glass"]
+    bowl, saddle, roll = plate_stress(glass, 0.006, np.array([[0.1, 0.1], [0.1, -0.1], [0.1, 0.0]]))
+    assert saddle == roll and bowl == pytest.approx(1.23 * roll)
+
+
+def test_point_supports_corners_and_straight_edges_of_domes_are_named():
+    vertices, faces = grid(6, 6.0)
+    dome = CGCProblem(vertices, faces).with_supports("boundary").with_targets(0.01)
+    rim = (np.abs(vertices[:, :2] - 3.0) == 3.0).any(axis=1)
+    assert (mesh_dependent(dome) == rim).all()
+    corners = (np.abs(vertices[:, :2] - 3.0) == 3.0).all(axis=1)
+    assert (mesh_dependent(dome.with_targets(-0.01)) == corners).all()
+    point = CGCProblem(vertices, faces).with_supports([0, 24]).with_targets(-0.01)
+    assert np.flatnonzero(mesh_dependent(point)).tolist() == [0, 24]
