@@ -68,6 +68,7 @@ def test_larger_ones_are_kept_for_the_time_of_a_block_and_no_longer():
     assert calls == [*3 * [MAX_BYTES], *2 * [len(huge)], MAX_BYTES]
 
 
+@pytest.mark.nightly
 def test_a_solve_looks_for_the_edges_of_a_large_mesh_once(monkeypatch):
     looked = []
     lexsort = np.lexsort

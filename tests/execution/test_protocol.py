@@ -159,6 +159,7 @@ def test_tasks_live_through_the_death_of_the_scheduler():
             executor.shutdown(cancel_futures=True)
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="it kills processes")
 def test_a_study_on_a_cluster_where_workers_die_is_the_same_bit_for_bit(tmp_path):
     needs_dask()

@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 PAGE = Path(__file__).parents[2] / "docs" / "fabrication.md"
 
 
+@pytest.mark.nightly
 def test_the_example_on_moulds(capsys):
     (example,) = (own for own in re.findall(r"```py\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL) if "moulds(" in own)
     exec(compile(example, str(PAGE), "exec"), {})

@@ -113,6 +113,7 @@ def test_check_says_how_wide_flat_sheets_may_be(files, capsys):
     assert "the strain of flat sheets is at most 0.2 % up to a width of 1.5" in capsys.readouterr().out
 
 
+@pytest.mark.nightly
 def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch, capsys):
     own = (DOCS / "fabrication.md").read_text(encoding="utf-8").split("## From a drawing to cut sheets")[1].split("\n## ")[0]
     text = (DOCS / "tutorials" / "vault.md").read_text(encoding="utf-8") + own

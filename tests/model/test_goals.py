@@ -282,6 +282,7 @@ def corner_roof(K: float, width: float, n: int) -> CGCMesh:
     return mesh
 
 
+@pytest.mark.nightly
 def test_the_clearance_that_can_be_had_is_that_of_a_fair_surface():
     mesh, gate = corner_roof(0.003, 15.0, 12), (5.5, 0.0, 9.5, 3.0)
     message = solve(mesh, goals=[Clearance(gate, 40.0)]).message
@@ -289,12 +290,14 @@ def test_the_clearance_that_can_be_had_is_that_of_a_fair_surface():
     assert 10 < had < 40 and solve(mesh, goals=[Clearance(gate, had)]).verdict.fair
 
 
+@pytest.mark.nightly
 def test_more_of_a_goal_than_was_asked_for_is_had_instead_of_it():
     message = solve(corner_roof(0.004, 12.0, 9), goals=[Rise(2.0), Volume(600.0)]).message
     told = re.search(r"instead of the rise 2 about ([0-9.]+) can be had with the volume 600;", message)
     assert told and 2 < float(told.group(1)) < 6, message
 
 
+@pytest.mark.nightly
 def test_a_rough_surface_names_the_goal_and_no_crease_where_a_bound_bends_it():
     result = solve(corner_roof(0.004, 12.0, 9), goals=[Below(-1.0)])
     assert not result.verdict.fair and "over these supports with the highest height -1, not even" in result.message

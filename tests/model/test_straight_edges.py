@@ -82,6 +82,7 @@ def test_an_inward_corner_turns_the_way_in_around():
     assert "length 0.5" in said and "by 57 degrees" in said and "require 0 degrees:" in said
 
 
+@pytest.mark.nightly
 def test_it_is_said_before_a_solve_and_of_a_rough_surface_and_the_k_it_names_is_fair():
     rough = three_sides(0.6, -0.08)
     (said,) = [one for one in check(rough) if "twists by" in one]

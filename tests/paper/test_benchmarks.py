@@ -28,6 +28,7 @@ def test_newton_arrives_in_a_process_of_its_own():
     assert json.dumps([small, large])
 
 
+@pytest.mark.nightly
 def test_the_fairest_surface_is_one():
     up, down = benchmarks.fairest_growth((100,))
     assert (up["K"], down["K"]) == (1.0, -1.0) and up["vertices"] == down["vertices"] == 100

@@ -46,6 +46,7 @@ def test_a_surface_is_smooth_within_a_region_and_folded_at_a_crease():
     assert abs(row[20:50].mean() - row[90:120].mean()) > 0.02, "its two sides are lit differently"
 
 
+@pytest.mark.nightly
 def test_the_floor_is_white_but_for_the_shadow():
     image = studio_image(*cap(n=12), width=240)
     assert image[2, 2].min() > 0.97 and image[2, -3].min() > 0.97

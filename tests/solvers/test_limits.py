@@ -80,6 +80,7 @@ def panels(target: float, nx: int = 4, ny: int = 2, per: int = 3) -> CGCProblem:
     return problem
 
 
+@pytest.mark.nightly
 def test_the_number_that_is_said_of_panels_with_a_goal_is_true():
     slab = [NearPlane((0, 0, 0), (0, 0, 1), 0.4)]
     said = solve(panels(3.0), goals=slab).message
@@ -96,6 +97,7 @@ def test_a_deep_saddle_is_found_at_once():
     assert np.ptp(result.vertices[:, 2]) == pytest.approx(2 * result.vertices[:, 2].max(), rel=1e-6), "as much up as down"
 
 
+@pytest.mark.nightly
 def test_smaller_targets_lead_to_a_saddle_that_is_not_found_at_once():
     result = solve(case(30176).problem)
     assert result.converged and result.verdict.fair, result.message

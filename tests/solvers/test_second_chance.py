@@ -43,7 +43,7 @@ def test_a_developable_is_found_from_a_wavy_drawing():
     assert "from what was found, smoothed, it is fairer" in found.message
 
 
-@pytest.mark.parametrize("number", [1121, 1082])
+@pytest.mark.parametrize("number", [1121, pytest.param(1082, marks=pytest.mark.nightly)])
 def test_waves_that_a_search_has_put_into_a_surface_are_smoothed_out(number):
     """A cone on a regular mesh, and points at heights with K < 0: no search for less bending takes the waves out again."""
     problem = case(number).problem
@@ -138,6 +138,7 @@ def test_a_search_that_is_lost_on_a_fine_mesh_is_gone_on_with_from_a_coarser_one
     assert np.array_equal(result.faces, problem.faces)
 
 
+@pytest.mark.nightly
 def test_what_the_mesh_has_spoilt_is_freed_and_what_is_fair_is_not():
     problem = case(11100).problem
     fair = Solution(solve(problem).vertices, "converged", "", 1, 0.0, 0.0, [])

@@ -223,6 +223,7 @@ def test_two_processes_and_a_run_that_was_stopped_give_the_same_table_bit_for_bi
         run_study(mesh, of({"K": [0.01]}), tmp_path / "one")
 
 
+@pytest.mark.nightly
 def test_a_worker_that_is_killed_costs_nothing_but_time(tmp_path):
     mesh, study = grid(), of({"K": {"from": 0.004, "to": 0.02, "count": 60}})
     run_study(mesh, study, tmp_path / "whole")

@@ -52,7 +52,8 @@ def run(code, *words, **environment):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.mark.parametrize("supports", [pytest.param("boundary", marks=pytest.mark.nightly), "corners"])
+@pytest.mark.nightly
+@pytest.mark.parametrize("supports", ["boundary", "corners"])
 def test_a_small_solve_compiles_little_and_only_once(tmp_path, supports):
     first = run(SOLVE, supports, NUMBA_CACHE_DIR=str(tmp_path))
     assert first["status"] == "converged"
@@ -66,6 +67,7 @@ def test_a_small_solve_compiles_little_and_only_once(tmp_path, supports):
     assert again["compiled"] == [] and again["compiling"] == 0 and again["parts"] == []
 
 
+@pytest.mark.nightly
 def test_where_nothing_can_be_written_kernels_are_stored_with_the_temporary_files(tmp_path):
     found = run(READ_ONLY + SOLVE, "boundary", TMPDIR=str(tmp_path))
     assert found["status"] == "converged"

@@ -26,7 +26,10 @@ def setuptools_version():
         return 0
 
 
-pytestmark = pytest.mark.skipif(setuptools_version() < 77, reason="a wheel cannot be built without setuptools 77 or later")
+pytestmark = [
+    pytest.mark.nightly,
+    pytest.mark.skipif(setuptools_version() < 77, reason="a wheel cannot be built without setuptools 77 or later"),
+]
 
 
 def files_below(folder):

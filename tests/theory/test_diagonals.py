@@ -49,7 +49,7 @@ def height(way, measure, target=2.0):
     return found.vertices[len(found.vertices) // 2, 2]
 
 
-@pytest.mark.parametrize("measure", ["auto", "smooth"])
+@pytest.mark.parametrize("measure", ["auto", pytest.param("smooth", marks=pytest.mark.nightly)])
 def test_a_square_roof_is_as_high_whichever_way_its_diagonals_run(measure):
     heights = {way: height(way, measure) for way in WAYS}
     # To where angle defects of 26,000 and 58,000 vertices tend, whichever way their diagonals run, those that cut corners off included.
@@ -58,12 +58,14 @@ def test_a_square_roof_is_as_high_whichever_way_its_diagonals_run(measure):
     assert max(evenly) <= 1.003 * min(evenly)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("target", [0.3, 1.0, 2.3])
 def test_so_it_is_for_other_curvatures(target):
     heights = [height(way, "auto", target) for way in ("one way", "in turns", "in turns, the others", "in quarters")]
     assert max(heights) <= 1.005 * min(heights)
 
 
+@pytest.mark.nightly
 def test_what_is_read_in_the_corners_tends_to_what_finer_meshes_say_by_defects():
     """The heights of angle defects fall short by less and less; those of fits do not move."""
     coarse, fine = (solve(roof("one way", 1.0, n)) for n in (40, 60))

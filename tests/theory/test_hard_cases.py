@@ -86,6 +86,7 @@ def noise():
 
 
 CASES = [infeasible, wild_neighbours, a_region_of_one_face, an_island, nearly_flat_triangles, a_spike, noise]
+LONG = (infeasible, nearly_flat_triangles)
 METHODS = {
     "auto": None,
     "flow": FlowSettings(steps=300),
@@ -94,8 +95,15 @@ METHODS = {
 }
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("make", CASES, ids=lambda make: make.__name__)
+# All methods on every case; those of `auto` that go through all searches run nightly.
+EVERY = [
+    pytest.param(make, method, id=f"{make.__name__}-{method}", marks=[pytest.mark.nightly] if method == "auto" and make in LONG else [])
+    for make in CASES
+    for method in METHODS
+]
+
+
+@pytest.mark.parametrize("make, method", EVERY)
 def test_every_method_ends_with_a_status_a_sentence_and_a_surface(make, method):
     mesh = make()
     result = solve(mesh, method=method, settings=METHODS[method])
@@ -110,7 +118,11 @@ def test_every_method_ends_with_a_status_a_sentence_and_a_surface(make, method):
         assert result.mesh.vertex_coordinates(v) == mesh.vertex_coordinates(v)
 
 
-@pytest.mark.parametrize("make", [wild_neighbours, a_region_of_one_face, an_island, nearly_flat_triangles], ids=lambda make: make.__name__)
+@pytest.mark.parametrize(
+    "make",
+    [wild_neighbours, a_region_of_one_face, an_island, pytest.param(nearly_flat_triangles, marks=pytest.mark.nightly)],
+    ids=lambda make: make.__name__,
+)
 def test_auto_solves_what_can_be_solved(make):
     result = solve(make())
     assert result.converged, result.message
@@ -133,7 +145,7 @@ def test_a_piece_that_nothing_holds_is_refused_by_name():
         solve(mesh)
 
 
-@pytest.mark.parametrize("solver", [newton, project], ids=lambda solver: solver.__name__)
+@pytest.mark.parametrize("solver", [newton, pytest.param(project, marks=pytest.mark.nightly)], ids=lambda solver: solver.__name__)
 def test_one_bad_triangle_among_thousands_is_named_or_survived(solver):
     vertices, faces = shapes.grid(60)
     rim = (np.minimum(vertices[:, 0], vertices[:, 1]) == 0) | (np.maximum(vertices[:, 0], vertices[:, 1]) == 1)

@@ -177,6 +177,7 @@ def test_a_server_that_runs_is_found_and_left_alone(open_server):
     assert open_server.client.health()["status"] == "ok"
 
 
+@pytest.mark.nightly
 def test_a_server_is_started_and_stopped_with_the_toggle(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))

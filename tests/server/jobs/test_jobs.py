@@ -134,6 +134,7 @@ def test_a_task_that_listens_is_stopped_without_force(pool):
     assert pool.processes() == before
 
 
+@pytest.mark.nightly
 def test_a_task_that_does_not_listen_is_ended_and_its_worker_replaced(pool):
     before = set(pool.processes())
     task = begun(pool, sleep_for_ever)
@@ -160,6 +161,7 @@ def test_the_end_of_the_block_of_a_pool_waits_for_what_is_in_it():
     assert [task.result(0) for task in tasks] == [2, 3, 4] and one.processes() == []
 
 
+@pytest.mark.nightly
 def test_where_no_worker_starts_nobody_waits_for_ever():
     with WorkerPool(1, warm_up=die) as none:
         with pytest.raises(WorkerDied, match="do not start; see its log"):
@@ -184,6 +186,7 @@ def test_a_killed_worker_fails_its_own_task_only(pool):
     assert pool.wait_until_ready(PATIENCE)
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_job_whose_worker_is_killed_is_reported(pool, jobs):
     pool.wait_until_ready(PATIENCE)

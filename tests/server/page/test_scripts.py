@@ -12,6 +12,8 @@ from compas_cgc.meshing.regions import face_regions
 from ...support.hands import open_hands
 from ...support.server_process import running_server
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="module")
 def hands(tmp_path_factory):

@@ -82,7 +82,7 @@ def test_what_is_held_stays_bit_for_bit():
     assert np.array_equal(solution.vertices[~problem.asked], problem.vertices[~problem.asked])
 
 
-@pytest.mark.parametrize("measure, low, high", [("defect", 1.5, 2.6), ("smooth", 3.4, 5.0)])
+@pytest.mark.parametrize("measure, low, high", [("defect", 1.5, 2.6), pytest.param("smooth", 3.4, 5.0, marks=pytest.mark.nightly)])
 def test_over_a_disk_it_is_a_cap_of_the_sphere_to_second_order_and_to_fourth_in_the_smooth_measure(measure, low, high):
     """K = 1 / R² over a circle of radius 1 is a cap of the sphere of radius R, on irregular meshes too."""
     K = 0.64
@@ -447,6 +447,7 @@ def test_settings_go_to_json():
     assert NewtonSettings(**NewtonSettings(steps=7).to_dict()) == NewtonSettings(steps=7)
 
 
+@pytest.mark.nightly
 def test_a_large_mesh_takes_few_factorisations_for_the_surface_that_a_smaller_one_takes_one_a_step_for(monkeypatch):
     made, factorise = [], SuperLU.factorise
     monkeypatch.setattr(SuperLU, "factorise", lambda solver, matrix: made.append(matrix.shape) or factorise(solver, matrix))

@@ -121,7 +121,14 @@ def held_in_part(plan, layout, count, seed):
     return CGCProblem(vertices, faces, roles, -0.4)
 
 
-@pytest.mark.parametrize("plan, layout, count", [("disc", "delaunay", 280), ("disc", "graded", 500), ("blob", "delaunay", 900)])
+@pytest.mark.parametrize(
+    "plan, layout, count",
+    [
+        ("disc", "delaunay", 280),
+        pytest.param("disc", "graded", 500, marks=pytest.mark.nightly),
+        pytest.param("blob", "delaunay", 900, marks=pytest.mark.nightly),
+    ],
+)
 def test_an_irregular_saddle_is_smooth_before_it_is_exact(plan, layout, count):
     """Exact at once it had waves for what the meshes differ by, and came to rest in them or not at all."""
     problem = held_in_part(plan, layout, count, 5)

@@ -264,6 +264,7 @@ def test_a_rough_surface_with_goals_tells_why_or_how_much_k_there_can_be():
     assert "lies on the straight line or plane through the supports" in result.message and "draw a crease through it" in result.message
 
 
+@pytest.mark.nightly
 def test_edges_in_plan_of_a_large_mesh():
     """It is solved on a coarser mesh first, which keeps goals that name no vertices."""
     problem = roof(target=0.004, n=80)
@@ -284,6 +285,7 @@ def test_places_that_contradict_each_other_are_named():
     assert "the edge in plan is out of its reach" in away.message
 
 
+@pytest.mark.nightly
 def test_what_cannot_be_met_is_not_told_to_be_less():
     mesh = CGCMesh.from_meshgrid(dx=15, nx=8)
     mesh.set_supports("corners")
