@@ -69,7 +69,7 @@ def write_build(path: Union[str, os.PathLike], task: str, problem: CGCProblem, r
     if task == "membrane":
         write_forces(path, report, **file_options(task, settings))
     elif task == "net":
-        write_net(path, report)
+        write_net(path, report, **file_options(task, settings))
     elif suffix == ".3dm":
         from .rhino.mould_layers import write_moulds
 

@@ -59,7 +59,7 @@ OUTPUTS = {
     "mould": (".3dm", ".csv"),
     "unroll": (".dxf", ".svg", ".csv", ".3dm", ".list.csv", ".plan.dxf", ".plan.svg", ".zip"),
     "membrane": (".3dm", ".inp", ".json"),
-    "net": (".3dm", ".dxf", ".json"),
+    "net": (".3dm", ".dxf", ".json", ".laths.csv", ".laths.dxf"),
 }
 
 MEDIA_TYPES = {

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import os
+from typing import Any
 from typing import Union
 
 import numpy as np
 
 from ..fabrication.curves import CurveNet
 from ..fabrication.curves import plural
+from ..fabrication.dxf import dxf_text
 from ..fabrication.dxf import new_document
 from ..fabrication.dxf import show_all
+from ..fabrication.lath_files import draw_laths
+from ..fabrication.lath_files import schedule_text
+from ..fabrication.laths import lath_schedule
 from ..fabrication.plain_data import build_data
 from ._files import suffix_among
 from ._files import written
@@ -20,15 +25,18 @@ from .formats import OUTPUTS
 __all__ = ["write_net"]
 
 
-def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
+def write_net(path: Union[str, os.PathLike], net: CurveNet, **laths: Any) -> None:
     """Write curves as polylines in the format of the suffix, atomically.
 
     Parameters
     ----------
     path
-        A .3dm or .dxf with one layer per kind and family, or a .json with points, lengths and nodes.
+        A .3dm or .dxf with one layer per kind and family, a .json with points, lengths and nodes, a .laths.csv with the stations of
+        nodes along asymptotic laths, or a .laths.dxf with the straight strips.
     net
         Curves from :func:`compas_cgc.fabrication.curve_net`.
+    laths
+        Options of :func:`compas_cgc.fabrication.laths.lath_schedule` for .laths files.
 
     Raises
     ------
@@ -42,6 +50,12 @@ def write_net(path: Union[str, os.PathLike], net: CurveNet) -> None:
         from .rhino.nets import write_net_layers
 
         write_net_layers(path, net)
+        return
+    if suffix.startswith(".laths"):
+        schedule = lath_schedule(net, **laths)
+        text = schedule_text(schedule) if suffix.endswith(".csv") else dxf_text(draw_laths(schedule))
+        with written(path) as temporary:
+            temporary.write_bytes(text.encode("utf-8"))
         return
     with written(path) as temporary:
         if suffix == ".json":

@@ -1,0 +1,137 @@
+"""Laths: the schedule alone rebuilds the net; stress, splices, files."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from compas_cgc import CGCError
+from compas_cgc import CGCProblem
+from compas_cgc.fabrication import curve_net
+from compas_cgc.fabrication.laths import lath_schedule
+from compas_cgc.io.nets import write_net
+
+from ..support.constant_curvature import revolved_patch
+
+STEPS = 8  # of integration between two nodes
+
+
+@pytest.fixture(scope="module")
+def net():
+    return curve_net(CGCProblem(*revolved_patch(32, -0.02)).with_supports("boundary").with_targets(-0.02), 1.0)
+
+
+def turned(frame, bend, twist, length):
+    """Return a frame (tangent, left, normal) carried along a curve of given curvature and torsion."""
+    axis = twist * frame[0] + bend * frame[2]
+    angle = np.linalg.norm(axis) * length
+    if angle == 0.0:
+        return frame
+    k = axis / np.linalg.norm(axis)
+    return frame * np.cos(angle) + np.cross(k, frame) * np.sin(angle) + np.outer(frame @ k, k) * (1.0 - np.cos(angle))
+
+
+def followed(point, frame, rows, start, twist):
+    """Return the points and frames at the nodes of a lath, from its row `start` in both directions."""
+    stations, angles, sign = rows["station"], rows["angle"], -1.0 if rows["family"] == 0 else 1.0
+    slope = CubicSpline(stations, angles).derivative() if len(stations) > 2 else np.zeros_like
+    found = {start: (point, frame)}
+    for way in (1, -1):
+        place, own, i = point, frame, start
+        while 0 <= i + way < len(stations):
+            h = (stations[i + way] - stations[i]) / STEPS
+            for k in range(STEPS):
+                bend = sign * float(slope(stations[i] + (k + 0.5) * h))
+                place = place + h * turned(own, bend, twist, 0.5 * h)[0]
+                own = turned(own, bend, twist, h)
+            i += way
+            found[i] = (place, own)
+    return found
+
+
+def test_the_schedule_alone_rebuilds_the_saddle(net, tmp_path):
+    write_net(tmp_path / "net.laths.csv", net)
+    laths = {}
+    for row in csv.DictReader((tmp_path / "net.laths.csv").open()):
+        laths.setdefault(int(row["lath"]), []).append(row)
+    table = {}
+    for number, rows in laths.items():
+        table[number] = {
+            "family": int(rows[0]["family"]),
+            "node": [int(row["node"]) for row in rows],
+            "across": [int(row["crosses lath"]) for row in rows],
+            "station": np.array([float(row["station in mm"]) for row in rows]) / 1e3,
+            "angle": np.radians([float(row["angle in degrees"]) for row in rows]),
+            "twist": np.sign(float(rows[0]["twist in degrees per m"])) * 0.02**0.5,
+        }
+    base = max((own for own in table.values() if own["family"] == 0), key=lambda own: len(own["node"]))
+    built = {}
+    row = followed(np.zeros(3), np.eye(3), base, len(base["node"]) // 2, base["twist"])
+    for i, (place, (tangent, left, normal)) in row.items():
+        other = table[base["across"][i]]
+        along = np.cos(base["angle"][i]) * tangent + np.sin(base["angle"][i]) * left
+        frame = np.array([along, np.cross(normal, along), normal])
+        for k, (point, _) in followed(place, frame, other, other["node"].index(base["node"][i]), other["twist"]).items():
+            built[other["node"][k]] = point
+    nodes = sorted(built)
+    assert len(nodes) > 40
+    here, there = np.array([built[k] for k in nodes]), net.nodes[nodes]
+    here, there = here - here.mean(axis=0), there - there.mean(axis=0)
+    U, _, W = np.linalg.svd(here.T @ there)
+    # A rotation only: the mirror image has the opposite twist.
+    motion = U @ np.diag([1.0, 1.0, np.linalg.det(U @ W)]) @ W
+    off = 1e3 * np.linalg.norm(here @ motion - there, axis=1)
+    assert off.max() < 1.5 and np.median(off) < 0.5
+
+
+def test_bending_is_the_change_of_the_angle_and_families_twist_oppositely(net):
+    schedule = lath_schedule(net)
+    for lath in schedule.laths:
+        assert lath.twist == pytest.approx(schedule.laths[0].twist * (1 if lath.family == schedule.laths[0].family else -1))
+        assert abs(lath.twist) == pytest.approx(0.02**0.5)
+        if len(lath.nodes) > 6:
+            change = np.gradient(lath.angles, lath.stations)[2:-2] * (-1.0 if lath.family == 0 else 1.0)
+            assert np.abs(change - lath.bending[2:-2]).max() < 3e-3
+        # Timber of 80 x 8 mm: outer fibres, and the shear of a thin strip.
+        bend = np.abs(lath.bending).max(initial=0.0)
+        assert lath.stress == pytest.approx(11e9 * (0.004 * bend + 0.02 * 0.08**2 / 12.0))
+        assert lath.shear == pytest.approx(11e9 / 2.6 * 0.008 * 0.02**0.5)
+
+
+def test_splices_lie_between_nodes_and_leave_no_part_longer_than_the_stock(net):
+    schedule = lath_schedule(net, stock=3.0)
+    assert any(lath.splices for lath in schedule.laths)
+    for lath in schedule.laths:
+        ends = np.r_[0.0, lath.splices, lath.length]
+        assert np.diff(ends).max() <= 3.0 and (np.diff(ends) > 0.0).all()
+        for splice in lath.splices:
+            assert np.abs(lath.stations - splice).min() > 0.4
+    with pytest.raises(CGCError, match="a stock length of 0.3 does not reach"):
+        lath_schedule(net, stock=0.3)
+
+
+def test_strips_are_straight_and_have_a_slot_at_every_node(net, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    shapely = pytest.importorskip("shapely")
+    write_net(tmp_path / "net.laths.dxf", net, width=100.0, thickness=10.0)
+    document = ezdxf.readfile(tmp_path / "net.laths.dxf")
+    assert document.header["$INSUNITS"] == 4
+    strips = [
+        shapely.Polygon([point[:2] for point in line.get_points()]) for line in document.modelspace().query('LWPOLYLINE[layer=="CUT"]')
+    ]
+    schedule = lath_schedule(net, 100.0, 10.0)
+    assert len(strips) == len(schedule.laths)
+    for strip, lath in zip(strips, schedule.laths):
+        slots = 50.0 * (10.0 / np.abs(np.sin(lath.angles))).sum()
+        assert strip.is_valid and strip.area == pytest.approx(1e5 * lath.length - slots, rel=1e-3)
+
+
+def test_laths_need_asymptotic_curves_and_a_section(net):
+    dome = curve_net(CGCProblem(*revolved_patch(8, 0.02)).with_supports("boundary").with_targets(0.02), 2.0)
+    with pytest.raises(CGCError, match="laths need a region of K < 0"):
+        lath_schedule(dome)
+    with pytest.raises(CGCError, match="the thickness of laths must be a positive number"):
+        lath_schedule(net, thickness=0.0)
