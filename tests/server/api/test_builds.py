@@ -35,6 +35,8 @@ HEADS = {
     "svg": b"<svg ",
     "csv": b"p",
     "inp": b"*",
+    "laths.csv": b"lath,",
+    "laths.dxf": b"  0\nSECTION",
     "json": b"{",
 }
 
