@@ -23,6 +23,7 @@ from compas_cgc.fabrication import panels
 from compas_cgc.plot import Curve
 from compas_cgc.plot import Shape
 from compas_cgc.plot import history_figure
+from compas_cgc.plot import studio_light
 from compas_cgc.study import Study
 
 # Components are documented on the canvas, commands by their help.
@@ -118,7 +119,7 @@ SWEPT = swept()
 @pytest.fixture(scope="module")
 def fitting():
     """Return valid arguments by parameter name."""
-    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=6.0, nx=6)
+    mesh = compas_cgc.CGCMesh.from_meshgrid(dx=6.0, nx=4)
     mesh.set_supports("boundary")
     mesh.set_target(0.01)
     result = compas_cgc.solve(mesh)
@@ -193,6 +194,8 @@ def test_every_public_name_is_documented():
 
 def test_wrong_arguments_get_a_sentence(fitting, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    for name, few in (("SKIES", 2), ("SUNS", 1), ("SHADOW_PIXELS", 20)):
+        monkeypatch.setattr(studio_light, name, few)
     found = {
         f"{name}: {what}": repr(error)
         for name, value in SWEPT.items()
