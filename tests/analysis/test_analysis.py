@@ -25,6 +25,7 @@ def paraboloid(count, seed=0):
     return vertices, faces, 0.36 / (1 + 0.36 * square) ** 2
 
 
+@pytest.mark.nightly
 def test_quadric_fits_converge_where_the_angle_defect_does_not():
     """Borrelli, Cazals, Morvan: on irregular meshes the pointwise defect has an error that stays."""
     fit, defect = [], []

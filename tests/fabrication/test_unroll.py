@@ -242,6 +242,7 @@ def test_the_plan_has_every_piece_in_its_place(cut):
         draw_plan(cut.problem)
 
 
+@pytest.mark.nightly
 def test_there_may_be_a_file_for_each_sheet(cut, tmp_path):
     paths = write_patterns(tmp_path / "cut.dxf", cut, per_sheet=True)
     assert len(paths) == cut.sheets == len(list(tmp_path.iterdir())) and paths[0].name == "cut-01.dxf"

@@ -29,6 +29,7 @@ def test_what_the_supports_carry_is_not_held_against_it():
     assert "sphere" not in solve(plan(0.04)).message
 
 
+@pytest.mark.nightly
 def test_a_rise_that_K_does_not_have_is_told_with_the_K_that_has():
     """The K that is said is that which is found where K is left open, nearly."""
     message = solve(plan(1e-8, "boundary"), goals=[Rise(2.0)]).message

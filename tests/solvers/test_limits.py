@@ -58,6 +58,7 @@ def test_at_the_limit_there_is_a_fair_surface_and_the_limit_goes_with_the_square
     assert verdict(replace(problem, vertices=solution.vertices), problem.vertices).fair
 
 
+@pytest.mark.nightly
 def test_what_a_coarser_mesh_carries_is_looked_for_on_the_mesh_itself():
     problem = roof(1.0, 16)
     limit = largest_target(problem, tolerance=0.1, vertices=120)

@@ -77,6 +77,7 @@ def test_second_derivatives_of_cubics_are_exact():
     assert np.abs(found - expected).max() < 1e-9
 
 
+@pytest.mark.nightly
 def test_level_columns_along_the_arms_of_an_l_are_named_with_heights_that_are_fair():
     problem = ell(CORNERS + MIDDLES, np.zeros(7))
     result = solve(problem)

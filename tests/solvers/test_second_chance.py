@@ -120,6 +120,7 @@ def test_a_pseudosphere_on_an_anisotropic_mesh_is_found_on_one_laid_out_anew(mon
     assert "laid out anew" in found.message and set(steps) == {len(problem.vertices)}
 
 
+@pytest.mark.nightly
 def test_a_saddle_over_a_plan_is_found_on_a_mesh_laid_out_anew():
     """On 72 vertices, for which there is time."""
     problem = case(11100).problem

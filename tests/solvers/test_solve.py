@@ -235,6 +235,7 @@ def test_the_largest_error_is_that_of_the_mesh_returned():
         assert result.converged and error <= max(1e-12, 2 * result.max_error), method
 
 
+@pytest.mark.nightly
 def test_what_the_smooth_measure_reads_once_more_is_said():
     """It stands still where K < 0 too; of a surface where it does not the message says how far K is off."""
     found = solve(case(4016).problem)

@@ -52,6 +52,7 @@ def test_a_waisted_ring_between_circles_becomes_a_cone():
     assert errors[0] < 2e-4 and rates(errors).min() > 1.8
 
 
+@pytest.mark.nightly
 def test_a_tube_between_equal_circles_becomes_the_hyperbolic_waist():
     """The surface of revolution with K = -1 and a waist: r = a cosh s, with the height that its two rims are apart."""
 

@@ -312,6 +312,7 @@ def test_a_body_without_the_key_is_not_taken_in(server):
         assert line.recv(4096).startswith(b"HTTP/1.1 404")
 
 
+@pytest.mark.nightly
 def test_nothing_of_a_large_request_is_left_when_it_is_answered():
     """Not even until Python looks for circles, which it seldom does."""
     flood = b"{" + b",".join(b'"key%d":1' % k for k in range(50_000)) + b"}"

@@ -282,6 +282,7 @@ def test_jobs_survive_the_server(tmp_path):
         assert engine.get(waiting.id).state == "succeeded"
 
 
+@pytest.mark.nightly
 def test_a_stop_in_order_costs_a_job_none_of_its_attempts(tmp_path):
     for _ in range(3):
         engine = Jobs(WorkerPool(1), Store(tmp_path / "jobs.sqlite"), solve_job)
