@@ -25,11 +25,14 @@ from .dask_cluster import Message
 from .dask_cluster import let_go
 from .dask_task import ask_to_stop
 from .dask_task import run_task
+from .future import Arguments
 from .future import Task
 from .future import TaskError
 from .future import TaskStopped
 from .future import WorkerDied
 from .future import place
+from .lanes import ANY
+from .lanes import Lanes
 
 __all__ = ["DaskExecutor"]
 
@@ -86,6 +89,7 @@ class DaskExecutor:
         self._topic = f"compas-cgc-{uuid.uuid4().hex}"
         self._inbox: queue.SimpleQueue[Message] = queue.SimpleQueue()
         self._waiting: deque[Task] = deque()
+        self._lanes = Lanes(0)  # as many as there are workers, which come and go
         self._runs: dict[str, _Run] = {}
         self._beginnings: dict[Task, int] = {}
         self._slots: dict[str, int] = {}  # number of simultaneous tasks by address of the worker
@@ -116,16 +120,18 @@ class DaskExecutor:
     def start(
         self,
         function: Callable,
-        args: tuple = (),
+        args: Arguments = (),
         kwargs: Optional[dict] = None,
         on_progress: Optional[Callable[[object], object]] = None,
         time_limit: Optional[float] = None,
         urgent: bool = False,
+        client: str = "",
+        memory_limit: Optional[int] = None,
     ) -> Task:
         """Queue a call, see :meth:`~compas_cgc.execution.protocol.TaskExecutor.start`."""
         if self._closing.is_set():
             raise RuntimeError("the executor is closed; no task can be started")
-        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit)
         self._inbox.put(Message("task", task))
         return task
 
@@ -186,6 +192,7 @@ class DaskExecutor:
         self._end()
 
     def _on_task(self, task: Task) -> None:
+        self._lanes.submitted(task)
         self._waiting.insert(place(task, self._waiting), task)
 
     def _on_event(self, event: dict) -> None:
@@ -238,7 +245,12 @@ class DaskExecutor:
         for run in sorted(self._runs.values(), key=lambda run: run.task.since, reverse=True):
             if run.task.done():
                 continue
-            if self._beginnings[run.task] >= MAX_STARTS:
+            if run.task.stop_reason is not None:
+                # The worker that was asked to end the task is lost, and nobody wants it begun again.
+                self._beginnings.pop(run.task, None)
+                if self._begun(run):
+                    run.task.set_exception(TaskStopped(run.task.stop_reason))
+            elif self._beginnings[run.task] >= MAX_STARTS:
                 self._beginnings.pop(run.task)
                 text = f"the Dask scheduler ended {MAX_STARTS} times during this job; submit the job again"
                 if self._begun(run):
@@ -300,33 +312,33 @@ class DaskExecutor:
         for run in self._runs.values():
             busy[run.address] = busy.get(run.address, 0) + 1
         free = sorted(address for address, count in self._slots.items() for _ in range(count - busy.get(address, 0)))
-        jobs = sum(not run.urgent for run in self._runs.values())
-        reserved = self._reserved if self.workers > self._reserved else 0
         for task in list(self._waiting):
-            if not free:
-                return
-            if task.cancelled():
+            if task.stop_reason is not None and not task.done():
+                task.set_exception(TaskStopped(task.stop_reason))
+            if task.done():
                 self._waiting.remove(task)
                 self._beginnings.pop(task, None)
-                continue
-            if not task.urgent:
-                if jobs >= self.workers - reserved:
-                    continue
-                jobs += 1
-            self._waiting.remove(task)
-            self._send(task, free.pop(0))
+        reserved = self._reserved if self.workers > self._reserved else 0
+        self._lanes.kinds = [ANY] * self.workers
+        for address in free:
+            jobs = sum(not run.urgent for run in self._runs.values())
+            waiting = [task for task in self._waiting if task.urgent or jobs < self.workers - reserved]
+            chosen = self._lanes.pick(ANY, waiting, [run.task for run in self._runs.values()])
+            if chosen is None:
+                return
+            self._waiting.remove(chosen)
+            self._send(chosen, address)
 
     def _send(self, task: Task, address: str) -> None:
         run = _Run(task, f"compas-cgc-{uuid.uuid4().hex}", address, task.urgent)
         self._runs[run.name] = run
         self._beginnings[task] = self._beginnings.get(task, 0) + 1
-        assert task.call is not None
         try:
             run.future = self._client.submit(
                 run_task,
                 self._topic,
                 run.name,
-                *task.call,
+                *task.prepared(),
                 key=run.name,
                 workers=[address],
                 pure=False,

@@ -9,12 +9,17 @@ from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any
 from typing import Callable
 from typing import Optional
+from typing import Union
 
-__all__ = ["Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
+__all__ = ["Arguments", "Task", "TaskError", "TaskStopped", "WorkerDied", "place", "start", "stop", "wait_for"]
 
 POLL_INTERVAL = 0.1  # time between two checks whether the client is still connected [s]
 MAX_OVERTAKEN = 5.0  # waiting time after which urgent tasks no longer overtake a task [s]
 GRACE = 0.15  # time that a client waits for a task after a stop request [s]
+
+
+Arguments = Union[tuple, Callable[[], tuple]]
+"""Arguments of a call, or a function that fetches them when a worker takes the task."""
 
 
 class WorkerDied(RuntimeError):
@@ -56,6 +61,10 @@ class Task(Future):
         Reason of the stop request, None if there was none.
     urgent
         Whether a client waits for it, which gives it priority in the queue.
+    client
+        Name of the client; workers are shared among clients.
+    memory_limit
+        Largest memory of its process [bytes]; beyond it the process is ended.
     since
         Submission time.
     on_late
@@ -64,9 +73,20 @@ class Task(Future):
         Further time in which the task may still end by itself before its worker is killed [s].
     """
 
-    def __init__(self, call: tuple, on_progress: Optional[Callable[[object], object]], time_limit: Optional[float], urgent: bool = False):
+    def __init__(
+        self,
+        call: tuple,
+        on_progress: Optional[Callable[[object], object]],
+        time_limit: Optional[float],
+        urgent: bool = False,
+        client: str = "",
+        memory_limit: Optional[int] = None,
+    ):
         super().__init__()
         self.call: Optional[tuple] = call  # released once it is sent
+        self.client = client
+        self.memory_limit = memory_limit
+        self.long = False  # known to take longer than a short call
         self.on_progress = on_progress
         self.time_limit = time_limit
         self.on_late: Optional[Callable[[Any], object]] = None
@@ -75,6 +95,12 @@ class Task(Future):
         self.grace = GRACE
         self.urgent = urgent
         self.since = time.monotonic()
+
+    def prepared(self) -> tuple:
+        """Return function, arguments and keyword arguments; what is fetched only now did not take memory while the task waited."""
+        assert self.call is not None
+        function, args, kwargs = self.call
+        return function, args() if callable(args) else args, kwargs
 
     def stop(self, reason: str = "cancelled", grace: float = GRACE) -> None:
         """Cancel a queued task, or request that a running task stop."""
@@ -95,16 +121,19 @@ def place(task: Task, waiting: Sequence[Task]) -> int:
 def start(
     executor: Any,
     function: Callable,
-    args: tuple,
+    args: Arguments,
     on_progress: Optional[Callable] = None,
     time_limit: Optional[float] = None,
     urgent: bool = False,
+    client: str = "",
+    memory_limit: Optional[int] = None,
 ) -> Future:
     """Start a call; a plain executor runs it without reports, and it cannot be stopped."""
     own = getattr(executor, "start", None)
     if own is None:
-        return executor.submit(function, *args)
-    return own(function, args, on_progress=on_progress, time_limit=time_limit, urgent=urgent)
+        return executor.submit(function, *(args() if callable(args) else args))
+    limits = {"time_limit": time_limit, "memory_limit": memory_limit}
+    return own(function, args, on_progress=on_progress, urgent=urgent, client=client, **limits)
 
 
 def stop(task: Optional[Future], reason: str) -> None:

@@ -14,11 +14,16 @@ from typing import Any
 from typing import Callable
 from typing import Optional
 
+from .future import Arguments
 from .future import Task
 from .future import TaskError
 from .future import TaskStopped
 from .future import WorkerDied
 from .future import place
+from .lanes import ANY
+from .lanes import SHORT
+from .lanes import SHORT_SECONDS
+from .lanes import Lanes
 from .worker import run_tasks
 from .worker_handle import WorkerHandle
 
@@ -45,7 +50,7 @@ class WorkerPool(Executor):
     grace
         Time between the request to stop a task and killing its process [s].
     reserved
-        Number of additional processes for urgent tasks only.
+        Number of additional processes for urgent tasks only; the last of two or more runs short ones only.
 
     Attributes
     ----------
@@ -63,7 +68,8 @@ class WorkerPool(Executor):
         self._closed = False
         self._failed_starts = 0
         self.replaced = 0
-        self._slots = [WorkerHandle(urgent_only=k >= workers) for k in range(workers + reserved)]
+        self._lanes = Lanes(workers, reserved)
+        self._slots = [WorkerHandle(lane) for lane in self._lanes.kinds]
         self._threads = [threading.Thread(target=self._keep, args=(slot,), daemon=True) for slot in self._slots]
         for thread in self._threads:
             thread.start()
@@ -75,17 +81,20 @@ class WorkerPool(Executor):
     def start(
         self,
         function: Callable,
-        args: tuple = (),
+        args: Arguments = (),
         kwargs: Optional[dict] = None,
         on_progress: Optional[Callable[[object], object]] = None,
         time_limit: Optional[float] = None,
         urgent: bool = False,
+        client: str = "",
+        memory_limit: Optional[int] = None,
     ) -> Task:
-        """Queue a call with a listener for its reports, a time limit [s], and optional priority."""
-        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent)
+        """Queue a call with a listener for its reports, limits on time [s] and memory [bytes], and optional priority."""
+        task = Task((function, args, kwargs or {}), on_progress, time_limit, urgent, client, memory_limit)
         with self._change:
             if self._closed:
                 raise RuntimeError("the pool is closed; no task can be started")
+            self._lanes.submitted(task)
             self._waiting.insert(place(task, self._waiting), task)
             self._change.notify_all()
         return task
@@ -116,7 +125,8 @@ class WorkerPool(Executor):
             self._waiting.clear()
             self._change.notify_all()
         for task in left:
-            task.cancel()
+            if not task.cancel():
+                _fail(task, TaskStopped("the server was stopped"))
         if wait:
             for thread in self._threads:
                 thread.join()
@@ -174,8 +184,8 @@ class WorkerPool(Executor):
                 left = list(self._waiting)
                 self._waiting.clear()
             for task in left:
-                if task.set_running_or_notify_cancel():
-                    task.set_exception(WorkerDied("the workers of the server do not start; see its log"))
+                if task.running() or task.set_running_or_notify_cancel():
+                    _fail(task, WorkerDied("the workers of the server do not start; see its log"))
             time.sleep(1.0)
 
     def _feed(self, slot: WorkerHandle) -> None:
@@ -189,24 +199,34 @@ class WorkerPool(Executor):
                 if task is None or self._closed or not slot.process.is_alive():
                     return
                 self._waiting.remove(task)
-                if not task.set_running_or_notify_cancel():
+                # A task that left the short lane is running already.
+                if not (task.running() or task.set_running_or_notify_cancel()):
                     continue
-                slot.state = "busy"
-            if not self._run(slot, task):
-                self.replaced += 1
-                return
+                if task.stop_reason is not None:
+                    _fail(task, TaskStopped(task.stop_reason))
+                    continue
+                slot.state, slot.task = "busy", task
+            try:
+                if not self._run(slot, task):
+                    self.replaced += 1
+                    return
+            finally:
+                slot.task = None
 
     def _next(self, slot: WorkerHandle) -> Optional[Task]:
-        """Return the first queued task that a worker may run."""
-        return next((task for task in self._waiting if task.urgent or not slot.urgent_only), None)
+        """Return the queued task that a worker runs next."""
+        running = [own.task for own in self._slots if own.lane == ANY and own.task is not None]
+        return self._lanes.pick(slot.lane, self._waiting, running)
 
     def _run(self, slot: WorkerHandle, task: Task) -> bool:
         """Run a task; return whether the process is still alive."""
         slot.flag.value = 0
         started = time.monotonic()
+        moving: Optional[float] = None  # since when the task is asked to leave the short lane
         try:
-            slot.line.send(task.call)
-            task.call = None
+            slot.line.send(task.prepared())
+            if slot.lane != SHORT:
+                task.call = None
         except Exception as error:
             task.set_exception(error if slot.process.is_alive() else WorkerDied(slot.exit_message()))
             return slot.process.is_alive()
@@ -217,6 +237,17 @@ class WorkerPool(Executor):
             now = time.monotonic()
             if task.time_limit is not None and now - started > task.time_limit:
                 task.stop(f"it exceeded the time limit of {task.time_limit:g} s", self._grace)
+            if task.memory_limit is not None and slot.resident() > task.memory_limit:
+                _fail(task, TaskStopped(f"it exceeded the memory limit of {task.memory_limit / 2**20:.0f} MB"))
+                slot.end()
+                return False
+            if task.stop_reason is None and moving is None and self._should_move(slot, now - started):
+                moving = now
+                slot.flag.value = 1
+            if moving is not None and task.stop_reason is None and now - moving > self._grace:
+                slot.end()
+                self._move(task)
+                return False
             if task.stop_reason is not None:
                 slot.flag.value = 1
                 if not task.done() and now - task.stop_time > min(task.grace, self._grace):
@@ -241,6 +272,12 @@ class WorkerPool(Executor):
             if kind == "progress":
                 _tell(task, content)
                 continue
+            self._lanes.ended(task, time.monotonic() - started)
+            if kind == "stopped" and moving is not None and task.stop_reason is None:
+                self._move(task)
+                return True
+            if kind == "stopped":
+                kind, content = content
             if kind == "error":
                 _fail(task, TaskError(*content))
             elif not task.done():
@@ -248,6 +285,20 @@ class WorkerPool(Executor):
             elif task.on_late is not None:
                 _told(task.on_late, content)
             return True
+
+    def _should_move(self, slot: WorkerHandle, seconds: float) -> bool:
+        """Check whether a call has been on the short lane for long enough, and another waits for the lane."""
+        if slot.lane != SHORT or seconds < SHORT_SECONDS:
+            return False
+        with self._change:
+            return self._lanes.wants_short_lane(self._waiting)
+
+    def _move(self, task: Task) -> None:
+        """Let a long call begin again on another lane."""
+        with self._change:
+            self._lanes.moved(task)
+            self._waiting.insert(place(task, self._waiting), task)
+            self._change.notify_all()
 
 
 def _fail(task: Task, error: Exception) -> None:

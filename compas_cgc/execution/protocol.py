@@ -18,6 +18,7 @@ from typing import Optional
 from typing import Protocol
 from typing import Union
 
+from .future import Arguments
 from .future import Task
 
 __all__ = ["AnyExecutor", "TaskExecutor"]
@@ -40,11 +41,13 @@ class TaskExecutor(Protocol):
     def start(
         self,
         function: Callable,
-        args: tuple = (),
+        args: Arguments = (),
         kwargs: Optional[dict] = None,
         on_progress: Optional[Callable[[Any], object]] = None,
         time_limit: Optional[float] = None,
         urgent: bool = False,
+        client: str = "",
+        memory_limit: Optional[int] = None,
     ) -> Task:
         """Queue a call and return at once.
 
@@ -65,6 +68,10 @@ class TaskExecutor(Protocol):
             Time limit after which the task is stopped [s].
         urgent
             Whether a client waits for it: it then has priority, but does not overtake other tasks indefinitely.
+        client
+            Name of the client. Workers are shared among clients.
+        memory_limit
+            Largest memory of its process [bytes], enforced by executors that can measure it.
 
         Raises
         ------

@@ -77,12 +77,16 @@ class _Pipe(NamedTuple):
 
     line: connection.Connection
     flag: Any
+    seen: list[bool]  # whether the task saw that it should end
 
     def report(self, progress: object) -> None:
         self.line.send(("progress", progress))
 
     def stop_wanted(self) -> bool:
-        return bool(self.flag.value)
+        if not self.flag.value:
+            return False
+        self.seen.append(True)
+        return True
 
 
 def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Callable[[], object]]) -> None:
@@ -109,9 +113,10 @@ def run_tasks(line: connection.Connection, flag: object, warm_up: Optional[Calla
             function, args, kwargs = line.recv()
         except (EOFError, OSError):
             return
-        with connected(_Pipe(line, flag)):
+        channel = _Pipe(line, flag, [])
+        with connected(channel):
             message = outcome(function, args, kwargs)
-        line.send(message)
+        line.send(("stopped", message) if channel.seen else message)
 
 
 def _end_with_parent() -> None:

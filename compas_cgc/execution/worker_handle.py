@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from multiprocessing import connection
 from multiprocessing import process
+from pathlib import Path
 from typing import Any
+from typing import Optional
+
+from .future import Task
+from .lanes import ANY
 
 __all__ = ["WorkerHandle"]
+
+_PAGE = os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 4096  # bytes
 
 
 class WorkerHandle:
@@ -14,8 +22,8 @@ class WorkerHandle:
 
     Parameters
     ----------
-    urgent_only
-        Whether the worker runs urgent tasks only.
+    lane
+        Which tasks it takes, see :mod:`~compas_cgc.execution.lanes`.
 
     Attributes
     ----------
@@ -23,8 +31,9 @@ class WorkerHandle:
         ``starting``, ``idle``, ``busy`` or ``closed``.
     """
 
-    def __init__(self, urgent_only: bool = False) -> None:
-        self.urgent_only = urgent_only
+    def __init__(self, lane: str = ANY) -> None:
+        self.lane = lane
+        self.task: Optional[Task] = None
         self.state = "starting"
         self.process: process.BaseProcess = None  # type: ignore[assignment]  # until it is started
         self.line: connection.Connection = None  # type: ignore[assignment]
@@ -40,6 +49,13 @@ class WorkerHandle:
                 self.process.join()
         if self.line is not None:
             self.line.close()
+
+    def resident(self) -> int:
+        """Return the bytes of memory that the process holds, 0 where the system does not tell."""
+        try:
+            return int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1]) * _PAGE
+        except (OSError, IndexError, ValueError):
+            return 0
 
     def exit_message(self) -> str:
         """Return a message on how the process ended."""

@@ -35,6 +35,7 @@ from .hops.routes import hops
 from .hops.routes import list_functions
 from .hops.warm_up import warm_up
 from .jobs.engine import Jobs
+from .jobs.shares import ByteBudget
 from .jobs.store import Store
 from .keys import Keys
 from .keys import Throttle
@@ -102,9 +103,10 @@ def create_app(
     # First, as opening the store can fail.
     stored = Store(store)
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
-    io_pool = WorkerPool(1, warm_up_io, limits.grace)
+    readers, writers = WorkerPool(1, warm_up_io, limits.grace), WorkerPool(1, warm_up_io, limits.grace)
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
-    app.extensions["jobs"] = Jobs(pool, stored, solve, limits, io_pool)
+    app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
+    app.extensions["bodies"] = ByteBudget(limits.bodies, limits.blocking)
     app.extensions["throttle"] = Throttle()
     app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
     app.before_request(guard)
@@ -112,7 +114,7 @@ def create_app(
     app.after_request(_finish)
     app.register_error_handler(RequestError, _refused)
     app.register_error_handler(HTTPException, _http_error)
-    app.register_error_handler(sqlite3.OperationalError, _no_room)
+    app.register_error_handler(sqlite3.DatabaseError, _no_room)
     app.register_error_handler(Exception, _bug)
     app.register_blueprint(api)
     app.register_blueprint(hops)
@@ -157,7 +159,7 @@ def _http_error(error: HTTPException) -> Response:
     return _error(sentence, code, allowed)
 
 
-def _no_room(error: sqlite3.OperationalError) -> Response:
+def _no_room(error: sqlite3.DatabaseError) -> Response:
     log.error("%s %s failed: %s", request.method, request.path, error)
     return _error("the server cannot store jobs at the moment, probably because its disk is full; free disk space and try again", 507)
 

@@ -9,6 +9,7 @@ __all__ = [
     "Conflict",
     "Gone",
     "GatewayTimeout",
+    "NoRoom",
     "NotFound",
     "RequestError",
     "ServerStopping",
@@ -100,6 +101,12 @@ class WorkerFailed(RequestError):
     """A worker process ended unexpectedly or raised an unexpected error (500)."""
 
     status = 500
+
+
+class NoRoom(RequestError):
+    """The disk, or the budget of an owner, is full."""
+
+    status = 507
 
 
 class ServerStopping(RequestError):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Optional
 
 __all__ = ["Limits"]
 
@@ -58,6 +59,18 @@ class Limits:
         Longest time in which the headers of a request must arrive [s].
     conversions
         Largest number of files that are read or written simultaneously; each holds a thread.
+    memory
+        Largest memory of a worker process [bytes], where the system tells it.
+    file_seconds, file_memory
+        Longest time [s] and largest memory of a process [bytes] for reading a file of a client.
+    bodies
+        Largest total size of request bodies in memory [bytes]; further ones wait.
+    owner_bytes
+        Largest total size of the waiting requests and results of one owner [bytes].
+    free
+        Free space of the disk below which no jobs are accepted [bytes].
+    days
+        Age beyond which finished jobs are deleted [days], None to keep them.
 
     Examples
     --------
@@ -84,13 +97,20 @@ class Limits:
     result_bytes: int = 2**30
     remembered: int = 5000
     streams: int = 16
-    calls: int = 32
-    reserved: int = 1
+    calls: int = 64
+    reserved: int = 2
     connections: int = 128
     head_seconds: float = 10.0
-    conversions: int = 8
+    conversions: int = 32
+    memory: int = 8 * 2**30
+    file_seconds: float = 30.0
+    file_memory: int = 2**30
+    bodies: int = 128 * 2**20
+    owner_bytes: int = 16 * 2**30
+    free: int = 256 * 2**20
+    days: Optional[float] = None
 
     @property
     def threads(self) -> int:
         """Number of serving threads that leaves one free for short requests at any time."""
-        return self.streams + self.calls + self.conversions + 8
+        return self.streams + self.calls + 2 * self.conversions + 8

@@ -18,9 +18,10 @@ from ..errors import RequestError
 from ..errors import ServerStopping
 from ..errors import WorkerFailed
 from ..jobs.owned import OwnedJobs
+from ..security import client_name
 from ..security import owner
 
-__all__ = ["run_in_io_pool", "run_in_worker", "jobs"]
+__all__ = ["jobs", "run_in_reader", "run_in_worker", "run_in_writer"]
 
 
 def jobs() -> OwnedJobs:
@@ -46,15 +47,20 @@ def run_in_worker(function: Callable, *args: object, hint: str) -> Any:
     return _waited(partial(jobs().calls.call, function, *args), function, hint)
 
 
-def run_in_io_pool(function: Callable, *args: object) -> Any:
-    """Run a function that reads or writes a file, as :func:`run_in_worker` does, but without queueing behind solves."""
-    return _waited(partial(jobs().calls.convert, function, *args), function, "use a coarser mesh")
+def run_in_reader(function: Callable, *args: object) -> Any:
+    """Run a function that reads what a client sent in a process with limits of its own, as :func:`run_in_worker` does."""
+    return _waited(partial(jobs().calls.read, function, *args), function, "use a coarser mesh")
+
+
+def run_in_writer(function: Callable, *args: object) -> Any:
+    """Run a function that writes a result as a file, as :func:`run_in_worker` does, without waiting for solves and uploads."""
+    return _waited(partial(jobs().calls.write, function, *args), function, "use a coarser mesh")
 
 
 def _waited(run: Callable, function: Callable, hint: str) -> Any:
     seconds = current_app.config["LIMITS"].blocking
     try:
-        return run(disconnected=request.environ.get("waitress.client_disconnected", lambda: False))
+        return run(client=client_name(), disconnected=request.environ.get("waitress.client_disconnected", lambda: False))
     except CancelledError:
         raise ServerStopping("the server is shutting down; try again after it has restarted") from None
     except TimeoutError as error:

@@ -27,8 +27,9 @@ from ..errors import Unprocessable
 from ..jobs.store import Job
 from ..security import client_name
 from .blocking_calls import jobs
-from .blocking_calls import run_in_io_pool
+from .blocking_calls import run_in_reader
 from .blocking_calls import run_in_worker
+from .blocking_calls import run_in_writer
 from .builds import is_build
 from .builds import tasks
 from .decoding import check_length
@@ -103,16 +104,17 @@ def submit() -> Response:
         raise Unprocessable("'follow' can only be true; the response is then a stream of events")
     if kind == "json":
         check_length(request.content_length, limits)
-    body = request.get_data(cache=False)
-    if kind == "json":
-        read = json_submission(body, limits) if is_light(body, limits) else run_in_io_pool(json_submission, body, limits)
-        given = with_result(read, jobs().result)
-    elif kind in KINDS:
-        given = file_submission(kind, body, request.args.get("options", "{}"), limits)
-    else:
-        raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
-    g.spent = {"check": time.perf_counter() - started}
-    job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
+    with current_app.extensions["bodies"].held(request.content_length or 0):
+        body = request.get_data(cache=False)
+        if kind == "json":
+            read = json_submission(body, limits) if is_light(body, limits) else run_in_reader(json_submission, body, limits)
+            given = with_result(read, jobs().result)
+        elif kind in KINDS:
+            given = file_submission(kind, body, request.args.get("options", "{}"), limits)
+        else:
+            raise Unprocessable(f"'kind' must be json, {' or '.join(KINDS)}")
+        g.spent = {"check": time.perf_counter() - started}
+        job, _ = jobs().submit(given.kind, given.body, given.options, given.id, client_name())
     # If all slots are taken, respond at once; the client polls.
     if follow and _wait_slots().acquire(blocking=False):
         return _stream(job.id, with_surface="task" not in given.options)
@@ -178,7 +180,7 @@ def result(id: str) -> Response:
     started = time.perf_counter()
     # Small results are encoded here, as the transfer to a worker would take longer.
     small = is_build(content) or (name not in KINDS and len(content) < (SMALL_PACKED if name == "packed" else SMALL))
-    answer = Response(encoded(name, content) if small else run_in_io_pool(encoded, name, content), mimetype=FORMATS[name])
+    answer = Response(encoded(name, content) if small else run_in_writer(encoded, name, content), mimetype=FORMATS[name])
     if name not in SHOWN:
         answer.headers["Content-Disposition"] = f'attachment; filename="result.{name}"'
     g.spent = {"encode": time.perf_counter() - started}
@@ -207,7 +209,7 @@ def merged_result(id: str) -> Response:
     source = request.get_data(cache=False)
     if not source:
         raise BadRequest("the request is empty; send the bytes of the .3dm file")
-    content = run_in_io_pool(merged_into, source, jobs().result(id))
+    content = run_in_reader(merged_into, source, jobs().result(id))
     return Response(content, mimetype=KINDS["3dm"], headers={"Content-Disposition": 'attachment; filename="result.3dm"'})
 
 

@@ -24,6 +24,7 @@ from ...execution.protocol import AnyExecutor
 from ..errors import Busy
 from ..errors import Conflict
 from ..errors import Gone
+from ..errors import NoRoom
 from ..errors import NotFound
 from ..errors import ServerStopping
 from ..errors import Unprocessable
@@ -38,6 +39,7 @@ from .store import owned_id
 
 __all__ = ["Jobs"]
 
+MAINTENANCE_INTERVAL = 15.0  # seconds
 ATTEMPTS = 2  # number of server crashes during a job after which the job is not started again
 log = logging.getLogger(__name__)
 _ID = re.compile(r"[A-Za-z0-9_-]{8,64}")
@@ -74,16 +76,22 @@ class Jobs:
         Function that solves a request; runs on the executor.
     limits
         Limits on the size and number of requests.
-    io_pool
-        Executor that reads and writes files. Default: `executor`.
+    readers, writers
+        Read the files of clients, and write files for them, apart from the solves. Default: the executor.
     """
 
     def __init__(
-        self, executor: AnyExecutor, store: Store, solve: SolveJob, limits: Optional[Limits] = None, io_pool: Optional[AnyExecutor] = None
+        self,
+        executor: AnyExecutor,
+        store: Store,
+        solve: SolveJob,
+        limits: Optional[Limits] = None,
+        readers: Optional[AnyExecutor] = None,
+        writers: Optional[AnyExecutor] = None,
     ):
         self.executor = executor
         self.limits = limits or Limits()
-        self.calls = Calls(executor, io_pool or executor, self.limits)
+        self.calls = Calls(executor, readers or executor, writers or executor, self.limits)
         self.store = store
         self._solve = solve
         self._running: dict[str, RunningJob] = {}
@@ -102,6 +110,7 @@ class Jobs:
                 if job.state == "running":
                     store.set_waiting(job.id)
                 self._start(job, *store.request(job.id))
+        threading.Thread(target=self._maintain, name="maintenance", daemon=True).start()
 
     # ------------------------------------------------------------------
     # Jobs
@@ -153,12 +162,13 @@ class Jobs:
                     raise Conflict(f"the id {id} belongs to a different request; choose another id")
                 return known, False
             self.admit(client)
+            self._check_room(owner, len(body))
             id = owned_id(owner, id or secrets.token_urlsafe(16))
             name = str(options.get("name", ""))[:100]
             task = {"task": options["task"]} if "task" in options else {}
             job = Job(id, "queued", time.time(), None, None, 0, client, digest, name, task, None, None)
             self.store.add(job, kind, options, body)
-            self._start(job, kind, options, body)
+            self._start(job, kind, options)
         return job, True
 
     def get(self, id: str) -> Job:
@@ -224,9 +234,12 @@ class Jobs:
         """Request that a job stop; no effect on a finished job."""
         self.get(id)
         with self._change:
-            task = self._running[id].task if id in self._running else None
+            running = self._running.get(id)
+            task = None if running is None else running.task
         if task is not None:
             stop(task, CANCELLED)
+            if running is not None and not isinstance(task, Task) and not task.cancelled():
+                self._abandon(id, running, "cancelled", f"stopped: {CANCELLED}")
         return self.get(id)
 
     def delete(self, id: str) -> None:
@@ -291,6 +304,87 @@ class Jobs:
             # Retry when the first job of this client is due.
             raise Busy(message, self._pause(clients.index(client)))
 
+    def _check_room(self, owner: str, size: int) -> None:
+        """Check that the disk and the owner's budget have room for a request.
+
+        Raises
+        ------
+        NoRoom
+            If they have not.
+        """
+        free = self.store.free()
+        if free is not None and free - size < self.limits.free:
+            raise NoRoom("the disk of the server is nearly full, and no jobs are accepted; free disk space, or delete old jobs")
+        if self.store.owner_bytes(owner) + size > self.limits.owner_bytes:
+            most = self.limits.owner_bytes / 2**20
+            raise NoRoom(
+                f"your jobs would take more than the {most:.0f} MB that one owner has; delete some, or wait until some have finished"
+            )
+
+    def problems(self) -> Sequence[str]:
+        """Return what keeps the server from accepting jobs as sentences, nothing if it is ready."""
+        problems = ["the server is shutting down"] if self._closed else []
+        fault = self.store.check()
+        if fault is not None:
+            problems.append(fault)
+        free = self.store.free()
+        if free is not None and free < self.limits.free:
+            problems.append(f"the disk has {free / 2**20:.0f} MB left, {self.limits.free / 2**20:.0f} MB are needed")
+        health: dict = self.executor.health() if hasattr(self.executor, "health") else {}
+        if health and health["starting"] >= health["workers"]:
+            problems.append("no worker is running")
+        return problems
+
+    def _maintain(self) -> None:
+        """Now and then delete what is too old, give free space back to the disk, and end what plain executors do not."""
+        due = time.monotonic() + MAINTENANCE_INTERVAL
+        while True:
+            with self._change:
+                if self._change.wait_for(lambda: self._closed, 1.0):
+                    return
+                for running in self._running.values():
+                    # A plain executor does not report when a job begins.
+                    if (
+                        running.since is None
+                        and isinstance(running.task, Future)
+                        and not isinstance(running.task, Task)
+                        and running.task.running()
+                    ):
+                        running.since = time.monotonic()
+                late = [
+                    (id, running)
+                    for id, running in self._running.items()
+                    if running.since is not None
+                    and not isinstance(running.task, Task)
+                    and time.monotonic() - running.since > self.limits.seconds
+                ]
+            for id, running in late:
+                self._abandon(id, running, "failed", f"stopped: it took longer than the {self.limits.seconds:g} seconds allowed")
+            if time.monotonic() >= due:
+                try:
+                    with self._change:
+                        if self._closed:
+                            return
+                        self._tidy()
+                        self._forget()
+                    self.store.shrink()
+                except (sqlite3.Error, OSError) as error:
+                    log.error("the store cannot be tidied: %s", error)
+                due = time.monotonic() + MAINTENANCE_INTERVAL
+
+    def _tidy(self, keep: str = "") -> None:
+        limits = self.limits
+        self.store.tidy(limits.results, limits.result_bytes, limits.remembered, keep, limits.owner_bytes, limits.days)
+
+    def _abandon(self, id: str, running: RunningJob, state: str, message: str) -> None:
+        """End a job whose executor cannot end its task; what it returns later is dropped."""
+        with self._change:
+            if self._running.get(id) is not running:
+                return
+            del self._running[id]
+            self.store.finish(id, state, message, running.progress)
+            self._change.notify_all()
+
     def _pause(self, ahead: int = 0) -> float:
         """Return the estimated time until a job with `ahead` jobs before it is finished [s], from the durations of earlier jobs."""
         took = sorted(self._took)
@@ -310,7 +404,7 @@ class Jobs:
             left = list(self._running)
             self._change.notify_all()
         self.calls.close()
-        for executor in {self.executor, self.calls.io_pool}:
+        for executor in {self.executor, self.calls.readers, self.calls.writers}:
             executor.shutdown(wait=True, cancel_futures=True)
         self._forget()
         for id in left:
@@ -342,11 +436,17 @@ class Jobs:
                 return
             self._forgotten.discard(id)
 
-    def _start(self, job: Job, kind: str, options: dict, body: bytes) -> None:
+    def _start(self, job: Job, kind: str, options: dict) -> None:
         running = self._running[job.id] = RunningJob(job.client)
-        args = (kind, options, body, self.limits)
+        # A waiting request stays on the disk.
         running.task = start(
-            self.executor, self._solve, args, lambda progress: self._progress(job.id, running, progress), self.limits.seconds
+            self.executor,
+            self._solve,
+            lambda: (kind, options, self.store.body(job.id), self.limits),
+            lambda progress: self._progress(job.id, running, progress),
+            self.limits.seconds,
+            client=job.client,
+            memory_limit=self.limits.memory,
         )
         if isinstance(running.task, Task):
             running.task.on_late = lambda output: self._late(job.id, output)
@@ -388,7 +488,7 @@ class Jobs:
                 state, message, content, figures = outcome_of(task)
                 running.progress = {**job.progress, **running.progress, **(figures or {})}
                 self.store.finish(job.id, state, message, running.progress, content)
-                self.store.tidy(self.limits.results, self.limits.result_bytes, self.limits.remembered, keep=job.id)
+                self._tidy(job.id)
             except sqlite3.Error as error:
                 log.error("the outcome of job %s cannot be stored: %s", job.id, error)
                 text = "the server could not store the result, probably because its disk is full; free disk space and submit the job again"

@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import json
+import logging
+import os
+import shutil
 import sqlite3
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 from typing import Optional
 from typing import Union
 
 from ...errors import FileError
+from ..errors import Gone
+from .blobs import Blobs
 
 __all__ = ["Job", "Store", "owned_id"]
+
+INLINE = 2**16  # bytes up to which content is kept in the tables; larger content is in files
+REQUEST, RESULT = "request", "result"
+log = logging.getLogger(__name__)
 
 _TABLES = """
 CREATE TABLE IF NOT EXISTS jobs (
@@ -22,6 +34,8 @@ CREATE TABLE IF NOT EXISTS jobs (
     progress TEXT, message TEXT, size INTEGER);
 CREATE TABLE IF NOT EXISTS requests (id TEXT PRIMARY KEY, kind TEXT NOT NULL, options TEXT NOT NULL, body BLOB NOT NULL);
 CREATE TABLE IF NOT EXISTS results (id TEXT PRIMARY KEY, content BLOB NOT NULL);
+CREATE TABLE IF NOT EXISTS sizes (id TEXT PRIMARY KEY, bytes INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS probe (id INTEGER PRIMARY KEY, moment REAL NOT NULL);
 """
 
 
@@ -62,35 +76,164 @@ def owned_id(owner: str, id: str) -> str:
 
 
 class Store:
-    """Jobs, their requests and their results.
+    """Jobs, their requests and their results: tables in SQLite, and files beside them for large requests and results.
+
+    A damaged file is renamed, and another begun in its place.
 
     Parameters
     ----------
     path
         Path of the file, or ``":memory:"``.
+
+    Attributes
+    ----------
+    notice
+        Sentence on a damaged file that was set aside, None if there was none.
     """
 
     def __init__(self, path: Union[str, Path]):
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._path = None if str(path) == ":memory:" else Path(path)
+        self.notice: Optional[str] = None
         try:
-            self._owner = None if str(path) == ":memory:" else _owned(Path(path))
-            self._base = sqlite3.connect(str(path), check_same_thread=False, isolation_level=None)
-            self._base.execute("PRAGMA journal_mode=WAL")
-            self._base.execute("PRAGMA synchronous=NORMAL")
-            self._base.execute("PRAGMA cache_size=-500")  # KiB: meshes are read once
-            self._base.executescript(_TABLES)
-            if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
-                raise OSError("its tables belong to another program or version")
+            self._owner = None if self._path is None else _owned(self._path)
+            self._open()
         except (sqlite3.Error, OSError) as error:
             raise FileError(f"jobs cannot be stored in {path} ({error}); move the file away, or choose another with --store") from None
 
+    def _open(self) -> None:
+        """Connect, after setting a damaged file aside."""
+        try:
+            self._connect()
+        except sqlite3.DatabaseError as error:
+            # Never touch a file that may be something else than a store.
+            if self._path is None or self._path.suffix != ".sqlite" or isinstance(error, sqlite3.OperationalError):
+                raise
+            with suppress(sqlite3.Error, AttributeError):
+                self._base.close()
+            self._set_aside(str(error))
+            self._connect()
+        known = [
+            (kind, id)
+            for kind, table in ((REQUEST, "requests"), (RESULT, "results"))
+            for (id,) in self._base.execute(f"SELECT id FROM {table}")
+        ]
+        self.blobs.keep_only(known)
+
+    def _connect(self) -> None:
+        path = ":memory:" if self._path is None else str(self._path)
+        self._base = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
+        self._base.execute("PRAGMA auto_vacuum=INCREMENTAL")
+        self._base.execute("PRAGMA journal_mode=WAL")
+        self._base.execute("PRAGMA synchronous=NORMAL")
+        self._base.execute("PRAGMA cache_size=-500")  # KiB: meshes are read once
+        found = self._base.execute("PRAGMA quick_check(1)").fetchone()[0]
+        if found != "ok":
+            raise sqlite3.DatabaseError(found)
+        self._base.executescript(_TABLES)
+        if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
+            raise OSError("its tables belong to another program or version")
+        self.blobs = Blobs(None if self._path is None else self._path.with_name(f"{self._path.name}-files"))
+
+    def _set_aside(self, reason: str) -> None:
+        assert self._path is not None
+        stamp = time.strftime("%Y%m%d-%H%M%S")
+        for name in ("", "-wal", "-shm", "-files"):
+            source = Path(f"{self._path}{name}")
+            if source.exists():
+                os.replace(source, f"{self._path}.damaged-{stamp}{name}")
+        self.notice = f"the store was damaged and is renamed to {self._path.name}.damaged-{stamp}; jobs in it are lost"
+        log.error("%s (%s)", self.notice, reason)
+        self._path.touch(mode=0o600)
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        """Write within a transaction; after a failure, such as a full disk, the next one finds a working connection."""
+        with self._lock:
+            try:
+                self._base.execute("BEGIN IMMEDIATE")
+                yield self._base
+                self._base.execute("COMMIT")
+            except BaseException as error:
+                with suppress(sqlite3.Error):
+                    if self._base.in_transaction:
+                        self._base.execute("ROLLBACK")
+                if isinstance(error, sqlite3.Error) and self._path is not None:
+                    with suppress(sqlite3.Error, OSError):
+                        self._base.close()
+                        self._open()
+                raise
+
+    def check(self) -> Optional[str]:
+        """Write something; return what is wrong as a sentence, None if nothing is."""
+        try:
+            with self._writing() as base:
+                base.execute("INSERT OR REPLACE INTO probe VALUES (0, ?)", (time.time(),))
+        except (sqlite3.Error, OSError) as error:
+            return f"the store cannot be written to ({error})"
+        return None
+
+    def free(self) -> Optional[int]:
+        """Return the free bytes of the disk, None for a store in memory."""
+        return None if self._path is None else shutil.disk_usage(self._path.parent).free
+
+    def size(self) -> int:
+        """Return the bytes that the store takes on the disk."""
+        if self._path is None:
+            return self.blobs.bytes()
+        return self.blobs.bytes() + sum(
+            os.path.getsize(f"{self._path}{name}") for name in ("", "-wal") if os.path.exists(f"{self._path}{name}")
+        )
+
+    def shrink(self) -> None:
+        """Give free pages of the tables and the write-ahead log back to the disk."""
+        with self._lock, suppress(sqlite3.OperationalError):
+            if self._path is not None and self._base.execute("PRAGMA freelist_count").fetchone()[0]:
+                # execute() would take a single step, which frees one page.
+                self._base.executescript("PRAGMA incremental_vacuum")
+            self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+
+    def backup(self, folder: Path) -> None:
+        """Copy tables and files into a folder, while the server runs."""
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with self._lock:
+            copy = sqlite3.connect(folder / "jobs.sqlite")
+            try:
+                self._base.backup(copy)
+            finally:
+                copy.close()
+            if self.blobs.folder is not None:
+                shutil.copytree(self.blobs.folder, folder / "jobs.sqlite-files", dirs_exist_ok=True)
+
+    def _put(self, kind: str, id: str, content: bytes) -> bytes:
+        """Write large content to a file; return what goes into the table."""
+        if len(content) <= INLINE:
+            return content
+        self.blobs.put(kind, id, content)
+        return b""
+
     def add(self, job: Job, kind: str, options: dict, body: bytes) -> None:
         """Store a new job with its request."""
-        with self._lock, self._base:
-            self._base.execute("BEGIN")
-            marks = ",".join("?" * len(Job._fields))
-            self._base.execute(f"INSERT INTO jobs VALUES ({marks})", (*job[:9], json.dumps(job.progress), *job[10:]))
-            self._base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), body))
+        with self._lock:
+            inline = self._put(REQUEST, job.id, body)
+            try:
+                with self._writing() as base:
+                    marks = ",".join("?" * len(Job._fields))
+                    base.execute(f"INSERT INTO jobs VALUES ({marks})", (*job[:9], json.dumps(job.progress), *job[10:]))
+                    base.execute("INSERT INTO requests VALUES (?,?,?,?)", (job.id, kind, json.dumps(options), inline))
+                    base.execute("INSERT OR REPLACE INTO sizes VALUES (?,?)", (job.id, len(body)))
+            except sqlite3.Error:
+                self.blobs.delete(REQUEST, job.id)
+                raise
+
+    def owner_bytes(self, owner: str) -> int:
+        """Return the bytes of the requests and results of an owner."""
+        where, values = ("id GLOB ?", (f"{owner}:*",)) if owner else ("id NOT GLOB '*:*'", ())
+        with self._lock:
+            row = self._base.execute(
+                f"SELECT (SELECT total(bytes) FROM sizes WHERE {where}) + (SELECT total(size) FROM jobs WHERE {where})", (*values, *values)
+            ).fetchone()
+        return int(row[0])
 
     def get(self, id: str) -> Optional[Job]:
         """Return the job with this id, None if it does not exist."""
@@ -116,17 +259,36 @@ class Store:
         """Return the queued jobs and those interrupted by the end of the server, oldest first."""
         return self._rows("SELECT * FROM jobs WHERE state IN ('queued', 'running') ORDER BY created, rowid")
 
-    def request(self, id: str) -> tuple[str, dict, bytes]:
-        """Return format, options and body of a request."""
+    def request(self, id: str) -> tuple[str, dict]:
+        """Return format and options of a request."""
         with self._lock:
-            kind, options, body = self._base.execute("SELECT kind, options, body FROM requests WHERE id = ?", (id,)).fetchone()
-        return kind, json.loads(options), body
+            kind, options = self._base.execute("SELECT kind, options FROM requests WHERE id = ?", (id,)).fetchone()
+        return kind, json.loads(options)
+
+    def body(self, id: str) -> bytes:
+        """Return the body of a request.
+
+        Raises
+        ------
+        Gone
+            If it is lost.
+        """
+        with self._lock:
+            row = self._base.execute("SELECT body, bytes FROM requests LEFT JOIN sizes USING (id) WHERE requests.id = ?", (id,)).fetchone()
+        content = self._whole(REQUEST, id, *row) if row else None
+        if content is None:
+            raise Gone("the request of this job is lost; submit the job again")
+        return content
 
     def result(self, id: str) -> Optional[bytes]:
         """Return a result, None if it does not exist or was deleted."""
         with self._lock:
-            row = self._base.execute("SELECT content FROM results WHERE id = ?", (id,)).fetchone()
-        return row[0] if row else None
+            row = self._base.execute("SELECT content, size FROM results LEFT JOIN jobs USING (id) WHERE results.id = ?", (id,)).fetchone()
+        return self._whole(RESULT, id, *row) if row else None
+
+    def _whole(self, kind: str, id: str, inline: bytes, size: Optional[int]) -> Optional[bytes]:
+        """Return content that is in the table or in a file, None if the file is lost."""
+        return inline if inline or not size else self.blobs.get(kind, id)
 
     def set_started(self, id: str) -> None:
         """Mark a job as running and count the attempt."""
@@ -143,56 +305,84 @@ class Store:
     def finish(self, id: str, state: str, message: str, progress: dict, result: Optional[bytes] = None) -> None:
         """Store the outcome of a job, unless the job was deleted meanwhile."""
         size = None if result is None else len(result)
-        with self._lock, self._base:
-            self._base.execute("BEGIN")
-            done = self._base.execute(
-                "UPDATE jobs SET state = ?, finished = ?, message = ?, progress = ?, size = ? WHERE id = ?",
-                (state, time.time(), message, json.dumps(progress), size, id),
-            )
-            if done.rowcount and result is not None:
-                self._base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, result))
-            self._base.execute("DELETE FROM requests WHERE id = ?", (id,))
+        with self._lock:
+            inline = None if result is None else self._put(RESULT, id, result)
+            with self._writing() as base:
+                done = base.execute(
+                    "UPDATE jobs SET state = ?, finished = ?, message = ?, progress = ?, size = ? WHERE id = ?",
+                    (state, time.time(), message, json.dumps(progress), size, id),
+                )
+                if done.rowcount and inline is not None:
+                    base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, inline))
+                base.execute("DELETE FROM requests WHERE id = ?", (id,))
+                base.execute("DELETE FROM sizes WHERE id = ?", (id,))
+            self.blobs.delete(REQUEST, id)
+            if not done.rowcount:
+                self.blobs.delete(RESULT, id)
 
     def add_result(self, id: str, result: bytes) -> None:
         """Store the late result of a cancelled or failed job, unless the job was deleted meanwhile or already has a result."""
-        with self._lock, self._base:
-            self._base.execute("BEGIN")
+        with self._writing() as base:
             query = "UPDATE jobs SET size = ? WHERE id = ? AND size IS NULL AND state IN ('cancelled', 'failed')"
-            if self._base.execute(query, (len(result), id)).rowcount:
-                self._base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, result))
+            if base.execute(query, (len(result), id)).rowcount:
+                base.execute("INSERT OR REPLACE INTO results VALUES (?, ?)", (id, self._put(RESULT, id, result)))
 
     def delete(self, id: str) -> None:
         """Delete a job with its request and result."""
         try:
             self._delete(id)
         except sqlite3.OperationalError:
-            # On a full disk, truncating the write-ahead log frees space.
+            # On a full disk, truncating the write-ahead log frees space, and so do the files.
             with self._lock:
+                for kind in (REQUEST, RESULT):
+                    self.blobs.delete(kind, id)
                 self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._delete(id)
 
     def _delete(self, id: str) -> None:
-        with self._lock, self._base:
-            self._base.execute("BEGIN")
-            for table in ("jobs", "requests", "results"):
-                self._base.execute(f"DELETE FROM {table} WHERE id = ?", (id,))
+        with self._lock:
+            with self._writing() as base:
+                for table in ("jobs", "requests", "results", "sizes"):
+                    base.execute(f"DELETE FROM {table} WHERE id = ?", (id,))
+            for kind in (REQUEST, RESULT):
+                self.blobs.delete(kind, id)
 
-    def tidy(self, results: int, result_bytes: int, remembered: int, keep: str = "") -> None:
-        """Delete the oldest results beyond a number or total size, and the oldest finished jobs beyond a number."""
-        with self._lock, self._base:
-            self._base.execute("BEGIN")
-            # `keep` comes first, as the clock may have been set back since the other jobs finished.
-            newest = "SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY id = ? DESC, finished DESC, rowid DESC"
-            rows = self._base.execute(newest, (keep,)).fetchall()
-            total = 0
-            for place, (id, size) in enumerate(rows):
-                total += size
-                # Keep the newest result whatever its size, so that the client can fetch it.
-                if place and (place >= results or total > result_bytes):
-                    self._base.execute("UPDATE jobs SET size = NULL WHERE id = ?", (id,))
-                    self._base.execute("DELETE FROM results WHERE id = ?", (id,))
-            old = "SELECT id FROM jobs WHERE finished IS NOT NULL AND size IS NULL ORDER BY finished DESC LIMIT -1 OFFSET ?"
-            self._base.execute(f"DELETE FROM jobs WHERE id IN ({old})", (remembered,))
+    def tidy(
+        self,
+        results: int,
+        result_bytes: int,
+        remembered: int,
+        keep: str = "",
+        owner_bytes: Optional[int] = None,
+        days: Optional[float] = None,
+    ) -> None:
+        """Delete the oldest results beyond a number or total size, in all and of each owner, and finished jobs beyond a number or age."""
+        gone = []
+        with self._lock:
+            with self._writing() as base:
+                # `keep` comes first, as the clock may have been set back since the other jobs finished.
+                newest = "SELECT id, size FROM jobs WHERE size IS NOT NULL ORDER BY id = ? DESC, finished DESC, rowid DESC"
+                total = 0
+                own: dict[str, int] = {}
+                for place, (id, size) in enumerate(base.execute(newest, (keep,)).fetchall()):
+                    owner = id.rpartition(":")[0]
+                    own[owner] = own.get(owner, 0) + size
+                    total += size
+                    beyond = place >= results or total > result_bytes or (owner_bytes is not None and own[owner] > owner_bytes)
+                    # Keep the newest result whatever its size, so that the client can fetch it.
+                    if place and beyond:
+                        base.execute("UPDATE jobs SET size = NULL WHERE id = ?", (id,))
+                        gone.append(id)
+                if days is not None:
+                    old = "SELECT id FROM jobs WHERE finished < ? AND id != ?"
+                    aged = [id for (id,) in base.execute(old, (time.time() - 86400.0 * days, keep)).fetchall()]
+                    base.executemany("DELETE FROM jobs WHERE id = ?", [(id,) for id in aged])
+                    gone += aged
+                base.executemany("DELETE FROM results WHERE id = ?", [(id,) for id in gone])
+                old = "SELECT id FROM jobs WHERE finished IS NOT NULL AND size IS NULL ORDER BY finished DESC LIMIT -1 OFFSET ?"
+                base.execute(f"DELETE FROM jobs WHERE id IN ({old})", (remembered,))
+            for id in gone:
+                self.blobs.delete(RESULT, id)
 
     def close(self) -> None:
         """Close the file."""
@@ -207,8 +397,8 @@ class Store:
         return [Job(*row)._replace(progress=json.loads(row[9] or "{}")) for row in rows]
 
     def _change(self, query: str, *values: object) -> None:
-        with self._lock:
-            self._base.execute(query, values)
+        with self._writing() as base:
+            base.execute(query, values)
 
 
 def _owned(path: Path) -> sqlite3.Connection:

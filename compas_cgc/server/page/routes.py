@@ -14,7 +14,7 @@ from flask import current_app
 from flask import request
 
 from ...io.formats import listed
-from ..api.blocking_calls import run_in_io_pool
+from ..api.blocking_calls import run_in_reader
 from ..api.decoding import read_json
 from ..api.mesh_files import KINDS
 from ..api.responses import respond
@@ -133,7 +133,7 @@ def model() -> Response:
     body = request.get_data(cache=False)
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
-    found = run_in_io_pool(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
+    found = run_in_reader(read_model, kind, body, name, current_app.config["LIMITS"], _edge_length())
     return Response(found, mimetype="application/json")
 
 
@@ -146,7 +146,7 @@ def plan() -> Response:
     body = request.get_data(cache=False)
     if not body:
         raise BadRequest("the request is empty; send the bytes of the file")
-    return Response(run_in_io_pool(read_plan, kind, body, _join()), mimetype="application/json")
+    return Response(run_in_reader(read_plan, kind, body, _join()), mimetype="application/json")
 
 
 def _join() -> Optional[float]:
@@ -182,7 +182,7 @@ def drawing() -> Response:
     """Mesh a drawing."""
     limits = current_app.config["LIMITS"]
     sketch = read_sketch(read_json(request.get_data(cache=False), limits), limits)
-    return Response(run_in_io_pool(mesh_of_sketch, sketch, limits), mimetype="application/json")
+    return Response(run_in_reader(mesh_of_sketch, sketch, limits), mimetype="application/json")
 
 
 @page.get("/api/v1/examples")
@@ -199,5 +199,5 @@ def example(name: str) -> Response:
         raise NotFound(f"there is no example {name[:60]!r}; the examples are {', '.join(GALLERY)}")
     if name not in _examples:
         entry = GALLERY[name]
-        _examples[name] = run_in_io_pool(read_example, name, entry.title, entry.text)
+        _examples[name] = run_in_reader(read_example, name, entry.title, entry.text)
     return Response(_examples[name], mimetype="application/json")

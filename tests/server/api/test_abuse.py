@@ -128,9 +128,12 @@ def test_a_damaged_store_is_named(tmp_path):
     with sqlite3.connect(tmp_path / "other.sqlite") as base:
         base.execute("CREATE TABLE jobs (id TEXT)")
     (tmp_path / "folder.sqlite").mkdir()
-    for name in ("garbage", "other", "folder"):
+    for name in ("other", "folder"):
         with pytest.raises(FileError, match=f"{name}.sqlite.*move the file away"):
             Store(tmp_path / f"{name}.sqlite")
+    store = Store(tmp_path / "garbage.sqlite")
+    assert "was damaged and is renamed to garbage.sqlite.damaged-" in store.notice and store.all() == []
+    store.close()
 
 
 def test_the_newest_result_is_kept_whatever_the_clock_says(tmp_path):
@@ -186,7 +189,8 @@ def test_a_job_can_be_deleted_on_a_full_disk(monkeypatch):
 @pytest.mark.skipif(sys.platform == "win32", reason="it counts the bytes of a file that is open")
 def test_a_deletion_makes_room_for_itself(tmp_path):
     store = Store(tmp_path / "jobs.sqlite")
-    store.add(Job("large-one", "queued", time.time(), None, None, 0, "", "", "", {}, None, None), "json", {}, 10**6 * b"x")
+    for id in ("large-one", *(f"other-{k}" for k in range(20))):
+        store.add(Job(id, "queued", time.time(), None, None, 0, "", "", "", {}, None, None), "json", {}, 60_000 * b"x")
     log = tmp_path / "jobs.sqlite-wal"
     assert log.stat().st_size > 10**6
     failed = []
