@@ -359,7 +359,7 @@ class Jobs:
                     and time.monotonic() - running.since > self.limits.seconds
                 ]
             for id, running in late:
-                self._abandon(id, running, "failed", f"stopped: it took longer than the {self.limits.seconds:g} seconds allowed")
+                self._abandon(id, running, "failed", f"stopped: it exceeded the time limit of {self.limits.seconds:g} s")
             if time.monotonic() >= due:
                 try:
                     with self._change:
