@@ -261,7 +261,7 @@ def test_large_bodies_are_parsed_by_others(server):
     huge = b"[" + b"1," * (17 * 2**20) + b"1]"
     for path in ("/api/v1/jobs", "/solve", "/io"):
         status, _, content = server.ask("POST", path, huge)
-        assert status == 413 and "the JSON has 34 MB, the server takes 32" in json.loads(content)["message"]
+        assert status == 413 and "the JSON has 34 MB; the server accepts at most 32" in json.loads(content)["message"]
     assert most_memory(pid) - memory < 100
 
 

@@ -322,7 +322,7 @@ def test_a_job_that_ended_the_server_twice_is_not_tried_again(tmp_path):
         # As if the server had been killed twice while it ran.
         store.add(job._replace(id="deadly-one", state="running", attempts=2), body()[0], {}, body()[1])
         again = Jobs(executor, store, solve_job)
-    assert again.get("deadly-one").state == "failed" and "ended 2 times" in again.get("deadly-one").message
+    assert again.get("deadly-one").state == "failed" and "crashed 2 times" in again.get("deadly-one").message
 
 
 def test_a_call_is_stopped_when_its_client_is_gone(jobs):
