@@ -9,11 +9,13 @@ from typing import Optional
 from typing import Union
 
 from ...errors import FileError
+from ...errors import names_what_was_meant
 from .plan import Plan
 
 __all__ = ["read_plan"]
 
 
+@names_what_was_meant()
 def read_plan(path: Union[str, os.PathLike], *, layers: Optional[Iterable[str]] = None, join: Optional[float] = None) -> Plan:
     """Read the curves and points of a drawing.
 
