@@ -18,7 +18,7 @@ from .mid_edge import MidEdgeMesh
 from .mid_edge import ShapeOperators
 from .topology import edge_faces
 
-__all__ = ["MeasuredCurvature", "even_angles", "measured_curvature"]
+__all__ = ["LEAST_FACES", "MeasuredCurvature", "even_angles", "linear_residuals", "measured_curvature"]
 
 LEAST_FACES = 4  # of a patch: a linear function passes through three
 JUMPS = 1e-2  # weight of jumps across edges, which decide where no patch does, as at a corner with a single triangle
@@ -74,7 +74,7 @@ def measured_curvature(vertices: Vertices, faces: Faces, creases: IntArray, regi
     ----------
     Grinspun, Gingold, Reisman, Zorin, doi:10.1111/j.1467-8659.2006.00974.x. Morley, doi:10.1017/S0001925900004546.
     """
-    normals, double = _normals(vertices, faces)
+    normals, double = face_frames(vertices, faces)
     sound = double > DEGENERATE * double.mean()
     if not sound.any():
         none = np.zeros(0)
@@ -90,10 +90,10 @@ def measured_curvature(vertices: Vertices, faces: Faces, creases: IntArray, regi
 def even_angles(mesh: MidEdgeMesh, vertices: Vertices) -> FloatArray:
     """Return the angles (a,) for which the shape operators of vertices (n, 3) vary most evenly within every region."""
     flat = mesh.at(vertices, np.zeros(len(mesh.angles.ends)))
-    return _most_even_angles(mesh, flat, vertices, _normals(vertices, mesh.faces)[0])
+    return _most_even_angles(mesh, flat, vertices, face_frames(vertices, mesh.faces)[0])
 
 
-def _normals(vertices: Vertices, faces: Faces) -> tuple[Vectors, FloatArray]:
+def face_frames(vertices: Vertices, faces: Faces) -> tuple[Vectors, FloatArray]:
     """Return the unit normals of the faces (m, 3), zero where they have no area, and twice their areas (m,)."""
     crosses = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
     double = np.sqrt(np.einsum("mx,mx->m", crosses, crosses))
@@ -167,27 +167,37 @@ def _unevenness(mesh: MidEdgeMesh, areas: FloatArray, vertices: Vertices, normal
 
 def _patch_residuals(mesh: MidEdgeMesh, areas: FloatArray, vertices: Vertices, normals: Vectors) -> sparse.csr_matrix:
     """Return the operator of what values of the faces (m,) differ from the linear functions fitted to each pair, weighted by area."""
-    m = len(mesh.faces)
-    centroids = vertices[mesh.faces].mean(axis=1)
     start, face_of = mesh.incidence.indptr, mesh.incidence.indices
     sizes, first = np.diff(start), 0
     rows, columns, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros(0)]
     for size in np.unique(sizes[sizes >= LEAST_FACES]).tolist():
-        at = np.flatnonzero(sizes == size)
-        own = face_of[start[at][:, None] + np.arange(size)]
-        along, across = _tangents(normals[own].sum(axis=1))
-        offsets = centroids[own] - centroids[own].mean(axis=1, keepdims=True)
-        u, v = np.einsum("gkx,gx->gk", offsets, along), np.einsum("gkx,gx->gk", offsets, across)
-        radius, weight = np.sqrt((u**2 + v**2).mean(axis=1))[:, None], np.sqrt(areas[own])
-        basis = np.linalg.qr(np.stack([np.ones_like(u), u / radius, v / radius], axis=2) * weight[..., None])[0]
-        residual = (np.eye(size) - basis @ basis.transpose(0, 2, 1)) * weight[:, None]
+        own = face_of[start[np.flatnonzero(sizes == size)][:, None] + np.arange(size)]
+        residual = linear_residuals(own, areas, vertices[mesh.faces].mean(axis=1), normals)
         row = first + np.arange(own.size).reshape(own.shape)
         first += own.size
         rows.append(np.repeat(row, size))
         columns.append(np.broadcast_to(own[:, None], residual.shape).ravel())
         values.append(residual.ravel())
     entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return sparse.csr_matrix(entries, shape=(first, m))
+    return sparse.csr_matrix(entries, shape=(first, len(mesh.faces)))
+
+
+def linear_residuals(faces: IntArray, areas: FloatArray, centroids: Vectors, normals: Vectors) -> FloatArray:
+    """Return the matrices (g, k, k) of what values of faces (g, k) differ from the linear functions fitted to them.
+
+    Parameters
+    ----------
+    faces
+        ``(g, k)`` of the patches.
+    areas, centroids, normals
+        ``(m,)``, ``(m, 3)``, ``(m, 3)`` of all faces: squares are weighted by area, places are taken in the plane of the mean normal.
+    """
+    along, across = _tangents(normals[faces].sum(axis=1))
+    offsets = centroids[faces] - centroids[faces].mean(axis=1, keepdims=True)
+    u, v = np.einsum("gkx,gx->gk", offsets, along), np.einsum("gkx,gx->gk", offsets, across)
+    radius, weight = np.sqrt((u**2 + v**2).mean(axis=1))[:, None], np.sqrt(areas[faces])
+    basis = np.linalg.qr(np.stack([np.ones_like(u), u / radius, v / radius], axis=2) * weight[..., None])[0]
+    return np.asarray((np.eye(faces.shape[1]) - basis @ basis.transpose(0, 2, 1)) * weight[:, None])
 
 
 def _tangents(normals: Vectors) -> tuple[Vectors, Vectors]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from typing import NamedTuple
+from typing import Optional
 
 import numpy as np
 from scipy import sparse
 
+from ...discrete import face_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
+from ...discrete.measured_curvature import LEAST_FACES
+from ...discrete.measured_curvature import linear_residuals
 from ...discrete.mid_edge import OCCURRENCES
 from ...discrete.mid_edge import TRACE
 from ...discrete.mid_edge import MidEdgeMesh
@@ -18,6 +22,9 @@ from ...discrete.mid_edge import determinants
 
 __all__ = ["Lagrangian", "Model", "State"]
 
+# Weight of what shape operators differ from linear functions about a vertex. It is of fourth order in the length of edges, so that it
+# vanishes under refinement, and it removes oscillations that bending hardly sees. Heights err least for 1 among 0, .1, 1 and 10.
+EVENNESS = 1.0
 DETERMINANT = np.outer(TRACE, TRACE) - np.diag(OCCURRENCES)  # second derivative of the second invariant of a packed matrix
 
 
@@ -47,11 +54,11 @@ class Model(NamedTuple):
 class Lagrangian:
     r"""Bending, folding and the curvature equations of one problem.
 
-    .. math:: E = \sum_f w_f A_f |S_f|^2 + \frac1\ell \sum_e l_e \vartheta_e^2, \qquad
+    .. math:: E = \sum_f A_f |S_f|^2 + \frac1\ell \sum_e l_e \vartheta_e^2 + \sum_p \sum_{f \in p} A_f |S_f - L_p|^2, \qquad
               r_p = A_p (K_p - \bar K_p) = \frac{\det T_p}{A_p} - \bar K_p A_p,
 
-    with the folds :math:`\vartheta_e` of crease edges, and with the sums :math:`T_p` of :math:`A_f S_f` and :math:`A_p` of areas
-    over the faces of every pair of vertex and region.
+    with the folds :math:`\vartheta_e` of crease edges, the linear functions :math:`L_p` fitted to the shape operators about every pair
+    of vertex and region, and the sums :math:`T_p` of :math:`A_f S_f` and :math:`A_p` of areas over its faces.
 
     Parameters
     ----------
@@ -63,16 +70,14 @@ class Lagrangian:
         ``(n,)`` vertices that move.
     targets
         ``(p,)`` K̄ of the pairs, NaN where no equation holds [1/L^2].
-    weights
-        ``(m,)`` of the bending of the faces.
     fold_length
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
     """
 
     def __init__(
-        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, targets: FloatArray, weights: FloatArray, fold_length: float
+        self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, targets: FloatArray, fold_length: float
     ):  # fmt: skip
-        self.mesh, self.drawing, self.weights = mesh, drawing, weights
+        self.mesh, self.drawing = mesh, drawing
         self.rows: IntArray = np.flatnonzero(np.isfinite(targets))
         self.targets = targets[self.rows]
         self.free: IntArray = np.concatenate([np.flatnonzero(free), np.arange(len(drawing), mesh.unknowns)])
@@ -83,6 +88,7 @@ class Lagrangian:
         areas = mesh.at(drawing, np.zeros(len(mesh.angles.ends))).areas
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
         self.pattern = _Pattern(self)
+        self.uneven = self.pattern.unevenness(self, areas)
 
     @property
     def size(self) -> int:
@@ -100,7 +106,9 @@ class Lagrangian:
         averages = self.mesh.averages(operators)
         T, A = averages.tensors[self.rows], averages.areas[self.rows]
         folds = self.folds(unknowns)
-        energy = float(self.weights @ operators.bending + 0.5 * (self._fold_weights @ folds**2))
+        S = operators.tensors / operators.areas[:, None]
+        uneven = EVENNESS * float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
+        energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2)) + uneven
         return State(unknowns, operators, energy, determinants(T) / A - self.targets * A)
 
     def folds(self, unknowns: FloatArray) -> FloatArray:
@@ -115,38 +123,50 @@ class Lagrangian:
 
     def model(self, state: State, multipliers: FloatArray) -> Model:
         """Return the Lagrangian to second order for multipliers (r,)."""
-        mesh, own = self.mesh, state.operators
-        T, A, w = own.tensors, own.areas, self.weights
-        by_tensor, by_area = (2.0 * w / A)[:, None] * OCCURRENCES * T, -w * own.bending / A
-        # By entries of T and A: the bending of a face is convex in both.
-        second = np.zeros((len(A), 7, 7))
-        second[:, range(6), range(6)] = (2.0 * w / A)[:, None] * OCCURRENCES
-        second[:, :6, 6] = second[:, 6, :6] = -by_tensor / A[:, None]
-        second[:, 6, 6] = 2.0 * w * own.bending / A**2
-        slopes = np.zeros((len(A), 7, 6))
-        slopes[:, :6], slopes[:, 6, :3] = own.tensor_slopes, own.area_slopes
-        convex = slopes.transpose(0, 2, 1) @ second @ slopes
-        gradient = np.einsum("me,mek->mk", by_tensor, own.tensor_slopes)
-        gradient[:, :3] += by_area[:, None] * own.area_slopes
+        own = state.operators
+        T, A = own.tensors, own.areas
+        S = T / A[:, None]
+        bent = 2.0 * OCCURRENCES * S
+        uneven = 2.0 * EVENNESS * OCCURRENCES * (self.uneven @ S) / A[:, None]
+        stretched = np.einsum("me,me->m", uneven, S)
+        by_tensor, by_area = bent + uneven, -own.bending / A - stretched
+        slopes = np.concatenate([own.tensor_slopes, np.pad(own.area_slopes, ((0, 0), (0, 3)))[:, None]], axis=1)
+        gradient = np.einsum("me,mek->mk", by_tensor, slopes[:, :6]) + by_area[:, None] * slopes[:, 6]
+        bending_curvature = _second(np.diag(2.0 * OCCURRENCES) / A[:, None, None], -bent / A[:, None], 2.0 * own.bending / A**2)
+        stretching = _second(np.zeros((len(A), 6, 6)), -uneven / A[:, None], 2.0 * stretched / A)
+        convex = slopes.transpose(0, 2, 1) @ bending_curvature @ slopes
 
-        averages = mesh.averages(own)
-        T, A = averages.tensors[self.rows], averages.areas[self.rows]
-        det, weight = determinants(T), multipliers[:, None]
-        row_by_tensor, row_by_area = (T @ DETERMINANT) / A[:, None], -det / A**2 - self.targets
-        curved = np.zeros((len(A), 7, 7))
-        curved[:, :6, :6] = DETERMINANT / A[:, None, None]
-        curved[:, :6, 6] = curved[:, 6, :6] = -row_by_tensor / A[:, None]
-        curved[:, 6, 6] = 2.0 * det / A**3
-        onto = mesh.incidence[self.rows].T
-        own_curved = own.second_derivatives(by_tensor + onto @ (weight * row_by_tensor), by_area + onto @ (multipliers * row_by_area))
+        averages = self.mesh.averages(own)
+        cell_T, cell_A = averages.tensors[self.rows], averages.areas[self.rows]
+        det = determinants(cell_T)
+        row_by_tensor, row_by_area = (cell_T @ DETERMINANT) / cell_A[:, None], -det / cell_A**2 - self.targets
+        row_curvature = _second(DETERMINANT / cell_A[:, None, None], -row_by_tensor / cell_A[:, None], 2.0 * det / cell_A**3)
+        onto = self.mesh.incidence[self.rows].T
+        weighed = multipliers[:, None] * row_by_tensor
+        curved = own.second_derivatives(by_tensor + onto @ weighed, by_area + onto @ (multipliers * row_by_area))
+        curved += slopes.transpose(0, 2, 1) @ stretching @ slopes
+        shape_slopes = (slopes[:, :6] - S[..., None] * slopes[:, 6:]) / A[:, None, None]
         rows = np.column_stack([row_by_tensor, row_by_area])
-        return self.pattern.model(self, state, gradient, convex, own_curved, slopes, rows, curved * weight[..., None])
+        parts = _Parts(gradient, convex, curved, slopes, shape_slopes, rows, multipliers[:, None, None] * row_curvature)
+        return self.pattern.model(self, state, parts)
 
     def fold_terms(self, unknowns: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
         """Return the derivative of the fold energy by all unknowns (u,), and columns (c, 2) and weights (c,) of its second one."""
         pull = (self._fold_weights * self.folds(unknowns))[:, None] * [1.0, -1.0]
         gradient = np.bincount(self._fold_columns.ravel(), pull.ravel(), len(unknowns)).astype(np.float64, copy=False)
         return gradient, self._fold_columns, self._fold_weights
+
+
+class _Parts(NamedTuple):
+    """What faces and equations contribute to a model."""
+
+    gradient: FloatArray  # (m, 6) of the energy
+    convex: FloatArray  # (m, 6, 6) second derivatives of bending that are never negative
+    curved: FloatArray  # (m, 6, 6) all others of a face
+    slopes: FloatArray  # (m, 7, 6) of the shape operator times the area, and of the area
+    shape_slopes: FloatArray  # (m, 6, 6) of the shape operator
+    rows: FloatArray  # (r, 7) derivatives of the residuals by sums of tensors and areas
+    row_curvature: FloatArray  # (r, 7, 7) their second derivatives times the multipliers
 
 
 class _Group(NamedTuple):
@@ -157,6 +177,7 @@ class _Group(NamedTuple):
     owned: FloatArray  # (g, k) 1 where the cell is the first of the face, which adds what belongs to the face itself
     row: IntArray  # (g,) equation, -1 without one
     width: int  # number of unknowns of a cell
+    even: Optional[FloatArray] = None  # (g, k, k) what shape operators of the faces differ from linear functions
 
 
 class _Pattern:
@@ -193,6 +214,23 @@ class _Pattern:
         self.diagonal, self.fold, self.within = cut[0], cut[1], np.concatenate(cut[2 : 2 + k])
         self.rows, self.columns = np.concatenate(cut[2 + k : 2 + 2 * k]), np.concatenate(cut[2 + 2 * k :])
 
+    def unevenness(self, lagrangian: Lagrangian, areas: FloatArray) -> sparse.csr_matrix:
+        """Return the quadratic form (m, m) of what values of faces differ from linear functions about every pair."""
+        mesh, V = lagrangian.mesh, lagrangian.drawing
+        m, centroids = len(mesh.faces), V[mesh.faces].mean(axis=1)
+        normals = face_normals(V, mesh.faces)
+        total = sparse.csr_matrix((m, m))
+        for at, group in enumerate(self.groups):
+            g, k = group.faces.shape
+            if k < LEAST_FACES:
+                continue
+            even = linear_residuals(group.faces, areas, centroids, normals)
+            self.groups[at] = group._replace(even=even)
+            square = even.transpose(0, 2, 1) @ even
+            rows, columns = np.repeat(group.faces, k, axis=1).ravel(), np.tile(group.faces, (1, k)).ravel()
+            total = total + sparse.csr_matrix((square.ravel(), (rows, columns)), shape=(m, m))
+        return total.tocsr()
+
     def matrix(self, model: Model, hessian: FloatArray, shift: float, regularisation: FloatArray) -> sparse.csr_matrix:
         """Return the saddle matrix with some second derivatives, a shift of theirs, and minus a regularisation (r,) below."""
         data = hessian + model.gradients
@@ -200,36 +238,34 @@ class _Pattern:
         data[self.diagonal[self.unknowns :]] -= regularisation
         return sparse.csr_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
 
-    def model(
-        self,
-        lagrangian: Lagrangian,
-        state: State,
-        gradient: FloatArray,
-        convex: FloatArray,
-        own_curved: FloatArray,
-        slopes: FloatArray,
-        rows: FloatArray,
-        curved: FloatArray,
-    ) -> Model:  # fmt: skip
-        """Sum up what faces (m, ...) and equations (r, ...) contribute."""
+    def model(self, lagrangian: Lagrangian, state: State, parts: _Parts) -> Model:
+        """Sum up what faces and equations contribute."""
         mesh, entries = lagrangian.mesh, len(self.indices)
         whole, fold_columns, fold_weights = lagrangian.fold_terms(state.unknowns)
-        whole = whole + np.bincount(mesh.columns.ravel(), gradient.ravel(), mesh.unknowns)
+        whole = whole + np.bincount(mesh.columns.ravel(), parts.gradient.ravel(), mesh.unknowns)
         plain, bent, lines = [], [], []
         for group in self.groups:
             g, k = group.faces.shape
             at = np.arange(g)[:, None]
             G = np.zeros((g, group.width, 7))
             C, H = np.zeros((2, g, group.width, group.width))
+            Z = np.zeros((g, k, 6, group.width)) if group.even is not None else None
             for j in range(k):
                 face, place = group.faces[:, j], group.places[:, j]
                 block = at[..., None], place[:, :, None], place[:, None, :]
-                C[block] += group.owned[:, j, None, None] * convex[face]
-                H[block] += group.owned[:, j, None, None] * own_curved[face]
-                G[at, place] += slopes[face].transpose(0, 2, 1)
+                C[block] += group.owned[:, j, None, None] * parts.convex[face]
+                H[block] += group.owned[:, j, None, None] * parts.curved[face]
+                G[at, place] += parts.slopes[face].transpose(0, 2, 1)
+                if Z is not None:
+                    Z[at, j, :, place] = parts.shape_slopes[face].transpose(0, 2, 1)
+            if Z is not None:
+                Z = (group.even @ Z.reshape(g, k, -1)).reshape(g, k, 6, group.width) * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
+                Z = Z.reshape(g, 6 * k, group.width)
+                C += Z.transpose(0, 2, 1) @ Z
             has = (group.row >= 0)[:, None]
-            H += np.where(has[..., None], (G @ np.where(has[..., None], curved[group.row], 0.0)) @ G.transpose(0, 2, 1), 0.0)
-            lines.append(np.where(has, np.einsum("gse,ge->gs", G, rows[group.row]), 0.0).ravel())
+            curvature = np.where(has[..., None], parts.row_curvature[group.row], 0.0)
+            H += G @ curvature @ G.transpose(0, 2, 1)
+            lines.append(np.where(has, np.einsum("gse,ge->gs", G, parts.rows[group.row]), 0.0).ravel())
             plain.append(C.ravel())
             bent.append(H.ravel())
         line = np.concatenate(lines)
@@ -279,3 +315,11 @@ def _keys(row: IntArray, column: IntArray, size: int) -> IntArray:
 def _summed(slots: IntArray, values: FloatArray, entries: int) -> FloatArray:
     """Return the sums of values by slot, without those of the slot -1."""
     return np.bincount(slots + 1, values, entries + 1)[1:].astype(np.float64, copy=False)
+
+
+def _second(tensors: FloatArray, mixed: FloatArray, areas: FloatArray) -> FloatArray:
+    """Return second derivatives (k, 7, 7) by six entries of a tensor and an area from their blocks (k, 6, 6), (k, 6) and (k,)."""
+    whole = np.empty((len(areas), 7, 7))
+    whole[:, :6, :6], whole[:, 6, 6] = tensors, areas
+    whole[:, :6, 6] = whole[:, 6, :6] = mixed
+    return whole

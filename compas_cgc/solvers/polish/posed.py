@@ -37,7 +37,7 @@ def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
     V, F, regions = problem.vertices, problem.faces, problem.regions()
     mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(V, F))
     size = math.sqrt(float(face_areas(V, F).sum()))
-    return Lagrangian(mesh, V, problem.movable, pair_targets(problem, mesh), np.ones(len(F)), fold_length * size)
+    return Lagrangian(mesh, V, problem.movable, pair_targets(problem, mesh), fold_length * size)
 
 
 def move_directions(vertices: FloatArray, faces: IntArray) -> FloatArray:

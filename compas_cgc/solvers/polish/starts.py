@@ -36,8 +36,8 @@ class _Plate:
 
     def response(self, own: FloatArray) -> FloatArray:
         """Return the step (q,) that curvature of its own (m, 6) [1/L] causes."""
-        mesh, operators, w = self.lagrangian.mesh, self.here.operators, self.lagrangian.weights
-        pull = np.einsum("me,mek->mk", (2.0 * w)[:, None] * OCCURRENCES * own, operators.tensor_slopes)
+        mesh, operators = self.lagrangian.mesh, self.here.operators
+        pull = np.einsum("me,mek->mk", 2.0 * OCCURRENCES * own, operators.tensor_slopes)
         whole = np.asarray(np.bincount(mesh.columns.ravel(), pull.ravel(), mesh.unknowns), dtype=np.float64)
         return self._solver.solve(whole[self.lagrangian.free])
 
@@ -47,7 +47,7 @@ class _Plate:
         whole = np.zeros(mesh.unknowns)
         whole[self.lagrangian.free] = step
         change = np.einsum("mek,mk->me", operators.tensor_slopes, whole[mesh.columns]) / operators.areas[:, None]
-        return np.sqrt((self.lagrangian.weights * operators.areas)[:, None] * OCCURRENCES) * (change - own)
+        return np.sqrt(operators.areas[:, None] * OCCURRENCES) * (change - own)
 
 
 def starts(lagrangian: Lagrangian) -> Iterator[State]:
