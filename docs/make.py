@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import drawings
 import numpy as np
@@ -27,6 +29,7 @@ from compas_cgc.plot import draw_shape
 from compas_cgc.plot import draw_zebra
 from compas_cgc.plot import moulds_figure
 from compas_cgc.plot import save
+from compas_cgc.rationalisation import panels_figure
 from compas_cgc.solvers.run import solve
 
 DOCS = Path(__file__).parent
@@ -46,6 +49,14 @@ def put_table(page: Path, rows: list[str]) -> None:
     """Replace the table between the two marks of a page."""
     before, _, rest = page.read_text(encoding="utf-8").partition("<!-- table -->\n")
     write_text(page, before + "<!-- table -->\n" + "\n".join(rows) + "\n<!-- end -->" + rest.partition("<!-- end -->")[2])
+
+
+def freeform() -> None:
+    """Draw the panels of the tutorial on freeform designs, with its own code."""
+    code = re.findall(r"```python\n(.*?)```", (DOCS / "tutorials" / "freeform.md").read_text(encoding="utf-8"), re.DOTALL)[:2]
+    names: dict[str, Any] = {}
+    exec("\n".join(code), names)
+    save(panels_figure(names["found"]), DOCS / "images" / "freeform.png")
 
 
 def reproduction() -> None:
@@ -231,7 +242,7 @@ def samples() -> None:
         write(DOCS.parent / "compas_cgc" / "_sample_files" / f"{name}.3dm", mesh)
 
 
-PARTS = (fairness, convention, moulds, goals, courts, reproduction)
+PARTS = (fairness, convention, moulds, goals, courts, freeform, reproduction)
 
 if __name__ == "__main__":
     for part in [*map(globals().get, sys.argv[1:])] or PARTS:

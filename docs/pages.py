@@ -42,6 +42,7 @@ PAGES = {
     "meshing": ("Arrays in, arrays out: topology, checks, meshes from curves.", ["compas_cgc.meshing"]),
     "discrete": ("Arrays in, arrays out: discrete differential geometry.", ["compas_cgc.discrete"]),
     "linalg": ("Sparse linear systems.", ["compas_cgc.linalg"]),
+    "rationalisation": ("From a freeform design to panels on few moulds.", ["compas_cgc.rationalisation"]),
     "study": ("Many variants of a drawing.", ["compas_cgc.study"]),
     "client": ("The client of the server: standard library only.", ["compas_cgc.client"]),
     "server": ("The server as a WSGI application.", ["compas_cgc.server"]),

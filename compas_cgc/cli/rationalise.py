@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Callable
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +25,7 @@ from .exits import ROUGH
 
 if TYPE_CHECKING:
     from ..rationalisation import Rationalised
+    from ..rationalisation.design import Design
     from ..rationalisation.run import Progress
     from ..rationalisation.seams import SeamsInput
 
@@ -72,6 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--edges", type=int, metavar="N", help="edges of the mesh along the side of a panel (default: 4 or more)")
     parser.add_argument("--tolerance", metavar="D", help="largest distance of a smooth surface fitted to a mesh (default: the file's)")
     parser.add_argument("--report", metavar="JSON", help="write moulds, distances and folds as JSON")
+    parser.add_argument("--sweep", type=int, nargs="*", metavar="N", help="write distances for these numbers of moulds to OUT.csv and .png")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     parser.set_defaults(run=run)
 
@@ -120,6 +123,9 @@ def run(arguments: argparse.Namespace) -> int:
     echo(found.summary)
     for path in _write(arguments, found):
         echo(f"wrote {path}")
+    if arguments.sweep is not None and not found.cancelled:
+        for path in _write_sweep(arguments, design, echo):
+            echo(f"wrote {path}")
     if found.cancelled:
         return INTERRUPTED
     if not found.kept:
@@ -187,6 +193,33 @@ def _write(arguments: argparse.Namespace, found: Rationalised) -> list[Path]:
             raise FileError(f"{arguments.report} cannot be written ({error.strerror}); {output} was written") from None
         written.append(Path(arguments.report))
     return written
+
+
+def _write_sweep(arguments: argparse.Namespace, design: Design, echo: Callable[[str], None]) -> list[Path]:
+    """Write the table and the picture of distances for several numbers of moulds."""
+    from .._atomic_write import write_text
+    from ..plot import save
+    from ..rationalisation import sweep
+    from ..rationalisation.sweep import MOULDS
+
+    units = design.drawing.units
+    with interruptible() as cancelled:
+        found = sweep(
+            design,
+            arguments.sweep or MOULDS,
+            panel=None if arguments.panel is None else length(arguments.panel, units, "--panel"),
+            seams=_seams(arguments.seams),
+            flat=arguments.flat,
+            supports=arguments.supports,
+            edges=arguments.edges,
+            callback=lambda state: cancelled.is_set(),
+        )
+    echo(str(found))
+    rows = found.rows()
+    table = "\n".join([",".join(rows[0]), *(",".join(str(value) for value in row.values()) for row in rows)]) + "\n"
+    output = Path(arguments.output)
+    write_text(output.with_suffix(".csv"), table)
+    return [output.with_suffix(".csv"), save(found.figure(), output.with_suffix(".png"))]
 
 
 class _Line:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import compas_cgc
-from compas_cgc.fabrication import mould
+from compas_cgc.fabrication import moulds
+from compas_cgc.fabrication import panels
 from compas_cgc.rationalisation import read_design
 
 from ..support.freeform import bumpy
@@ -36,6 +36,6 @@ def test_640_panels_on_eight_moulds():
 
 def test_every_panel_lies_on_its_mould():
     found = compas_cgc.rationalise(mesh_over(bumpy("soft", 0)), panel=2.5, moulds=4)
-    report = mould(found.result, count=1)
-    gaps = [fit.gap for own in report.moulds for fit in own.panels]
-    assert len(gaps) == 160 and np.max(gaps) <= 1e-12
+    report = moulds(found.result, panels(found.result, count=1))
+    gaps = [fit.gap for fit in report.panels]
+    assert len(gaps) == 160 and max(gaps) <= 1e-9, "millimetres"

@@ -1,0 +1,83 @@
+"""Picture of a rationalised design: its panels by mould, and its distance from the design."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..meshing.boundary import boundary_loops
+from .result import Rationalised
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["panels_figure"]
+
+
+def panels_figure(found: Rationalised) -> Figure:
+    """Return a picture of the panels in the colours of their moulds, beside a map of the signed distance from the design.
+
+    The design is seen along the direction that most of it faces.
+
+    Parameters
+    ----------
+    found
+        A rationalised design.
+
+    Raises
+    ------
+    CGCError
+        If matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from compas_cgc.plot import save
+    >>> save(panels_figure(found), "panels.png")  # doctest: +SKIP
+    """
+    from ..plot.colours import PALETTE
+    from ..plot.colours import diverging_map
+    from ..plot.colours import limit_above
+    from ..plot.output import matplotlib_module
+    from ..plot.output import new_figure
+
+    V, F = found.result.vertices, found.result.problem.faces
+    plane = V @ _axes(V, F).T
+    width, height = np.ptp(plane[:, :2], axis=0)
+    figure = new_figure(12.0, min(9.0, 1.2 + 5.4 * height / max(width, 1e-12)))
+    colours = matplotlib_module("colors")
+    lines = [plane[seam, :2] for seam in found.panelling.seams] + [plane[np.append(loop, loop[0]), :2] for loop in boundary_loops(F)]
+    count = len(found.curvatures)
+    shades = colours.ListedColormap([PALETTE[k % len(PALETTE)] for k in range(count)])
+    limit = limit_above(found.distance.signed)
+    unit = found.design.drawing.units
+    for k in range(2):
+        axes = figure.add_subplot(1, 2, k + 1)
+        axes.set_aspect("equal")
+        axes.set_axis_off()
+        if k == 0:
+            values = found.classes[found.panels].astype(np.float64)
+            drawn = axes.tripcolor(*plane[:, :2].T, F, facecolors=values, cmap=shades, vmin=-0.5, vmax=count - 0.5)
+            bar = figure.colorbar(drawn, ax=axes, ticks=range(count), shrink=0.7)
+            bar.ax.set_yticklabels([f"{K:.3g}" for K in found.curvatures])
+            axes.set_title("K of the mould" + (f" [1/{unit.casefold()}²]" if unit else ""), fontsize=10)
+        else:
+            scale = {"cmap": diverging_map(), "vmin": -limit, "vmax": limit, "shading": "gouraud"}
+            drawn = axes.tripcolor(*plane[:, :2].T, F, found.distance.signed, **scale)
+            figure.colorbar(drawn, ax=axes, shrink=0.7)
+            axes.set_title("distance from the design" + (f" [{unit.casefold()}]" if unit else ""), fontsize=10)
+        axes.add_collection(matplotlib_module("collections").LineCollection(lines, colors="#1a1a1a", linewidths=0.5))
+    figure.tight_layout()
+    return figure
+
+
+def _axes(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return two directions across the view and the one towards the viewer (3, 3)."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    facing = np.cross(b - a, c - a).sum(axis=0)
+    length = float(np.linalg.norm(facing))
+    normal = facing / length if length > 0.0 else np.array([0.0, 0.0, 1.0])
+    side = np.array([1.0, 0.0, 0.0]) if abs(normal[2]) > 0.7 else np.cross([0.0, 0.0, 1.0], normal)
+    side = side - (side @ normal) * normal
+    side = side / np.linalg.norm(side)
+    return np.array([side, np.cross(normal, side), normal])
