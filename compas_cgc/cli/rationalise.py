@@ -14,7 +14,6 @@ from typing import Optional
 from typing import Union
 
 from ..errors import CGCError
-from ..errors import FileError
 from .console import bar
 from .console import interruptible
 from .console import printer
@@ -170,28 +169,27 @@ def length(text: str, units: Union[str, None], name: str) -> float:
 
 def _write(arguments: argparse.Namespace, found: Rationalised) -> list[Path]:
     """Write the surface and the report."""
+    from .._atomic_write import published_together
     from .._atomic_write import write_text
     from .._version import __version__
     from ..io import write
 
     output = Path(arguments.output)
     record = {"version": __version__, "input": Path(arguments.input).name, **found.to_dict()}
-    if output.suffix.lower() == ".3dm":
-        from ..io.rhino.panel_layers import PanelClasses
-        from ..io.rhino.panel_layers import write_panels
-
-        source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
-        classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
-        write_panels(output, found.result, classes, {"compas_cgc.rationalised": json.dumps(record)}, source)
-    else:
-        write(output, found.result)
     written = [output]
-    if arguments.report:
-        try:
+    with published_together():
+        if output.suffix.lower() == ".3dm":
+            from ..io.rhino.panel_layers import PanelClasses
+            from ..io.rhino.panel_layers import write_panels
+
+            source = arguments.input if Path(arguments.input).suffix.lower() == ".3dm" else None
+            classes = PanelClasses(found.panels, found.classes, found.curvatures, found.distance.signed)
+            write_panels(output, found.result, classes, {"compas_cgc.rationalised": json.dumps(record)}, source)
+        else:
+            write(output, found.result)
+        if arguments.report:
             write_text(arguments.report, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-        except OSError as error:
-            raise FileError(f"{arguments.report} cannot be written ({error.strerror}); {output} was written") from None
-        written.append(Path(arguments.report))
+            written.append(Path(arguments.report))
     return written
 
 
@@ -200,7 +198,7 @@ def _write_sweep(arguments: argparse.Namespace, design: Design, echo: Callable[[
     from .._atomic_write import write_text
     from ..plot import save
     from ..rationalisation import sweep
-    from ..rationalisation.sweep import MOULDS
+    from ..rationalisation.mould_sweep import MOULDS
 
     units = design.drawing.units
     with interruptible() as cancelled:

@@ -1,7 +1,7 @@
 from .design import read_design as read_design
+from .mould_sweep import Sweep as Sweep
+from .mould_sweep import sweep as sweep
 from .picture import panels_figure as panels_figure
 from .result import Rationalised as Rationalised
 from .run import rationalise as rationalise
 from .spline_surface import SplineSurface as SplineSurface
-from .sweep import Sweep as Sweep
-from .sweep import sweep as sweep

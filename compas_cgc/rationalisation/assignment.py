@@ -69,6 +69,8 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     for number, start in enumerate(starts):
         here, trust = start, max(1, round(TRUST * moves.panels))
         for taken in range(ROUNDS):
+            if not here.norm:
+                break
             linear = moves.linearised(here.moves, here.assigned.K)
             tried = search(linear, moves.mass, here.assigned, trust)
             there = _solved(moves, tried, linear.at(tried.K))

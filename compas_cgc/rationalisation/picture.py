@@ -43,6 +43,7 @@ def panels_figure(found: Rationalised) -> Figure:
 
     V, F = found.result.vertices, found.result.problem.faces
     plane = V @ _axes(V, F).T
+    triangles = matplotlib_module("tri").Triangulation(plane[:, 0], plane[:, 1], F)
     width, height = np.ptp(plane[:, :2], axis=0)
     figure = new_figure(12.0, min(9.0, 1.2 + 5.4 * height / max(width, 1e-12)))
     colours = matplotlib_module("colors")
@@ -57,16 +58,18 @@ def panels_figure(found: Rationalised) -> Figure:
         axes.set_axis_off()
         if k == 0:
             values = found.classes[found.panels].astype(np.float64)
-            drawn = axes.tripcolor(*plane[:, :2].T, F, facecolors=values, cmap=shades, vmin=-0.5, vmax=count - 0.5)
+            drawn = axes.tripcolor(triangles, facecolors=values, cmap=shades, vmin=-0.5, vmax=count - 0.5)
             bar = figure.colorbar(drawn, ax=axes, ticks=range(count), shrink=0.7)
             bar.ax.set_yticklabels([f"{K:.3g}" for K in found.curvatures])
             axes.set_title("K of the mould" + (f" [1/{unit.casefold()}²]" if unit else ""), fontsize=10)
         else:
-            scale = {"cmap": diverging_map(), "vmin": -limit, "vmax": limit, "shading": "gouraud"}
-            drawn = axes.tripcolor(*plane[:, :2].T, F, found.distance.signed, **scale)
-            figure.colorbar(drawn, ax=axes, shrink=0.7)
+            field = axes.tripcolor(triangles, found.distance.signed, cmap=diverging_map(), vmin=-limit, vmax=limit, shading="gouraud")
+            figure.colorbar(field, ax=axes, shrink=0.7)
             axes.set_title("distance from the design" + (f" [{unit.casefold()}]" if unit else ""), fontsize=10)
-        axes.add_collection(matplotlib_module("collections").LineCollection(lines, colors="#1a1a1a", linewidths=0.5))
+        drawn_lines = matplotlib_module("collections").LineCollection(lines, colors="#1a1a1a", linewidths=0.5)
+        # Snapped to pixels, single segments of a smooth seam would jump.
+        drawn_lines.set_snap(False)
+        axes.add_collection(drawn_lines)
     figure.tight_layout()
     return figure
 

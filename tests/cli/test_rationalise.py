@@ -1,0 +1,67 @@
+"""``compas-cgc rationalise``: a design in, panels on moulds out."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from compas_cgc import read
+from compas_cgc.cli.main import main
+from compas_cgc.cli.rationalise import length
+from compas_cgc.errors import CGCError
+from compas_cgc.io import write
+from compas_cgc.io.rhino.archive import list_items
+from compas_cgc.io.rhino.archive import read_archive
+from compas_cgc.model.problem import CGCProblem
+
+from ..support.freeform import mesh_over
+
+
+@pytest.fixture
+def design(tmp_path):
+    vertices, quads = mesh_over(lambda x, y: 1.0 - 0.03 * (x - 4.0) ** 2 - 0.04 * (y - 2.0) ** 2, 8.0, 4.0, 0.25)
+    triangles = [triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]
+    path = tmp_path / "roof.3dm"
+    write(path, CGCProblem(vertices, triangles))
+    return path
+
+
+def test_a_design_becomes_panels_with_a_report_and_is_read_by_the_mould_command(design, tmp_path):
+    out, report = tmp_path / "panels.3dm", tmp_path / "panels.json"
+    code = main(
+        ["rationalise", str(design), "-o", str(out), "--panel", "2", "--edges", "4", "--moulds", "2", "--report", str(report), "-q"]
+    )
+    record = json.loads(report.read_text(encoding="utf-8"))
+    assert code == 0 and record["status"] == "kept"
+    assert len(record["curvatures"]) == 2 and sum(record["panels_per_class"]) == record["panels"] == 8
+    assert 0.0 < record["distance"]["rms"] < record["distance"]["max"] < 0.05
+    layers = [item.layer for item in list_items(read_archive(out))]
+    assert sum(layer.startswith("CGC Rationalised::Moulds::") for layer in layers) == 8
+    assert "CGC Rationalised::Distance" in layers and "CGC Rationalised::Seams" in layers
+    moulds = tmp_path / "moulds.json"
+    command = ["mould", str(out), "-o", str(tmp_path / "moulds.3dm"), "--count", "1", "--no-page", "--report", str(moulds), "-q"]
+    assert main(command) == 0
+    gaps = [panel["gap"] for panel in json.loads(moulds.read_text(encoding="utf-8"))["panels"]]
+    assert len(gaps) == 8 and max(gaps) < 1e-9
+    assert read(out) is not None
+
+
+def test_a_distance_that_is_exceeded_has_an_exit_code_and_a_suggestion(design, tmp_path, capsys):
+    out = tmp_path / "panels.3dm"
+    code = main(["rationalise", str(design), "-o", str(out), "--panel", "4", "--edges", "4", "--moulds", "1", "--within", "1mm"])
+    assert code == 1 and out.exists()
+    assert "try" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "value"), [("30mm", "Meters", 0.03), ("2.5", "Millimeters", 2.5), ("2.5 m", "Millimeters", 2500.0)]
+)
+def test_lengths_have_units(text, units, value):
+    assert length(text, units, "--panel") == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["x", "-1", "3 miles", "inf", ""])
+def test_lengths_that_are_not_understood_are_refused(text):
+    with pytest.raises(CGCError, match="--panel"):
+        length(text, "Meters", "--panel")
