@@ -258,10 +258,10 @@ class _Pattern:
                 G[at, place] += parts.slopes[face].transpose(0, 2, 1)
                 if Z is not None:
                     Z[at, j, :, place] = parts.shape_slopes[face].transpose(0, 2, 1)
-            if Z is not None:
-                Z = (group.even @ Z.reshape(g, k, -1)).reshape(g, k, 6, group.width) * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
-                Z = Z.reshape(g, 6 * k, group.width)
-                C += Z.transpose(0, 2, 1) @ Z
+            if Z is not None and group.even is not None:
+                departure = (group.even @ Z.reshape(g, k, -1)).reshape(g, k, 6, -1) * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
+                square_root = departure.reshape(g, 6 * k, group.width)
+                C += square_root.transpose(0, 2, 1) @ square_root
             has = (group.row >= 0)[:, None]
             curvature = np.where(has[..., None], parts.row_curvature[group.row], 0.0)
             H += G @ curvature @ G.transpose(0, 2, 1)
