@@ -73,7 +73,7 @@ def chart_of(vertices: FloatArray, faces: IntArray) -> Chart:
         return Chart(np.zeros(3), np.array([side, np.cross(normal, side), normal]))
     raise MeshError(
         "the design does not lie over a plane, such as a roof over its plan or a facade over its elevation; "
-        "give a NURBS surface, or a mesh of quads whose faces are the panels"
+        "give a NURBS surface, or divide the design into parts that each lie over a plane"
     )
 
 
