@@ -61,7 +61,7 @@ def read_obj(path: Path, tolerance: float = 0.0) -> ReadProblem:
             raise _unreadable(path, number, line, str(error)) from None
     wrong = next((own for own in elements if any(not 0 <= v < len(vertices) for v in own[3])), None)
     if wrong is not None:
-        raise _unreadable(path, wrong[0], wrong[1], f"there are {len(vertices)} vertices")
+        raise _unreadable(path, wrong[0], wrong[1], f"the vertex does not exist; there are {len(vertices)}")
     values = np.full(len(vertices), np.nan)
     for _, _, word, index, target in elements:
         if word == "f" and target is not None:

@@ -89,7 +89,7 @@ def _by_rows(rows: Rows, n: int, m: int, layout: _Layout) -> tuple[list[list[flo
         size, *words = rows.row()
         corners = int(size)
         if corners < 0 or len(words) - corners not in COLOURS:
-            raise ValueError(f"the face announces {corners} corners, and {len(words)} numbers follow")
+            raise ValueError(f"the face declares {corners} corners, and {len(words)} numbers follow")
         faces.append([int(word) for word in words[:corners]])
     return vertices, faces
 

@@ -174,7 +174,7 @@ def _text_rows(cursor: Cursor, rows: Rows, elements: list[_Element]) -> list[dic
 def _next(words: Iterator[str]) -> str:
     word = next(words, None)
     if word is None:
-        raise ValueError("the row has fewer values than the header announces")
+        raise ValueError("the row has fewer values than the header declares")
     return word
 
 

@@ -117,7 +117,7 @@ class Rows:
         return self._cursor.count(self.integer(), 1, what)
 
     def refuse_rest(self) -> None:
-        """Refuse numbers after all that the file announces.
+        """Refuse numbers after all that the file declares.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Rows:
         """
         rest = sum(len(words) for _, words in self._rows[self._row :]) - self._word
         if rest > 0:
-            raise ValueError(f"{rest} numbers are left over after all the file announces")
+            raise ValueError(f"{rest} numbers are left over after all the file declares")
 
     def _end_row(self) -> None:
         if self._word >= len(self._rows[self._row][1]):

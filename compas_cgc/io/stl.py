@@ -44,7 +44,7 @@ def read_stl(path: Path, tolerance: float = 0.0) -> ReadProblem:
     elif is_text:
         corners = _text_corners(path, data)
     elif count > 0:
-        raise FileError(f"{path} announces {count} triangles and holds {(len(data) - 84) // 50}; export it again")
+        raise FileError(f"{path} declares {count} triangles and holds {(len(data) - 84) // 50}; export it again")
     else:
         raise FileError(f"{path} is not a complete .stl file; export it again")
     faces = np.arange(len(corners)).reshape(-1, 3).tolist()

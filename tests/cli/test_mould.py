@@ -113,7 +113,7 @@ def test_a_file_without_targets_takes_them_by_region(result, tmp_path, capsys):
         (["--size", "0"], "the size of panels must be a positive length"),
         (["--size", "1", "--material", "cheese"], "there is no material 'cheese'"),
         (["--size", "1", "--target", "1.0"], "the surface is rough"),
-        (["--curves", "Nowhere"], "there are no curves on the layer 'Nowhere'"),
+        (["--curves", "Nowhere"], "the layer 'Nowhere' has no curves"),
         (["--size", "1", "--along", "laths"], "along must be one of plan, curvature"),
         (["--size", "1", "--target", "wide"], "--target must be a number or REGION=NUMBER"),
     ],

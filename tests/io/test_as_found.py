@@ -91,15 +91,15 @@ REFUSED = {
     "comma.obj": ("v 0,5 0 0\n", "line 1: .*decimal comma"),
     "target.obj": ("g K = soft\n", "line 1: .*'soft' is not a number"),
     "zero.obj": ("v 0 0 0\nf 0 1 1\n", "line 2: .*vertices count from 1"),
-    "missing.obj": ("f 1 2 3\nv 0 0 0\n", "line 1: .*there are 1 vertices"),
-    "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face announces 3 corners, and 2 numbers follow"),
+    "missing.obj": ("f 1 2 3\nv 0 0 0\n", "line 1: .*the vertex does not exist; there are 1"),
+    "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face declares 3 corners, and 2 numbers follow"),
     "short.off": (OFF["plain"].replace("\n3 3 0 4", ""), "the file ends too early"),
     "long.off": (OFF["all in one row"] + " 7", "1 numbers are left over"),
     "binary.off": ("OFF BINARY\n5 4 0\n", "binary .off"),
     "plane.off": ("nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "not three-dimensional"),
-    "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 17 .*fewer values than the header announces"),
+    "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 17 .*fewer values than the header declares"),
     "names.ply": (PLY["plain"].replace("vertex_indices", "corners"), "no vertex_indices, but corners"),
-    "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "announces 3 triangles and holds 2"),
+    "short.stl": (b"\0" * 80 + (3).to_bytes(4, "little") + b"\0" * 100, "declares 3 triangles and holds 2"),
 }
 
 

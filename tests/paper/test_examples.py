@@ -146,7 +146,7 @@ def test_table_2(n, error, size):
 def test_unknown_examples_are_refused_in_words():
     with pytest.raises(ValueError, match="Examples 1 to 7"):
         examples_of(8)
-    with pytest.raises(ValueError, match="Example 7 has no variant 'z'; it has 'a', 'b'"):
+    with pytest.raises(ValueError, match="Example 7 has no variant 'z'; its variants are 'a', 'b'"):
         examples_of(7, "z")
 
 

@@ -36,7 +36,7 @@ def test_arguments_of_solve(result, named, said):
 
 
 def test_a_method_needs_its_name(result):
-    with pytest.raises(TypeError, match="write method="):
+    with pytest.raises(TypeError, match="pass the others by name, such as method="):
         solve(result.mesh, "flow")
 
 

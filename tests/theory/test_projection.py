@@ -116,7 +116,7 @@ def test_the_surface_is_nearly_the_nearest_of_all():
         cost,
         start,
         jac=lambda x: metric @ (x - start),
-        goals={
+        constraints={
             "type": "eq",
             "fun": lambda x: equations.residual(shape(x)),
             "jac": lambda x: equations.jacobian(shape(x)).toarray(),
