@@ -25,6 +25,11 @@ def panels_figure(found: Rationalised) -> Figure:
     found
         A rationalised design.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panels on the left, distances [L] on the right.
+
     Raises
     ------
     CGCError
