@@ -201,7 +201,6 @@ def test_an_oculus_kept_level_and_round_by_one_goal():
     assert np.abs(found.vertices[ring, 2] - 1.5).max() < 1e-11
 
 
-@pytest.mark.nightly
 def test_a_facade_near_its_plane():
     """Twelve by six panels with K of either sign in turn, upright."""
     per, nx, ny = 3, 12, 6
