@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import hypothesis
@@ -47,3 +48,13 @@ def proxy():
 
     with running_rpc() as running:
         yield running
+
+
+@pytest.fixture
+def small_pictures(monkeypatch):
+    """Draw pictures small and with few directions of light: their size and shading are tested in tests/plot."""
+    from compas_cgc.plot import studio_light
+
+    monkeypatch.setitem(inspect.unwrap(studio_light.studio).__kwdefaults__, "width", 200)
+    for name, few in (("SKIES", 2), ("SUNS", 1), ("SHADOW_PIXELS", 20)):
+        monkeypatch.setattr(studio_light, name, few)

@@ -103,7 +103,7 @@ def test_every_format_goes_out_and_comes_in_again(dome, tmp_path, suffix, capsys
     assert "in 0 steps" in capsys.readouterr().out
 
 
-def test_a_picture_is_drawn_beside_the_surface(dome, tmp_path, capsys):
+def test_a_picture_is_drawn_beside_the_surface(dome, small_pictures, tmp_path, capsys):
     from PIL import Image
 
     solving = ("solve", dome, "-o", tmp_path / "roof.json", "--target", "0.01")

@@ -23,7 +23,6 @@ from compas_cgc.fabrication import panels
 from compas_cgc.plot import Curve
 from compas_cgc.plot import Shape
 from compas_cgc.plot import history_figure
-from compas_cgc.plot import studio_light
 from compas_cgc.study import Study
 
 # Components are documented on the canvas, commands by their help.
@@ -192,10 +191,8 @@ def test_every_public_name_is_documented():
     assert {name: faults(value) for name, value in PUBLIC.items() if faults(value)} == {}
 
 
-def test_wrong_arguments_get_a_sentence(fitting, tmp_path, monkeypatch):
+def test_wrong_arguments_get_a_sentence(fitting, small_pictures, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name, few in (("SKIES", 2), ("SUNS", 1), ("SHADOW_PIXELS", 20)):
-        monkeypatch.setattr(studio_light, name, few)
     found = {
         f"{name}: {what}": repr(error)
         for name, value in SWEPT.items()

@@ -25,6 +25,7 @@ from compas_cgc.cli.exits import INCOMPLETE
 from compas_cgc.cli.exits import REFUSED
 from compas_cgc.errors import FileError
 
+pytestmark = pytest.mark.usefixtures("small_pictures")
 NAMES = ("surface.obj", "report.json", "picture.svg")
 
 # Publishes three files, and kills itself at a call of a function of the operating system.

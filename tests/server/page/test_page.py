@@ -54,9 +54,11 @@ def make_client():
         app.extensions["jobs"].close()
 
 
-@pytest.fixture
-def client(make_client):
-    return make_client()
+@pytest.fixture(scope="module")
+def client():
+    app = create_app(executor=ThreadPoolExecutor(1))
+    yield app.test_client()
+    app.extensions["jobs"].close()
 
 
 def nine_regions(K=0.01):
