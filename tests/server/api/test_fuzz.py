@@ -30,7 +30,7 @@ from ...support.shapes import grid
 
 FUZZ = int(os.environ.get("FUZZ_EXAMPLES", 0))
 SETTINGS = settings(
-    max_examples=FUZZ or 60,
+    max_examples=FUZZ or 20,
     derandomize=not FUZZ,
     database=None,
     deadline=None,
