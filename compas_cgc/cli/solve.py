@@ -131,6 +131,8 @@ def run(arguments: argparse.Namespace) -> int:
         for sentence in change.sentences():
             echo(sentence)
     failures: list[Exception] = []
+    code = DONE
+    lines: list[str] = []
     try:
         # The surface comes first: if it cannot be written, no other output is.
         with published_together():

@@ -69,7 +69,7 @@ def curvature_changes(surface: Surface, on_form: FloatArray, places: FloatArray,
     own = np.einsum("fik,fckl,fjl->fcij", edges, operators, edges)
     lower = np.linalg.inv(np.linalg.cholesky(first))[:, None]
     changes = np.linalg.eigvalsh(lower @ (own - surface.second_forms(on_form, first)) @ lower.transpose(0, 1, 3, 2))
-    return np.take_along_axis(changes, np.argsort(-np.abs(changes), axis=2, kind="stable"), axis=2)
+    return np.asarray(np.take_along_axis(changes, np.argsort(-np.abs(changes), axis=2, kind="stable"), axis=2), dtype=np.float64)
 
 
 def plate_stress(material: Material, thickness: float, changes: FloatArray) -> FloatArray:

@@ -169,7 +169,10 @@ def _loads(case: LoadCase, cases: Sequence[LoadCase], thickness: float) -> list[
         lines += ["*DLOAD", f"SURFACE, GRAV, {_numbers([case.weight / thickness])}, 0.0, 0.0, -1.0"]
     rows, columns = np.nonzero(case.forces)
     lines += ["*CLOAD, OP=NEW"] if any(len(own.forces) for own in cases) else []
-    return lines + [f"{i + 1}, {k + 1}, {_numbers([case.forces[i, k]])}" for i, k in zip(rows.tolist(), columns.tolist())]
+    return lines + [
+        f"{i + 1}, {k + 1}, {_numbers([force])}"
+        for i, k, force in zip(rows.tolist(), columns.tolist(), case.forces[rows, columns].tolist())
+    ]
 
 
 def _set(kind: str, name: str, members: IntArray) -> list[str]:

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ..discrete.arrays import FloatArray
+from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 
 __all__ = ["SplineSurface"]
@@ -149,18 +150,18 @@ class SplineSurface:
             found[order] = numerator / weights[0, 0]
         return [found[order] for order in orders]
 
-    def _windows(self, values: FloatArray, axis: int, highest: int) -> list[tuple[FloatArray, FloatArray]]:
+    def _windows(self, values: FloatArray, axis: int, highest: int) -> list[tuple[FloatArray, IntArray]]:
         """Return, for every order of derivative, the values (k, p + 1) of the basis functions that are not zero, and their numbers."""
         knots, degree = self.knots[axis], self.degrees[axis]
         inside = np.clip(values, *self.domain[axis])
         last = len(knots) - degree - 2
         span = np.clip(np.searchsorted(knots, inside, side="right") - 1, degree, last)
-        numbers = span[:, None] + np.arange(-degree, 1)
+        numbers = np.asarray(span[:, None] + np.arange(-degree, 1), dtype=np.int64)
         count = len(knots) - degree - 1
         basis = BSpline(knots, np.eye(count), degree)
         return [(np.take_along_axis(basis(inside, nu=order), numbers, axis=1), numbers) for order in range(highest + 1)]
 
-    def _sum(self, first: tuple[FloatArray, FloatArray], second: tuple[FloatArray, FloatArray]) -> FloatArray:
+    def _sum(self, first: tuple[FloatArray, IntArray], second: tuple[FloatArray, IntArray]) -> FloatArray:
         """Return the sums (k, 4) of control points with the products of two sets of basis functions."""
         (one, i), (other, j) = first, second
         net = self.control[i[:, :, None], j[:, None, :]]

@@ -330,7 +330,7 @@ class Jobs:
         free = self.store.free()
         if free is not None and free < self.limits.free:
             problems.append(f"the disk has {free / 2**20:.0f} MB left, {self.limits.free / 2**20:.0f} MB are needed")
-        health: dict = self.executor.health() if hasattr(self.executor, "health") else {}
+        health: dict = getattr(self.executor, "health", dict)()
         if health and health["starting"] >= health["workers"]:
             problems.append("no worker is running")
         return problems
