@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 
 __all__ = ["add_arguments", "run"]
 
+PICTURE_WIDTH = 1000  # pixels; the time of shading grows with the area
+
 UNFINISHED = ("step_limit", "stalled", "cancelled")  # statuses whose surface is worth keeping
 PICTURES = ("regions", "K", "zebra")
 
@@ -183,7 +185,7 @@ def _draw(path: str, of: str, result: SolveResult) -> Path:
     shape = (problem.vertices, problem.faces, problem.roles, problem.creases)
     if of == "zebra":
         return save(cast("Figure", draw_zebra(*shape).figure), path)
-    return save(studio(*shape, curvature=result.curvature if of == "K" else None), path)
+    return save(studio(*shape, curvature=result.curvature if of == "K" else None, width=PICTURE_WIDTH), path)
 
 
 def _with_arguments(problem: CGCProblem, arguments: argparse.Namespace) -> CGCProblem:
