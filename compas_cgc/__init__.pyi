@@ -41,3 +41,10 @@ from .solvers.registry import settings_for as settings_for
 from .solvers.run import solve as solve
 from .solvers.sensitivity import sensitivity as sensitivity
 from .solvers.settings import AutoSettings as AutoSettings
+
+__author__: str
+__copyright__: str
+__license__: str
+HERE: str
+HOME: str
+DATA: str

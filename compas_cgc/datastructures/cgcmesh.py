@@ -58,9 +58,15 @@ from .construction import checked_faces
 from .construction import evaluated
 from .construction import meshed_outline
 from .construction import said_of_the_mesh
+from .joining import join
+from .joining import weld
+from .parts import drop_from_goals
+from .parts import part_of
 from .pluggables import mesh_from_3dm
 from .pluggables import mesh_from_brep
 from .pluggables import mesh_to_3dm
+from .subdivision import subdivided
+from .transformation import transform
 
 __all__ = ["CGCMesh"]
 
@@ -148,7 +154,7 @@ class CGCMesh(Mesh):
         TypeError
             If it holds no CGCMesh.
         """
-        mesh = objects_of(json.loads(string))
+        mesh = objects_of(json.loads(string), cls)
         if not isinstance(mesh, cls):
             raise TypeError(f"the data holds a {type(mesh).__name__}, not a {cls.__name__}")
         return mesh
@@ -452,6 +458,135 @@ class CGCMesh(Mesh):
         if isinstance(mesh, CGCMesh):
             mesh.origin = self.origin
         return mesh
+
+    # ------------------------------------------------------------------
+    # Operations of COMPAS meshes
+    # ------------------------------------------------------------------
+
+    def transform(self, T: Any) -> None:
+        """Transform the mesh in place; targets [1/L^2], goals, tolerance and the drawn shape of a result follow.
+
+        A reflection reverses the faces, so that the surface keeps its side.
+
+        Parameters
+        ----------
+        T
+            COMPAS transformation or a ``(4, 4)`` matrix: translation, rotation, reflection, uniform scaling, or a product of
+            these. A mesh without targets and goals takes any transformation.
+
+        Raises
+        ------
+        ValueError
+            If a target or a goal cannot follow the transformation; the mesh is unchanged.
+
+        Examples
+        --------
+        >>> mesh = CGCMesh.from_meshgrid(dx=9, nx=9)
+        >>> mesh.set_target(0.01)
+        >>> mesh.scale(10)
+        >>> mesh.region_target(0)
+        0.0001
+        """
+        transform(self, T)
+
+    def transform_numpy(self, T: Any) -> None:
+        """Transform the mesh in place, see :meth:`transform`."""
+        transform(self, T)
+
+    def join(self, other: Mesh, weld: bool = False, precision: Optional[int] = None) -> None:
+        """Add another mesh, with its supports, creases, targets and goals.
+
+        The regions of `other` follow those of this mesh. Words such as "all" in a goal become the vertices or regions of its own
+        mesh; a goal for the whole surface, such as a rise, applies to the joined surface.
+
+        Parameters
+        ----------
+        other
+            The other mesh.
+        weld
+            Merge coincident vertices, see :meth:`weld`.
+        precision
+            Number of decimals of coordinates that count as coincident. Default: that of COMPAS.
+
+        Raises
+        ------
+        ValueError
+            If the meshes differ in their units or in a goal for the whole surface; this mesh is unchanged.
+
+        Examples
+        --------
+        >>> mesh, other = CGCMesh.from_meshgrid(dx=2, nx=2), CGCMesh.from_meshgrid(dx=2, nx=2)
+        >>> other.set_creases([[3, 4, 5]])
+        >>> other.translate([2, 0, 0])
+        >>> mesh.join(other, weld=True)
+        >>> mesh.number_of_vertices(), len(mesh.regions())
+        (15, 2)
+        """
+        join(self, other)
+        if weld:
+            self.weld(precision)
+
+    def weld(self, precision: Optional[int] = None) -> None:
+        """Merge coincident vertices; a seam between regions of different targets becomes a crease.
+
+        Parameters
+        ----------
+        precision
+            Number of decimals of coordinates that count as coincident. Default: that of COMPAS.
+        """
+        weld(self, precision)
+
+    def remove_duplicate_vertices(self, precision: Optional[int] = None) -> None:
+        """Merge coincident vertices, see :meth:`weld`."""
+        weld(self, precision)
+
+    def subdivided(self, scheme: str = "catmullclark", k: int = 1, **options: Any) -> CGCMesh:
+        """Return a finer mesh of triangles with the same supports, creases, regions, targets and goals.
+
+        A new vertex on an edge is a support, or subject to a goal, if both ends of the edge are.
+
+        Parameters
+        ----------
+        scheme
+            ``catmullclark`` or ``loop``, which smooth the mesh between the supports; ``corner``, which splits every triangle
+            into four; ``quad`` or ``tri``.
+        k
+            Number of times.
+        options
+            Options of the scheme in COMPAS.
+
+        Raises
+        ------
+        ValueError
+            If the scheme does not keep creases.
+
+        Examples
+        --------
+        >>> mesh = CGCMesh.from_meshgrid(dx=4, nx=4)
+        >>> mesh.set_creases([[10, 11, 12, 13, 14]])
+        >>> fine = mesh.subdivided("corner")
+        >>> fine.number_of_faces(), len(fine.regions()), len(fine.creases()[0])
+        (128, 2, 9)
+        """
+        return subdivided(self, scheme, k, **options)
+
+    subdivide = subdivided
+
+    def exploded(self) -> list[CGCMesh]:
+        """Return the connected pieces of the mesh, with their keys, supports, creases, targets and goals."""
+        return [part_of(self, keys) for keys in self.connected_vertices()]
+
+    def delete_vertex(self, key: int) -> None:
+        """Delete a vertex and its faces; goals no longer name it."""
+        drop_from_goals(self, {key})
+        super().delete_vertex(key)
+
+    def remove_unused_vertices(self) -> None:
+        """Delete the vertices without faces; goals no longer name them."""
+        drop_from_goals(self, {key for key in self.vertices() if not self.halfedge.get(key)})
+        super().remove_unused_vertices()
+
+    cull_vertices = remove_unused_vertices
 
     def with_coordinates(self, vertices: FloatArray) -> CGCMesh:
         """Return a copy without dummies and with the coordinates `vertices` (n, 3) [L]."""
@@ -777,9 +912,10 @@ class CGCMesh(Mesh):
         """Return a copy without the dummy mesh; its free edges get the role free again."""
         mesh = self._duplicate()
         dummies = [v for v in mesh.vertices() if mesh.is_dummy(v)]
-        for key in dummies:
-            mesh.delete_vertex(key)
         if dummies:
+            drop_from_goals(mesh, set(dummies))
+            for key in dummies:
+                Mesh.delete_vertex(mesh, key)
             mesh.update_roles()
         return mesh
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from typing import Optional
 
 from ..errors import FileError
 
@@ -17,7 +18,7 @@ KNOWN_TYPES = frozenset(
 )
 
 
-def objects_of(value: Any) -> Any:
+def objects_of(value: Any, expected: Optional[type] = None) -> Any:
     """Return parsed JSON with the COMPAS objects in it.
 
     ``compas.json_load`` imports the module of every type that the data names, which runs code of the choice of whoever wrote it.
@@ -26,6 +27,8 @@ def objects_of(value: Any) -> Any:
     ----------
     value
         As the ``json`` module returns it.
+    expected
+        A further type that may be made, such as a subclass of a known one.
 
     Raises
     ------
@@ -33,15 +36,17 @@ def objects_of(value: Any) -> Any:
         If the data names another type than :data:`KNOWN_TYPES`, and no base class among them.
     """
     if isinstance(value, list):
-        return [objects_of(item) for item in value]
+        return [objects_of(item, expected) for item in value]
     if not isinstance(value, dict):
         return value
-    inner = {key: objects_of(item) for key, item in value.items()}
+    inner = {key: objects_of(item, expected) for key, item in value.items()}
     if "dtype" not in inner:
         return inner
     # The most special class that is known; what derives from it elsewhere names its base classes.
     bases = value.get("inheritance") or []
     named = [value["dtype"], *(bases if isinstance(bases, list) else [])]
+    if expected is not None and named[0] == expected.__clstype__():  # type: ignore[attr-defined]
+        return expected.__jsonload__(inner.get("data"), guid=inner.get("guid"), name=inner.get("name"))  # type: ignore[attr-defined]
     known = next((name for name in named if isinstance(name, str) and name in KNOWN_TYPES), None)
     if known is None:
         raise FileError(f"it names the type {str(value['dtype'])[:60]!r}, which is not read; only meshes and plain geometry of COMPAS are")

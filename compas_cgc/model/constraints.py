@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import fields
@@ -20,9 +21,10 @@ from ..discrete.arrays import IntArray
 from ..errors import ProblemError
 from ..errors import did_you_mean
 from ..meshing.closest_points import nearest_on_polyline
-from .frame import Frame
 from .given import checked_number
 from .given import vertex_names
+from .motion import Motion
+from .motion import Triple
 
 __all__ = [
     "CROWN",
@@ -52,9 +54,6 @@ class ClosestPoints(NamedTuple):
     normal: FloatArray  # (k, 3, 3) projectors onto the directions that leave the constraint
 
 
-Triple = Union[Sequence[float], FloatArray]  # three numbers
-
-
 class _Named(type):
     """Metaclass that names the fields of a constraint when its arguments are wrong."""
 
@@ -82,9 +81,13 @@ class Constraint(metaclass=_Named):
     True
     """
 
-    def local(self, frame: Frame) -> Constraint:
-        """Return the same constraint in a local frame."""
+    def transformed(self, motion: Motion) -> Constraint:
+        """Return the constraint after a motion of the surface that it :meth:`admits`."""
         return self
+
+    def admits(self, up: float) -> bool:
+        """Check whether the constraint can follow a motion that keeps the z axis (1), reverses it (-1) or tilts it (0)."""
+        return True
 
     def renumbered(self, index: IntArray) -> Constraint:
         """Return the constraint with the vertex numbers `index` (n,), where -1 marks removed vertices."""
@@ -92,8 +95,12 @@ class Constraint(metaclass=_Named):
         if named is None or isinstance(named, str):
             return self
         kept = index[np.asarray(named, dtype=np.int64)]
-        changed: dict[str, Any] = {"vertices": kept[kept >= 0].tolist()}
+        changed: dict[str, Any] = {"vertices": list(dict.fromkeys(kept[kept >= 0].tolist()))}
         return replace(self, **changed)
+
+    def with_regions(self, number: Callable[[int], int]) -> Constraint:
+        """Return the constraint with other numbers of the regions it names."""
+        return self
 
 
 @dataclass(frozen=True)
@@ -131,9 +138,9 @@ class OnPlane(PositionConstraint):
     point: Triple
     normal: Triple
 
-    def local(self, frame: Frame) -> OnPlane:
-        """Return the plane in a local frame."""
-        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+    def transformed(self, motion: Motion) -> OnPlane:
+        """Return the plane after a motion."""
+        return replace(self, point=motion.points(np.asarray(self.point, float)), normal=motion.direction(self.normal))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the plane."""
@@ -168,9 +175,15 @@ class Height(PositionConstraint):
         if not math.isfinite(checked_number(self.height, "height")):
             raise ValueError(f"height must be a number, not {self.height!r}")
 
-    def local(self, frame: Frame) -> Height:
-        """Return the height in a local frame."""
-        return replace(self, height=(self.height - frame.origin[2]) / frame.scale)
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: a height of vertices always can, the crown must stay the highest vertex."""
+        return up > 0.0 or not isinstance(self.vertices, str)
+
+    def transformed(self, motion: Motion) -> PositionConstraint:
+        """Return the height after a motion: a plane if the motion tilts the z axis."""
+        if motion.up or isinstance(self.vertices, str):
+            return replace(self, height=motion.height(self.height))
+        return OnPlane(self.vertices, (0.0, 0.0, self.height), (0.0, 0.0, 1.0)).transformed(motion)
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the points at the height, below or above the given ones."""
@@ -201,9 +214,9 @@ class OnLine(PositionConstraint):
     point: Triple
     direction: Triple
 
-    def local(self, frame: Frame) -> OnLine:
-        """Return the line in a local frame."""
-        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+    def transformed(self, motion: Motion) -> OnLine:
+        """Return the line after a motion."""
+        return replace(self, point=motion.points(np.asarray(self.point, float)), direction=motion.direction(self.direction))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the line."""
@@ -243,9 +256,9 @@ class OnCurve(PositionConstraint):
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not np.ptp(points, axis=0).any():
             raise ValueError(f"points of a curve must be two or more different points (p, 3), not an array of shape {points.shape}")
 
-    def local(self, frame: Frame) -> OnCurve:
-        """Return the curve in a local frame."""
-        return replace(self, points=frame.to_local(np.asarray(self.points, float)))
+    def transformed(self, motion: Motion) -> OnCurve:
+        """Return the curve after a motion."""
+        return replace(self, points=motion.points(np.asarray(self.points, float)))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the curve."""
@@ -296,9 +309,9 @@ class Mirror(Constraint):
     point: Triple
     normal: Triple
 
-    def local(self, frame: Frame) -> Mirror:
-        """Return the plane in a local frame."""
-        return replace(self, point=frame.to_local(np.asarray(self.point, float)))
+    def transformed(self, motion: Motion) -> Mirror:
+        """Return the plane after a motion."""
+        return replace(self, point=motion.points(np.asarray(self.point, float)), normal=motion.direction(self.normal))
 
 
 @dataclass(frozen=True)

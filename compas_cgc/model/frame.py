@@ -6,9 +6,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
+from .motion import Triple
 
 __all__ = ["Frame", "local_frame"]
 
@@ -26,6 +28,34 @@ class Frame(NamedTuple):
     def to_model(self, vertices: FloatArray) -> FloatArray:
         """Return local coordinates ``(n, 3)`` in the model."""
         return vertices * self.scale + self.origin
+
+    # As a motion, see :class:`~compas_cgc.model.motion.Motion`.
+
+    @property
+    def up(self) -> float:
+        """The z axis keeps its direction."""
+        return 1.0
+
+    def points(self, points: FloatArray) -> FloatArray:
+        """Return model points ``(..., 3)`` in this frame."""
+        return self.to_local(points)
+
+    def direction(self, vector: Triple) -> Triple:
+        """Return a direction ``(3,)``, which stays."""
+        return vector
+
+    def height(self, z: float) -> float:
+        """Return a model height in this frame."""
+        return (z - float(self.origin[2])) / self.scale
+
+    def plan(self, points: ArrayLike) -> FloatArray:
+        """Return model points ``(k, 2)`` or ``(k, 3)`` in plan ``(k, 2)`` in this frame."""
+        flat = np.asarray(points, dtype=np.float64)[:, :2]
+        return (flat - self.origin[:2]) / self.scale
+
+    def measure(self, value: float, power: int = 1) -> float:
+        """Return a model length, area or volume [L^power] in this frame."""
+        return value / self.scale**power
 
 
 def local_frame(vertices: FloatArray, faces: IntArray) -> Frame:

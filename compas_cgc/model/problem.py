@@ -40,6 +40,8 @@ from .given import no_vertex
 from .given import vertex_names
 from .given import vertex_paths
 from .given import wrong_problem
+from .motion import Similarity
+from .motion import similarity_of
 from .roles import CREASE
 from .roles import DUMMY
 from .roles import FIXED
@@ -299,6 +301,45 @@ class CGCProblem:
             raise ValueError(f"vertices must have the shape {self.vertices.shape}, not {places.shape}")
         return replace(self, vertices=places)
 
+    def transformed(self, transformation: object) -> CGCProblem:
+        """Return the problem after a similarity: vertices, targets [1/L^2], goals and the drawn shape follow it.
+
+        A reflection reverses the faces, so that the surface keeps its side.
+
+        Parameters
+        ----------
+        transformation
+            COMPAS transformation, or a ``(4, 4)`` matrix.
+
+        Raises
+        ------
+        ValueError
+            If the transformation is no similarity, or a goal refers to the vertical and cannot follow it.
+
+        Examples
+        --------
+        >>> problem = CGCProblem([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], targets=4.0)
+        >>> problem.transformed(np.diag([2, 2, 2, 1])).targets.tolist()
+        [1.0, 1.0, 1.0]
+        """
+        return self._moved(similarity_of(transformation))
+
+    def _moved(self, motion: Similarity) -> CGCProblem:
+        from .goals.moved import moved_goals
+
+        tolerance = None if self.drawing.tolerance is None else motion.measure(self.drawing.tolerance)
+        places = tuple((name, motion.plan(line).tolist()) for name, line in self.drawing.places) if motion.up else ()
+        origin = None if self.origin is None else Origin(self.origin.drawn._moved(motion), motion.points(self.origin.vertices))
+        return replace(
+            self,
+            vertices=motion.points(self.vertices),
+            faces=self.faces[:, ::-1] if motion.reflects else self.faces,
+            targets=self.targets / motion.scale**2,
+            goals=moved_goals(self.goals, motion),
+            drawing=self.drawing._replace(tolerance=tolerance, places=places),
+            origin=origin,
+        )
+
     def flipped(self) -> CGCProblem:
         """Return the problem with all faces flipped."""
         return replace(self, faces=self.faces[:, ::-1])
@@ -440,7 +481,7 @@ class CGCProblem:
             self,
             vertices=frame.to_local(self.vertices),
             targets=self.targets * frame.scale**2,
-            goals=tuple(constraint.local(frame) for constraint in self.goals),
+            goals=tuple(constraint.transformed(frame) for constraint in self.goals),
         )
         return local, frame
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
@@ -13,16 +14,14 @@ from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
 from ...meshing.closest_points import nearest_on_polyline
 from ..constraints import Constraint
-from ..constraints import Triple
 from ..constraints import unit
-from ..frame import Frame
+from ..motion import Motion
+from ..motion import Triple
 from .numbers import ALL
 from .numbers import Vertices
 from .numbers import check_finite
 from .numbers import check_positive
 from .numbers import in_plan
-from .numbers import local_height
-from .numbers import local_plan
 
 __all__ = ["Above", "Below", "Bound", "Clearance", "NearPlane", "Within"]
 
@@ -63,9 +62,14 @@ class Above(Bound):
     def __post_init__(self) -> None:
         check_finite(self.height, "height")
 
-    def local(self, frame: Frame) -> Above:
-        """Return the height in a local frame."""
-        return replace(self, height=local_height(self.height, frame))
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def transformed(self, motion: Motion) -> Bound:
+        """Return the goal after a motion: an upper limit if the motion reverses the z axis."""
+        height = motion.height(self.height)
+        return replace(self, height=height) if motion.up > 0.0 else Below(height, self.vertices)
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the slack of points: their height above the limit."""
@@ -96,9 +100,14 @@ class Below(Bound):
     def __post_init__(self) -> None:
         check_finite(self.height, "height")
 
-    def local(self, frame: Frame) -> Below:
-        """Return the height in a local frame."""
-        return replace(self, height=local_height(self.height, frame))
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def transformed(self, motion: Motion) -> Bound:
+        """Return the goal after a motion: a lower limit if the motion reverses the z axis."""
+        height = motion.height(self.height)
+        return replace(self, height=height) if motion.up > 0.0 else Above(height, self.vertices)
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the slack of points: their height below the limit."""
@@ -149,12 +158,20 @@ class Clearance(Bound):
         x0, y0, x1, y1 = given
         return np.array([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
 
-    def local(self, frame: Frame) -> Clearance:
-        """Return the goal in a local frame."""
-        height = local_height(self.height, frame)
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must keep its direction."""
+        return up > 0.0
+
+    def transformed(self, motion: Motion) -> Clearance:
+        """Return the goal after a motion."""
+        height = motion.height(self.height)
         if isinstance(self.where, (int, np.integer)):
             return replace(self, height=height)
-        return replace(self, where=local_plan(self.outline(), frame), height=height)
+        return replace(self, where=motion.plan(self.outline()), height=height)
+
+    def with_regions(self, number: Callable[[int], int]) -> Clearance:
+        """Return the goal with another number of its region."""
+        return replace(self, where=number(int(self.where))) if isinstance(self.where, (int, np.integer)) else self
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the slack of points: their height above the limit."""
@@ -185,9 +202,13 @@ class Within(Bound):
     def __post_init__(self) -> None:
         in_plan(self.points, "the outline to stay within", 3)
 
-    def local(self, frame: Frame) -> Within:
-        """Return the line in a local frame."""
-        return replace(self, points=local_plan(self.points, frame))
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def transformed(self, motion: Motion) -> Within:
+        """Return the line after a motion."""
+        return replace(self, points=motion.plan(self.points))
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the slack of points: their distance inside the polyline."""
@@ -236,9 +257,10 @@ class NearPlane(Bound):
         check_positive(self.distance, "distance")
         unit(self.normal, "the normal of a plane")
 
-    def local(self, frame: Frame) -> NearPlane:
-        """Return the plane in a local frame."""
-        return replace(self, point=frame.to_local(np.asarray(self.point, float)), distance=self.distance / frame.scale)
+    def transformed(self, motion: Motion) -> NearPlane:
+        """Return the plane after a motion."""
+        point = motion.points(np.asarray(self.point, float))
+        return replace(self, point=point, normal=motion.direction(self.normal), distance=motion.measure(self.distance))
 
     def slack(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the slack of points: the limit less their distance from the plane."""

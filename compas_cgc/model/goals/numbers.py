@@ -1,4 +1,4 @@
-"""Validation of the numbers and polylines of goals, and their conversion to a local frame."""
+"""Validation of the numbers and polylines of goals."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ import numpy as np
 
 from ...discrete.arrays import FloatArray
 from ...discrete.plan import flattened
-from ..frame import Frame
 from ..given import checked_number
 
-__all__ = ["ALL", "FREE_EDGES", "Vertices", "check_finite", "check_positive", "in_plan", "local_height", "local_plan"]
+__all__ = ["ALL", "FREE_EDGES", "Vertices", "check_finite", "check_positive", "in_plan"]
 
 ALL = "all"
 FREE_EDGES = "free"
@@ -41,15 +40,6 @@ def in_plan(points: Any, name: str, fewest: int) -> FloatArray:
     if len(flat) < fewest or not np.ptp(flat, axis=0).any():
         raise ValueError(f"{name} must be {fewest} or more different points")
     return flat
-
-
-def local_height(height: float, frame: Frame) -> float:
-    return (height - float(frame.origin[2])) / frame.scale
-
-
-def local_plan(points: Any, frame: Frame) -> FloatArray:
-    flat = np.asarray(points, dtype=np.float64)[:, :2]
-    return (flat - frame.origin[:2]) / frame.scale
 
 
 def check_finite(value: float, name: str) -> None:

@@ -16,13 +16,12 @@ from ...discrete.plan import flattened
 from ...meshing.closest_points import nearest_on_polyline
 from ..constraints import ClosestPoints
 from ..constraints import PositionConstraint
-from ..constraints import Triple
 from ..constraints import point_array
-from ..frame import Frame
+from ..motion import Motion
+from ..motion import Triple
 from .numbers import FREE_EDGES
 from .numbers import Vertices
 from .numbers import in_plan
-from .numbers import local_plan
 
 __all__ = ["EdgeInPlan", "Level", "OnSurface"]
 
@@ -55,9 +54,13 @@ class EdgeInPlan(PositionConstraint):
         if self.points is not None:
             in_plan(self.points, "points of an edge in plan", 2)
 
-    def local(self, frame: Frame) -> EdgeInPlan:
-        """Return the line in a local frame."""
-        return self if self.points is None else replace(self, points=local_plan(self.points, frame))
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def transformed(self, motion: Motion) -> EdgeInPlan:
+        """Return the line after a motion."""
+        return self if self.points is None else replace(self, points=motion.plan(self.points))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points above or below the line."""
@@ -92,9 +95,22 @@ class Level(PositionConstraint):
         if self.points is not None and not isinstance(self.vertices, str) and len(self.points) != len(self.vertices):
             raise ValueError(f"a level edge needs one point per vertex ({len(self.vertices)}), not {len(self.points)}")
 
-    def local(self, frame: Frame) -> Level:
-        """Return the plan in a local frame."""
-        return self if self.points is None else replace(self, points=local_plan(self.points, frame))
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def renumbered(self, index: IntArray) -> Level:
+        """Return the goal with the vertex numbers `index` (n,), where -1 marks removed vertices, which lose their points."""
+        if isinstance(self.vertices, str):
+            return self
+        first = {int(index[v]): at for at, v in reversed(list(enumerate(self.vertices))) if index[v] >= 0}
+        kept = sorted(first.items(), key=lambda item: item[1])
+        points = None if self.points is None else [self.points[at] for _, at in kept]
+        return replace(self, vertices=[vertex for vertex, _ in kept], points=points)
+
+    def transformed(self, motion: Motion) -> Level:
+        """Return the plan after a motion."""
+        return self if self.points is None else replace(self, points=motion.plan(self.points))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the positions in plan at the mean height."""
@@ -136,9 +152,9 @@ class OnSurface(PositionConstraint):
         if not ((faces >= 0) & (faces < len(points))).all():
             raise ValueError(f"faces of a surface must name points 0 to {len(points) - 1}; correct the faces")
 
-    def local(self, frame: Frame) -> OnSurface:
-        """Return the surface in a local frame."""
-        return replace(self, points=frame.to_local(np.asarray(self.points, float)))
+    def transformed(self, motion: Motion) -> OnSurface:
+        """Return the surface after a motion."""
+        return replace(self, points=motion.points(np.asarray(self.points, float)))
 
     def closest_points(self, points: FloatArray) -> ClosestPoints:
         """Return the nearest points of the surface."""

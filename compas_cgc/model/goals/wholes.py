@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Sequence
 from dataclasses import dataclass
 from dataclasses import replace
@@ -10,11 +11,10 @@ from typing import Union
 
 from ..constraints import Constraint
 from ..constraints import Height
-from ..frame import Frame
+from ..motion import Motion
 from .numbers import ALL
 from .numbers import check_finite
 from .numbers import check_positive
-from .numbers import local_height
 
 __all__ = ["Area", "Length", "Rise", "Unknown", "Volume", "Whole", "is_of_whole"]
 
@@ -49,9 +49,13 @@ class Rise(Whole):
         if not self.rise:
             raise ValueError(f"rise must be a number other than 0, not {self.rise!r}")
 
-    def local(self, frame: Frame) -> Rise:
-        """Return the rise in a local frame."""
-        return replace(self, rise=self.rise / frame.scale)
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must stay vertical."""
+        return up != 0.0
+
+    def transformed(self, motion: Motion) -> Rise:
+        """Return the rise after a motion."""
+        return replace(self, rise=motion.up * motion.measure(self.rise))
 
 
 @dataclass(frozen=True)
@@ -80,10 +84,14 @@ class Volume(Whole):
         if self.level is not None:
             check_finite(self.level, "level")
 
-    def local(self, frame: Frame) -> Volume:
-        """Return the volume in a local frame."""
-        level = None if self.level is None else local_height(self.level, frame)
-        return replace(self, volume=self.volume / frame.scale**3, level=level)
+    def admits(self, up: float) -> bool:
+        """Check whether the goal can follow a motion: the z axis must keep its direction."""
+        return up > 0.0
+
+    def transformed(self, motion: Motion) -> Volume:
+        """Return the volume after a motion."""
+        level = None if self.level is None else motion.height(self.level)
+        return replace(self, volume=motion.measure(self.volume, 3), level=level)
 
 
 @dataclass(frozen=True)
@@ -107,9 +115,9 @@ class Area(Whole):
     def __post_init__(self) -> None:
         check_positive(self.area, "area")
 
-    def local(self, frame: Frame) -> Area:
-        """Return the area in a local frame."""
-        return replace(self, area=self.area / frame.scale**2)
+    def transformed(self, motion: Motion) -> Area:
+        """Return the area after a motion."""
+        return replace(self, area=motion.measure(self.area, 2))
 
 
 @dataclass(frozen=True)
@@ -138,9 +146,9 @@ class Length(Whole):
         if len(self.vertices) < 2:
             raise ValueError("vertices of a length must be a path of two or more vertices")
 
-    def local(self, frame: Frame) -> Length:
-        """Return the length in a local frame."""
-        return replace(self, length=self.length / frame.scale)
+    def transformed(self, motion: Motion) -> Length:
+        """Return the length after a motion."""
+        return replace(self, length=motion.measure(self.length))
 
 
 @dataclass(frozen=True)
@@ -164,6 +172,10 @@ class Unknown(Constraint):
     def __post_init__(self) -> None:
         if isinstance(self.regions, str) and self.regions != ALL:
             raise ValueError(f"regions of unknown K must be their numbers or 'all', not {self.regions!r}")
+
+    def with_regions(self, number: Callable[[int], int]) -> Unknown:
+        """Return the goal with other numbers of its regions."""
+        return self if isinstance(self.regions, str) else replace(self, regions=[number(region) for region in self.regions])
 
 
 def is_of_whole(goal: Constraint) -> bool:
