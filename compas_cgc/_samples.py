@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from . import DATA
 from .errors import FileError
 from .errors import names_what_was_meant
 
 __all__ = ["get", "no_file", "samples"]
 
-_FOLDER = Path(__file__).parent / "_sample_files"
+_FOLDER = Path(DATA)
 
 
 @names_what_was_meant()

@@ -120,6 +120,8 @@ def test_the_public_names_that_are_looked_up_are_those_that_are_declared():
     assert {"fabrication", "io", "solvers"} <= packages <= {path.parent.name for path in PACKAGE.glob("[!_]*/__init__.py")}
     for stub in PACKAGE.rglob("__init__.pyi"):
         package = import_module(".".join(("compas_cgc", *stub.parent.relative_to(PACKAGE).parts)))
-        names = [node.names[0].asname for node in ast.parse(stub.read_text(encoding="utf-8")).body]
+        body = ast.parse(stub.read_text(encoding="utf-8")).body
+        names = [node.names[0].asname for node in body if isinstance(node, ast.ImportFrom)]
+        assert all(hasattr(package, node.target.id) for node in body if isinstance(node, ast.AnnAssign))
         assert sorted(names) == package.__all__ and set(names) <= set(dir(package))
         assert all(getattr(package, name) is getattr(package, name) is not None for name in names)
