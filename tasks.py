@@ -27,7 +27,7 @@ def format(ctx):
 def test(ctx, nightly=False, path="tests"):
     """Run the tests."""
     with ctx.cd(HERE):
-        ctx.run(f'python -m pytest {path} {"-m" if nightly else ""} {chr(34) * 2 if nightly else ""}')
+        ctx.run(f"python -m pytest {path} {'-m' if nightly else ''} {chr(34) * 2 if nightly else ''}")
 
 
 @task(help={"folder": "folder for the pages"})

@@ -120,7 +120,7 @@ def _face_targets(mesh: CGCMesh) -> dict[int, float]:
     for region in range(int(label.max(initial=-1)) + 1):
         corners = np.unique(problem.faces[label == region])
         within[region] = _average(problem.targets[corners[asked[corners]]].tolist())
-    of_corners = [_average([problem.targets[v] for v in face if asked[v]]) for face in problem.faces.tolist()]
+    of_corners = [_average([float(problem.targets[v]) for v in face if asked[v]]) for face in problem.faces.tolist()]
     return {face: within[region] if K != K else K for face, K, region in zip(mesh.faces(), of_corners, label.tolist())}
 
 
