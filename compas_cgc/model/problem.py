@@ -35,6 +35,7 @@ from .constraints import Constraint
 from .constraints import check_indices
 from .frame import Frame
 from .frame import local_frame
+from .given import checked_number
 from .given import no_region
 from .given import no_vertex
 from .given import vertex_names
@@ -268,15 +269,15 @@ class CGCProblem:
             If the region does not exist or the number of targets is wrong.
         """
         if isinstance(K, Mapping):
-            problem = self
+            targets, within = self.targets.copy(), self._within_regions(K)
             for number, value in K.items():
-                problem = problem.with_targets(value, region=number)
-            return problem
+                targets[within[number]] = checked_number(value, "a target")
+            return replace(self, targets=targets)
         given = _column(K, len(self.vertices), "targets")
-        within = ~np.isnan(given) if np.ndim(K) else np.ones(len(given), bool)
+        mask = ~np.isnan(given) if np.ndim(K) else np.ones(len(given), bool)
         if region is not None:
-            within &= self.region_vertices(region)
-        return replace(self, targets=np.where(within, given, self.targets))
+            mask &= self.region_vertices(region)
+        return replace(self, targets=np.where(mask, given, self.targets))
 
     def with_goals(self, goals: Iterable[Union[Constraint, Mapping[str, object]]], add: bool = True) -> CGCProblem:
         """Return the problem with these goals, added to the present ones unless `add` is false.
@@ -410,6 +411,10 @@ class CGCProblem:
         """Return the region number of every face, see :func:`compas_cgc.meshing.face_regions` (m,)."""
         return face_regions(self.faces, self.creases)
 
+    def number_of_regions(self) -> int:
+        """Return the number of regions of the real mesh."""
+        return int(self.regions()[self.real_faces].max(initial=-1)) + 1
+
     def region_vertices(self, region: int) -> NDArray[np.bool_]:
         """Return the mask of the vertices of a region that are not on creases (n,).
 
@@ -418,13 +423,19 @@ class CGCProblem:
         ValueError
             If the region does not exist.
         """
-        label = self.regions()
-        count = int(label[self.real_faces].max(initial=-1)) + 1
-        if isinstance(region, bool) or not isinstance(region, (int, np.integer)) or not 0 <= region < count:
-            raise ValueError(no_region(region, count, len(self.creases) > 0))
-        inside = np.zeros(len(self.vertices), bool)
-        inside[self.faces[label == region]] = True
-        return inside & (self.roles != CREASE)
+        return self._within_regions([region])[region]
+
+    def _within_regions(self, regions: Iterable[int]) -> dict[int, NDArray[np.bool_]]:
+        """Return the masks of the vertices of regions that are not on creases, by region."""
+        label, count = self.regions(), self.number_of_regions()
+        masks = {}
+        for region in regions:
+            if isinstance(region, bool) or not isinstance(region, (int, np.integer)) or not 0 <= region < count:
+                raise ValueError(no_region(region, count, len(self.creases) > 0))
+            inside = np.zeros(len(self.vertices), bool)
+            inside[self.faces[label == region]] = True
+            masks[region] = inside & (self.roles != CREASE)
+        return masks
 
     def region_targets(self) -> list[Optional[float]]:
         """Return the target of every region of the real mesh, None if it is not one number [1/L^2].

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from typing import NamedTuple
 
 import numpy as np
@@ -13,10 +12,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..io.rhino.colours import largest
 from ..io.rhino.colours import signed_colours
-from ..model.problem import CGCProblem
-
-if TYPE_CHECKING:
-    from ..datastructures import CGCMesh
+from ..model.problem import PosesProblem
 
 __all__ = ["FIGURES", "Coloured", "coloured", "figures"]
 
@@ -31,7 +27,7 @@ class Coloured(NamedTuple):
     colours: IntArray  # (n, 3) red, green, blue, 0..255
 
 
-def coloured(mesh: CGCMesh, show: str = "K") -> Coloured:
+def coloured(mesh: PosesProblem, show: str = "K") -> Coloured:
     """Return the colours of a quantity at each vertex: blue below zero, white at zero, red above, grey where undefined.
 
     Raises
@@ -46,12 +42,11 @@ def coloured(mesh: CGCMesh, show: str = "K") -> Coloured:
     return Coloured(values, limit, signed_colours(values, limit))
 
 
-def figures(mesh: CGCMesh) -> dict[str, FloatArray]:
+def figures(surface: PosesProblem) -> dict[str, FloatArray]:
     """Return K [1/L^2], H, the principal curvatures [1/L] and K - K̄ [1/L^2] at each vertex (n,), NaN where K is not prescribed."""
-    vertices, faces = mesh.arrays()
-    problem = CGCProblem.from_mesh(mesh.without_dummies())
-    K = np.where(problem.asked, gaussian_curvature(vertices, faces), np.nan)
-    H = np.where(problem.asked, mean_curvature(vertices, faces), np.nan)
+    problem = surface.to_problem().without_dummies()
+    K = np.where(problem.asked, gaussian_curvature(problem.vertices, problem.faces), np.nan)
+    H = np.where(problem.asked, mean_curvature(problem.vertices, problem.faces), np.nan)
     # Rounding can make H² smaller than K if the two principal curvatures are equal.
     half = np.sqrt(np.maximum(H * H - K, 0.0))
     return dict(zip(FIGURES, (K, H, H + half, H - half, K - problem.targets)))

@@ -74,11 +74,11 @@ def analyse(component: Any, cgc_mesh: Any, show: Optional[str], aside: Optional[
     if found is None:
         return AnalyseOutputs()
     seen = figure_colours(found.figures, show)
-    vertices, faces = cgc_mesh.arrays()
+    problem = cgc_mesh.to_problem().without_dummies()
     set_message(component, f"{show}: largest {seen.limit:.3g}")
     columns = {name: [None if np.isnan(x) else x for x in column.tolist()] for name, column in found.figures.items()}
     return AnalyseOutputs(
-        mesh=mesh_from_arrays(vertices + [aside or 0.0, 0.0, 0.0], faces, seen.vertices),
+        mesh=mesh_from_arrays(problem.vertices + [aside or 0.0, 0.0, 0.0], problem.faces, seen.vertices),
         **columns,
         colours=seen.colours,
         legend=seen.legend,

@@ -6,8 +6,6 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
-import numpy as np
-
 from ..._version import __version__
 from ...io.rhino.colours import largest
 from ...io.rhino.colours import signed_colours
@@ -52,7 +50,7 @@ def bake(component: Any, cgc_mesh: Any, layer: Optional[str], bake: Optional[boo
         bakery.clear()
         _bake_surface(bakery, root, problem, found)
         _bake_regions(bakery, root, problem, found)
-        _bake_lines(bakery, root, cgc_mesh, problem)
+        _bake_lines(bakery, root, problem)
     set_message(component, f"{len(bakery.baked)} objects baked")
     return BakeOutputs(bakery.baked)
 
@@ -73,8 +71,8 @@ def _bake_regions(bakery: Bakery, root: str, problem: CGCProblem, found: Measure
         bakery.add("Mesh", mesh_from_arrays(*part), on, f"region {region.region}", text)
 
 
-def _bake_lines(bakery: Bakery, root: str, mesh: Any, problem: CGCProblem) -> None:
-    creases = [np.array([mesh.vertex_coordinates(key) for key in path]) for path in mesh.creases()]
+def _bake_lines(bakery: Bakery, root: str, problem: CGCProblem) -> None:
+    creases = [problem.vertices[path] for path in problem.crease_paths()]
     if creases:
         on = bakery.layer(f"{root}::Creases", INK)
         for number, points in enumerate(creases):

@@ -43,7 +43,7 @@ def constraints(
         add_warning(component, "connect a CGC mesh")
         return ConstraintsOutputs(None)
     # Vertex indices of constraints include dummy vertices.
-    vertices, _ = cgc_mesh.arrays(dummies=True)
+    vertices = cgc_mesh.to_problem().vertices
     snap, _ = document_units()
     chosen = vertices_at(vertices, points_to_array(as_list(points)), snap)
     made = list(as_list(others))

@@ -6,7 +6,6 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
-from ...datastructures import CGCMesh
 from ...errors import CGCError
 from ...io.reading import ReadProblem
 from ...io.rhino.rhinocommon import problem_from_rhino
@@ -20,6 +19,7 @@ from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
 from ..runtime.geometry import document_units
 from ..runtime.widgets import offer_values
+from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["CGCMeshOutputs", "cgc_mesh"]
 
@@ -31,7 +31,7 @@ FIX = (AS_DRAWN, *SUPPORT_NAMES, POINTS)
 class CGCMeshOutputs(NamedTuple):
     """Outputs of the component."""
 
-    cgc_mesh: Optional[CGCMesh]
+    cgc_mesh: Optional[WireMesh]
     problems: Optional[list[str]]
 
 
@@ -67,7 +67,7 @@ def cgc_mesh(
     for sentence in sentences:
         add_warning(component, sentence)
     set_message(component, f"{len(problem.vertices)} vertices, {len(problem.region_targets())} regions")
-    return CGCMeshOutputs(CGCMesh.from_problem(problem), sentences)
+    return CGCMeshOutputs(WireMesh(problem), sentences)
 
 
 def _read(mesh: Any, surfaces: list[Any], edge_length: Optional[float], points: list[Any], creases: list[Any]) -> ReadProblem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 from typing import NamedTuple
 
@@ -48,10 +47,10 @@ def regions(component: Any, cgc_mesh: Any) -> RegionsOutputs:
     set_message(component, f"{len(parts)} regions")
     return RegionsOutputs(
         meshes,
-        [polyline_to_rhino(_points(cgc_mesh, path)) for path in cgc_mesh.creases()],
-        [polyline_to_rhino(_points(cgc_mesh, [*loop, loop[0]])) for loop in cgc_mesh.boundary_loops()],
-        points_to_rhino(_points(cgc_mesh, cgc_mesh.supports())),
-        [cgc_mesh.region_target(number) for number in range(len(parts))],
+        [polyline_to_rhino(problem.vertices[path]) for path in problem.crease_paths()],
+        [polyline_to_rhino(problem.vertices[[*loop, loop[0]]]) for loop in boundary_loops(problem.faces)],
+        points_to_rhino(problem.vertices[problem.supports]),
+        problem.region_targets(),
         tree_of([[mesh] for mesh in meshes]),
         tree_of([[polyline_to_rhino(vertices[[*loop, loop[0]]]) for loop in boundary_loops(faces)] for vertices, faces in parts]),
         tree_of([points_to_rhino(vertices) for vertices, _ in parts]),
@@ -62,7 +61,3 @@ def part_of(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray
     """Return the vertices (k, 3) of faces of a mesh, and the faces with their new vertex indices."""
     used, local = np.unique(faces, return_inverse=True)
     return vertices[used], local.reshape(-1, 3)
-
-
-def _points(mesh: Any, keys: Sequence[int]) -> FloatArray:
-    return np.array([mesh.vertex_coordinates(key) for key in keys], dtype=np.float64).reshape(-1, 3)

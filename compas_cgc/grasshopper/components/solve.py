@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from dataclasses import field
@@ -12,7 +11,6 @@ from typing import Optional
 
 from ..._compiled import watch_compilation
 from ...analysis import analyse
-from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...errors import ProblemError
@@ -20,6 +18,7 @@ from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...model.constraint_data import as_goals
 from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
+from ...model.problem import PosesProblem
 from ...model.result import FAILED
 from ...scene.figures import FIGURES
 from ...solvers import Settings
@@ -41,6 +40,8 @@ from ..runtime.progress import Progress
 from ..runtime.progress import Report
 from ..runtime.remote_solve import remote_solve
 from ..runtime.widgets import offer_values
+from ..runtime.wire_mesh import WireMesh
+from ..runtime.wire_mesh import problem_fingerprint
 
 __all__ = ["SolveOutputs", "solve"]
 
@@ -51,7 +52,7 @@ class SolveOutputs(NamedTuple):
     """Outputs of the component."""
 
     mesh: Any = None
-    cgc_mesh: Optional[CGCMesh] = None
+    cgc_mesh: Optional[WireMesh] = None
     status: Optional[str] = None
     progress: Optional[float] = None
     report: Optional[str] = None
@@ -67,11 +68,9 @@ class Measurement(NamedTuple):
     measured: Measured
 
 
-def fingerprint(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> str:
+def fingerprint(mesh: PosesProblem, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> str:
     """Return a text that is equal for equal inputs, also of different objects."""
-    held = [[constraint_data(one) for one in own] for own in (mesh.goals(), goals)]
-    parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges(), held, settings, server)
-    return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
+    return repr((problem_fingerprint(mesh), [constraint_data(goal) for goal in goals], settings, server))
 
 
 @dataclass
@@ -104,15 +103,15 @@ class Memory:
             self.task.cancel()
         self.task = None
 
-    def collect(self, task: BackgroundTask[SolveResult], mesh: CGCMesh) -> None:
+    def collect(self, task: BackgroundTask[SolveResult], mesh: PosesProblem) -> None:
         """Store the result of a finished solve; its surface is displayed before it is measured."""
         self.task = None
         self.answered, self.error = self.fingerprint, task.error
         result = task.result
         if result is not None:
             # Rhino meshes must be created in Rhino's thread.
-            surface = mesh_from_arrays(*result.mesh.arrays())
-            self.shown = SolveOutputs(surface, result.mesh, result.status, 1.0, None, result)
+            surface = mesh_from_arrays(result.vertices, result.faces)
+            self.shown = SolveOutputs(surface, WireMesh(result.problem), result.status, 1.0, None, result)
             self.measurement, self.coloured = None, ""
             self.measuring = BackgroundTask(_measuring(result, mesh))
 
@@ -125,8 +124,7 @@ class Memory:
             self.measurement = ended.result
         if self.measurement is not None and self.shown.cgc_mesh is not None and self.coloured != show:
             found = figure_colours(self.measurement.measured.figures, show)
-            vertices, faces = self.shown.cgc_mesh.arrays()
-            surface = mesh_from_arrays(vertices, faces, found.vertices)
+            surface = mesh_from_arrays(self.shown.cgc_mesh.problem.vertices, self.shown.cgc_mesh.problem.faces, found.vertices)
             self.shown = self.shown._replace(mesh=surface, report=self.measurement.report, colours=found.colours, legend=found.legend)
             self.coloured = show
 
@@ -185,18 +183,20 @@ def _address(server: Any) -> Optional[Address]:
     return server
 
 
-def _solving(mesh: CGCMesh, settings: Optional[Settings], server: Optional[Address], *goals: Constraint) -> Callable[[Report], SolveResult]:
+def _solving(
+    mesh: PosesProblem, settings: Optional[Settings], server: Optional[Address], *goals: Constraint
+) -> Callable[[Report], SolveResult]:
     """Return a function that solves, for a background task."""
     return local_solve(mesh, settings, goals) if server is None else remote_solve(mesh, settings, goals, server)
 
 
-def _measuring(result: SolveResult, mesh: CGCMesh) -> Callable[[Report], Measurement]:
+def _measuring(result: SolveResult, mesh: PosesProblem) -> Callable[[Report], Measurement]:
     """Return a function that measures a surface, for a background task."""
 
     def measured(report: Report) -> Measurement:
         with watch_compilation(lambda state: report(Progress(compiling=state.part))):
             figures = str(analyse(result, mesh)).split("\n", 1)[1]
-        return Measurement(f"{result.summary}\n{result.ending}\n{figures}", measure(result.mesh)(report))
+        return Measurement(f"{result.summary}\n{result.ending}\n{figures}", measure(result.problem)(report))
 
     return measured
 

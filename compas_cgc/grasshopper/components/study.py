@@ -6,7 +6,6 @@ from typing import Any
 from typing import NamedTuple
 from typing import Optional
 
-from ...datastructures import CGCMesh
 from ...errors import CGCError
 from ...io.rhino.rhinocommon import mesh_from_arrays
 from ...study import Results
@@ -15,6 +14,7 @@ from ..runtime.component_feedback import add_remark
 from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.wire_mesh import WireMesh
 
 __all__ = ["StudyOutputs", "study"]
 
@@ -51,5 +51,5 @@ def study(component: Any, path: Optional[str], number: Optional[int], column: Op
     if not results.has_surface(number):
         add_warning(component, f"variant {number} has no surface: {row['note']}")
         return StudyOutputs(None, None, words, results.columns, values, front)
-    mesh = CGCMesh.from_problem(results.problem(number))
-    return StudyOutputs(mesh_from_arrays(*mesh.arrays()), mesh, words, results.columns, values, front)
+    problem = results.problem(number)
+    return StudyOutputs(mesh_from_arrays(problem.vertices, problem.faces), WireMesh(problem), words, results.columns, values, front)

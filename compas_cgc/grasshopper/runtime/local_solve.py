@@ -11,6 +11,7 @@ from ..._compiled import watch_compilation
 from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
 from ...model.constraints import Constraint
+from ...model.problem import PosesProblem
 from ...model.result import SolveState
 from ...solvers import Settings
 from ...solvers import solve
@@ -22,7 +23,9 @@ from .progress import Report
 __all__ = ["local_solve"]
 
 
-def local_solve(mesh: CGCMesh, settings: Optional[Settings] = None, goals: Sequence[Constraint] = ()) -> Callable[[Report], SolveResult]:
+def local_solve(
+    mesh: PosesProblem, settings: Optional[Settings] = None, goals: Sequence[Constraint] = ()
+) -> Callable[[Report], SolveResult]:
     """Return a function that solves in this process, for a background task.
 
     Parameters
@@ -45,6 +48,6 @@ def local_solve(mesh: CGCMesh, settings: Optional[Settings] = None, goals: Seque
         method = "auto" if settings is None else method_of(settings)
         with watch_compilation(lambda state: report(Progress(compiling=state.part))):
             result = solve(problem, method=method, settings=settings, goals=goals, callback=callback)
-        return replace(result, drawn=mesh)
+        return replace(result, drawn=mesh) if isinstance(mesh, CGCMesh) else result
 
     return run

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
@@ -12,13 +11,14 @@ from typing import Optional
 from ..._compiled import watch_compilation
 from ...analysis import SurfaceReport
 from ...analysis import analyse
-from ...datastructures import CGCMesh
 from ...discrete.arrays import FloatArray
+from ...model.problem import PosesProblem
 from ...scene.figures import figures
 from .progress import Progress
 from .progress import Report
+from .wire_mesh import problem_fingerprint
 
-__all__ = ["Measured", "known_measures", "measure", "mesh_fingerprint"]
+__all__ = ["Measured", "known_measures", "measure"]
 
 CACHE_SIZE = 16  # number of meshes
 
@@ -34,23 +34,17 @@ _KNOWN: OrderedDict[str, Measured] = OrderedDict()
 _LOCK = threading.Lock()
 
 
-def mesh_fingerprint(mesh: CGCMesh) -> str:
-    """Return a text that is equal for equal meshes, also of different objects."""
-    parts = (mesh.default_vertex_attributes, mesh.vertex, mesh.face, mesh.crease_edges())
-    return hashlib.sha1(repr(parts).encode("utf-8")).hexdigest()
-
-
-def known_measures(mesh: CGCMesh) -> Optional[Measured]:
+def known_measures(mesh: PosesProblem) -> Optional[Measured]:
     """Return the cached measurement of a mesh, or None."""
     with _LOCK:
-        return _KNOWN.get(mesh_fingerprint(mesh))
+        return _KNOWN.get(problem_fingerprint(mesh))
 
 
-def measure(mesh: CGCMesh) -> Callable[[Report], Measured]:
+def measure(mesh: PosesProblem) -> Callable[[Report], Measured]:
     """Return a function that measures a mesh, for a background task. The mesh must not be changed meanwhile."""
 
     def run(report: Report) -> Measured:
-        name = mesh_fingerprint(mesh)
+        name = problem_fingerprint(mesh)
         with _LOCK:
             known = _KNOWN.get(name)
         if known is not None:

@@ -27,6 +27,7 @@ from ...model.constraint_data import constraint_data
 from ...model.constraints import Constraint
 from ...model.goals.wholes import Unknown
 from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
 from ...model.result import History
 from ...solvers import Settings
 from ...solvers.registry import method_of
@@ -43,7 +44,7 @@ UNKNOWN_JOB = (404, 410)  # HTTP statuses of a server that does not know the job
 
 
 def remote_solve(
-    mesh: CGCMesh, settings: Optional[Settings], goals: Sequence[Constraint], server: Address
+    mesh: PosesProblem, settings: Optional[Settings], goals: Sequence[Constraint], server: Address
 ) -> Callable[[Report], SolveResult]:
     """Return a function that solves on a server, for a background task.
 
@@ -141,7 +142,7 @@ def _arrays(problem: CGCProblem) -> dict[str, Any]:
     }
 
 
-def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[Settings], mesh: CGCMesh) -> SolveResult:
+def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[Settings], mesh: PosesProblem) -> SolveResult:
     """Return the response of a server as the result of a local solve."""
     columns = (answer["history"][name] for name in History._fields)
     real = problem.without_dummies()
@@ -159,7 +160,7 @@ def _result(problem: CGCProblem, answer: Mapping[str, Any], settings: Optional[S
         History.from_rows(list(zip(*columns))),
         answer["method"],
         settings=settings,
-        drawn=None if turned else mesh,
+        drawn=mesh if isinstance(mesh, CGCMesh) and not turned else None,
         start=real.vertices,
         measure=answer["measure"],
         turned=turned,

@@ -14,8 +14,10 @@ from ...datastructures import CGCMesh
 from ...datastructures import SolveResult
 from ...errors import CGCError
 from ...model.constraints import Constraint
+from ...model.problem import CGCProblem
 from ...solvers import Settings
 from .address import Address
+from .wire_mesh import WireMesh
 
 __all__ = ["LISTS", "check_wires", "single"]
 
@@ -24,6 +26,9 @@ LISTS = frozenset(
     ("K", "clear", "clearance", "creases", "curves", "goals", "others", "point", "points", "region", "supports", "surfaces")
     + ("through", "unknown")
 )
+
+
+MESHES = (WireMesh, CGCMesh, CGCProblem)  # scripts on the canvas may put out the last two
 
 
 class Wire(NamedTuple):
@@ -47,7 +52,7 @@ def _is_switch(value: Any) -> bool:
 
 def _is_geometry(value: Any) -> bool:
     """Check whether a value may be Rhino geometry, which has too many classes to list."""
-    return not isinstance(value, (str, bytes, numbers.Number, CGCMesh, SolveResult, Settings, Constraint, Address))
+    return not isinstance(value, (str, bytes, numbers.Number, *MESHES, SolveResult, Settings, Constraint, Address))
 
 
 def _is_mesh(value: Any) -> bool:
@@ -92,7 +97,7 @@ _AMOUNTS = (
 
 # Types by name of the input, which is the same for all components.
 WIRES = {
-    "cgc_mesh": Wire(lambda value: isinstance(value, CGCMesh), "the output cgc_mesh of CGC Mesh, Target, Solve or Example"),
+    "cgc_mesh": Wire(lambda value: isinstance(value, MESHES), "the output cgc_mesh of CGC Mesh, Target, Solve or Example"),
     "settings": Wire(lambda value: isinstance(value, Settings), "the output of Settings"),
     "goals": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of Goals or Constraints"),
     "others": Wire(lambda value: isinstance(value, (Constraint, Mapping)), "the output of another Constraints"),
@@ -181,5 +186,7 @@ def _kind(value: Any) -> str:
         return f"the value {value}"
     if isinstance(value, numbers.Number):
         return f"the number {value}"
-    name = {"CGCMesh": "CGC mesh", "SolveResult": "result of Solve"}.get(type(value).__name__, type(value).__name__)
+    name = {"CGCMesh": "CGC mesh", "WireMesh": "CGC mesh", "CGCProblem": "CGC mesh", "SolveResult": "result of Solve"}.get(
+        type(value).__name__, type(value).__name__
+    )
     return f"{'an' if name[0] in 'AEIOaeio' else 'a'} {name}"

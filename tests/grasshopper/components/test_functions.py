@@ -141,7 +141,7 @@ def test_a_mesh_alone_is_fixed_all_around():
     placed = place("Mesh")
     out = placed.run(mesh=square())
     mesh = out["cgc_mesh"]
-    assert isinstance(mesh, CGCMesh) and len(mesh.supports()) == 36 and out["problems"] == []
+    assert isinstance(mesh.mesh, CGCMesh) and len(mesh.supports()) == 36 and out["problems"] == []
     assert mesh.number_of_faces() == 162 and placed.component.Message == "100 vertices, 1 regions"
     assert "split into triangles" in placed.said("Remark")[0]
 

@@ -247,7 +247,7 @@ def test_another_server_is_asked_anew():
 def test_what_is_on_the_wires_is_not_taken_apart():
     out = until_done(place("Solve"), cgc_mesh=dome(), settings=FlowSettings(steps=5), run=True)[-1]
     result = out["result"]
-    assert isinstance(result, SolveResult) and result.mesh is out["cgc_mesh"] and result.settings == FlowSettings(steps=5)
+    assert isinstance(result, SolveResult) and result.problem is out["cgc_mesh"].problem and result.settings == FlowSettings(steps=5)
     for value in (result, result.settings, out["cgc_mesh"], Height([44], 0.5), Address("http://127.0.0.1:7331")):
         assert not isinstance(value, (tuple, dict)) and not hasattr(value, "__iter__") and as_list(value) == [value]
 

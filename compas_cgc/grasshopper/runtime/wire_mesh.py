@@ -1,0 +1,69 @@
+"""Mesh on a wire: a problem of arrays, whose COMPAS mesh is made when a script first uses it."""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cached_property
+from typing import TYPE_CHECKING
+from typing import Any
+
+from ...datastructures import CGCMesh
+from ...model.constraint_data import constraint_data
+from ...model.problem import CGCProblem
+from ...model.problem import PosesProblem
+
+__all__ = ["WireMesh", "problem_fingerprint"]
+
+
+class WireMesh:
+    """A problem on a wire of the canvas, which has all attributes of its :class:`CGCMesh`.
+
+    Components exchange arrays: a COMPAS mesh takes a thousand times as long to copy as its arrays. Scripts on the canvas can use the
+    value as a mesh; what they change in it is part of the problem.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+
+    Examples
+    --------
+    >>> wire = WireMesh(CGCMesh.from_meshgrid(dx=2, nx=2).to_problem())
+    >>> wire.number_of_vertices()
+    9
+    """
+
+    def __init__(self, problem: CGCProblem):
+        self.problem = problem
+
+    @cached_property
+    def mesh(self) -> CGCMesh:
+        """The COMPAS mesh."""
+        return CGCMesh.from_problem(self.problem)
+
+    def to_problem(self) -> CGCProblem:
+        """Return the problem, with the changes that scripts made in the mesh."""
+        return self.mesh.to_problem() if "mesh" in self.__dict__ else self.problem
+
+    def __repr__(self) -> str:
+        return repr(self.problem)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if "problem" not in self.__dict__:  # while it is unpickled
+                raise AttributeError(name)
+            return getattr(self.mesh, name)
+
+
+def problem_fingerprint(given: PosesProblem) -> str:
+    """Return a text that is equal for equal problems, also of different objects."""
+    problem = given.to_problem()
+    columns = [problem.vertices, problem.faces, problem.roles, problem.targets, problem.s, problem.e, problem.creases]
+    if problem.origin is not None:
+        columns += [problem.origin.vertices, problem.origin.drawn.vertices, problem.origin.drawn.targets]
+    made = hashlib.blake2b(repr([constraint_data(goal) for goal in problem.goals]).encode("utf-8"), digest_size=20)
+    for column in columns:
+        made.update(repr(column.shape).encode("utf-8"))
+        made.update(column.tobytes())
+    return made.hexdigest()
