@@ -21,10 +21,15 @@ __all__ = ["NURBS", "draw_nurbs", "nurbs_surface"]
 NURBS = "CGC::NURBS"
 MAX_CURVATURE_ERROR = 0.01  # relative error of K above which a finer mesh is recommended
 FIT_TOLERANCE = 4e-5  # largest distance from the vertices that improves K, relative to the size of the mesh
+REFUSED_DISTANCE = 1e-3  # distance from the vertices above which a surface is not written, relative to the size of the mesh
+REFUSED_CURVATURE_ERROR = 0.1  # median relative error of K above which a surface is not written
 
 
 def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]:
-    """Draw an untrimmed NURBS surface for each region and return a note on each."""
+    """Draw an untrimmed NURBS surface for each region and return a note on each.
+
+    A surface that is far from the mesh or from its K is not drawn; the mesh remains.
+    """
     layer = writer.layer(NURBS, (70, 100, 150))
     notes = []
     label = problem.regions()
@@ -34,6 +39,7 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
         try:
             target = _target(problem, faces)
             fit = fit_region(problem.vertices, faces, K=target, within=within)
+            _refuse_poor(fit, target, within / FIT_TOLERANCE, unit)
         except MeshError as error:
             notes.append(f"region {region} could not be fitted: {error}")
             continue
@@ -47,11 +53,28 @@ def draw_nurbs(writer: LayerWriter, problem: CGCProblem, unit: str) -> list[str]
     return notes
 
 
+def _refuse_poor(fit: FittedSurface, target: Optional[float], size: float, unit: str) -> None:
+    """Raise an error if a surface is far from the mesh or from its K."""
+    error = _median_error(fit, target)
+    if fit.deviation > REFUSED_DISTANCE * size:
+        reason = f"the surface is up to {fit.deviation:.3g}{unit} from the mesh"
+    elif error > REFUSED_CURVATURE_ERROR:
+        reason = f"the K of the surface differs from its target by {100 * error:.3g} % (median)"
+    else:
+        return
+    raise MeshError(f"{reason}; divide the region by creases into parts with four sides, or refine the mesh")
+
+
+def _median_error(fit: FittedSurface, target: Optional[float]) -> float:
+    """Return the median relative error of K, 0 without a target or for K = 0."""
+    return float(np.median(np.abs(fit.gaussian / target - 1.0))) if target else 0.0
+
+
 def _off(fit: FittedSurface, target: Optional[float]) -> str:
     """Return a clause on the error of K of a surface, with a remedy if the error is large."""
     if not target:
         return ""
-    off = float(np.median(np.abs(fit.gaussian / target - 1.0)))
+    off = _median_error(fit, target)
     # Between its vertices, the mesh has K to second order in the edge length only, and less on saddles between domes.
     return f", median error {100 * off:.2g} %" + ("; a finer mesh reduces it" if off > MAX_CURVATURE_ERROR else "")
 

@@ -98,8 +98,14 @@ def test_a_dome_and_a_saddle_are_written_side_by_side(tmp_path, monkeypatch):
     drawn = [one for one in archive.Objects if layers[one.Attributes.LayerIndex] == "CGC::NURBS"]
     assert [float(one.Attributes.GetUserString("K")) for one in drawn] == pytest.approx([0.01, -0.01], rel=0.03)
     assert all(float(one.Attributes.GetUserString("deviation")) < 1e-3 for one in drawn)
-    # A surface with 2 % more K, and the drawing that is already there.
-    monkeypatch.setattr(nurbs_layer, "fit_region", lambda *_, **__: fits[0]._replace(gaussian=1.02 * fits[0].gaussian))
+    # The same surfaces with 2 % more K, and the drawing that is already there.
+    again = iter(fits)
+
+    def higher(*_, **__):
+        fit = next(again)
+        return fit._replace(gaussian=1.02 * fit.gaussian)
+
+    monkeypatch.setattr(nurbs_layer, "fit_region", higher)
     notes = write(path, result, source=path, nurbs=True)
     assert ["a finer mesh reduces it" in note for note in notes] == [True, True]
     assert len(rhino3dm.File3dm.Read(str(path)).Objects) == len(archive.Objects)
@@ -198,6 +204,26 @@ def test_a_coarse_saddle_gets_the_control_points_that_its_k_takes():
     first, best = (fit(V, F, K=-0.008, within=6e-4) for fit in (fit_surface, fit_region))
     errors = [float(np.median(np.abs(fit.gaussian / -0.008 - 1))) for fit in (first, best)]
     assert errors[1] < min(0.01, 0.5 * errors[0]) and best.deviation < 6e-4
+
+
+@pytest.mark.parametrize(("far", "factor", "reason"), [(20.0, 1.0, "from the mesh"), (1.0, 1.3, "differs from its target by")])
+def test_a_poor_surface_is_refused_and_the_mesh_is_kept(tmp_path, monkeypatch, far, factor, reason):
+    V, F = cap(6)
+    mesh = CGCMesh.from_vertices_and_faces(V.tolist(), F.tolist())
+    mesh.set_supports("boundary")
+    mesh.set_target(0.01)
+    result, path = solve(mesh), tmp_path / "a.3dm"
+
+    def poor(*given, **more):
+        fit = fit_region(*given, **more)
+        return fit._replace(deviation=far * 1e-3, gaussian=factor * fit.gaussian)
+
+    monkeypatch.setattr(nurbs_layer, "fit_region", poor)
+    (note,) = write(path, result, nurbs=True)
+    assert "could not be fitted" in note and reason in note and "divide the region" in note
+    archive = rhino3dm.File3dm.Read(str(path))
+    assert not any(isinstance(one.Geometry, rhino3dm.NurbsSurface) for one in archive.Objects)
+    assert any(isinstance(one.Geometry, rhino3dm.Mesh) for one in archive.Objects)
 
 
 def test_cuts_are_smooth_curves_on_the_surface():
