@@ -239,6 +239,13 @@ def study(pen):
         pen.line([*outline, outline[0]], width=1.2)
 
 
+def install(pen):
+    """An arrow into a tray."""
+    pen.line([(12, 3), (12, 15)], TEAL, 2.6)
+    pen.line([(7, 10.5), (12, 15.5), (17, 10.5)], TEAL, 2.6)
+    pen.line([(3.5, 15), (3.5, 20.5), (20.5, 20.5), (20.5, 15)])
+
+
 ICONS = {
     "CGC_Analyse": analyse,
     "CGC_Bake": bake,
@@ -247,6 +254,7 @@ ICONS = {
     "CGC_Goals": goals,
     "CGC_History": history,
     "CGC_Info": info,
+    "CGC_Install": install,
     "CGC_Membrane": membrane,
     "CGC_Mesh": mesh,
     "CGC_Mould": mould,

@@ -14,6 +14,7 @@ _EPILOG = """\
 examples:
   compas-cgc grasshopper install
   compas-cgc grasshopper build -o grasshopper
+  compas-cgc grasshopper build -o grasshopper --package https://packages.example.com/wheels
 """
 
 
@@ -30,6 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action.add_argument("--to", metavar="DIR", help="folder to use instead of Grasshopper's")
         action.add_argument("--dry-run", action="store_true", help="print the changes without making them")
     for action in (building, installing):
+        action.add_argument(
+            "--package",
+            metavar="INDEX|URL|WHEEL",
+            help="wheel, or folder of wheels, for Rhino to install (default: the index of its pip)",
+        )
         action.add_argument("--source", metavar="DIR", help="folder of other components (default: those of this package)")
     building.set_defaults(run=build)
     installing.set_defaults(run=install)
@@ -40,7 +46,7 @@ def build(arguments: argparse.Namespace) -> int:
     """Run ``compas-cgc grasshopper build``."""
     from ..grasshopper.build.build_all import build_all
 
-    for path in build_all(Path(arguments.output), _path(arguments.source)):
+    for path in build_all(Path(arguments.output), _path(arguments.source), arguments.package):
         print(path)
     return DONE
 
@@ -52,7 +58,7 @@ def install(arguments: argparse.Namespace) -> int:
     from ..grasshopper.build.install import user_objects_folder
     from .warm import warm
 
-    files = user_object_files(_path(arguments.source))
+    files = user_object_files(_path(arguments.source), arguments.package)
     written, removed = put(files, _path(arguments.to) or user_objects_folder(), arguments.dry_run)
     _say("would write" if arguments.dry_run else "wrote", written)
     _say("would remove" if arguments.dry_run else "removed", removed)

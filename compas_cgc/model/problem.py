@@ -408,8 +408,15 @@ class CGCProblem:
         return found
 
     def regions(self) -> IntArray:
-        """Return the region number of every face, see :func:`compas_cgc.meshing.face_regions` (m,)."""
-        return face_regions(self.faces, self.creases)
+        """Return the region number of every face, see :func:`compas_cgc.meshing.face_regions` (m,).
+
+        The faces of the dummy mesh join no regions; they have the next number after those of the real mesh.
+        """
+        real = self.real_faces
+        own = face_regions(self.faces[real], self.creases)
+        label = np.full(len(self.faces), own.max(initial=-1) + 1)
+        label[real] = own
+        return label
 
     def number_of_regions(self) -> int:
         """Return the number of regions of the real mesh."""

@@ -130,3 +130,14 @@ def test_a_prompt_shows_problems_and_results_in_one_line():
     told = repr(result)
     assert "\n" not in told and repr(result.problem) in told and told.endswith(f"{result.ending}>")
     assert "247 vertices, 432 faces" in told
+
+
+def test_a_dummy_ring_does_not_join_regions():
+    mesh = CGCMesh.from_meshgrid(dx=6.0, nx=6)
+    mesh.set_creases([[21, 22, 23, 24, 25, 26, 27]])
+    mesh.add_dummy_ring()
+    problem = mesh.to_problem().with_targets({0: 0.02, 1: 0.04})
+    assert problem.number_of_regions() == len(mesh.regions()) == 2 and problem.region_targets() == [0.02, 0.04]
+    assert (problem.regions() == 2).sum() == (~problem.real_faces).sum() > 0
+    for number, faces in enumerate(mesh.regions()):
+        assert problem.names.faces[problem.regions() == number].tolist() == faces

@@ -17,6 +17,7 @@ from .component_manifest import sources_folder
 from .definition import EXAMPLES
 from .definition import definition_archive
 from .definition import definition_svg
+from .package_source import with_package
 from .userobject import user_object
 from .yak import yak_bytes
 from .yak import yak_name
@@ -24,18 +25,18 @@ from .yak import yak_name
 __all__ = ["build_all", "built_files", "user_object_files"]
 
 
-def user_object_files(source: Optional[Path] = None) -> dict[str, bytes]:
+def user_object_files(source: Optional[Path] = None, package: Optional[str] = None) -> dict[str, bytes]:
     """Return the user objects by file name.
 
     Raises
     ------
     FileError
-        If a component is invalid.
+        If a component is invalid, or there is no wheel at `package`, see :func:`~.package_source.requirement`.
     """
-    return {f"{bundle.key}.ghuser": to_bytes(user_object(bundle)) for bundle in read_bundles(source)}
+    return {f"{bundle.key}.ghuser": to_bytes(user_object(bundle)) for bundle in with_package(read_bundles(source), package)}
 
 
-def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
+def built_files(source: Optional[Path] = None, package: Optional[str] = None) -> dict[str, bytes]:
     """Return user objects, example definitions, their pictures and the package by path, deterministically.
 
     Raises
@@ -43,16 +44,16 @@ def built_files(source: Optional[Path] = None) -> dict[str, bytes]:
     FileError
         If a component is invalid, or a definition cannot be read back without loss.
     """
-    users = user_object_files(source)
+    users = user_object_files(source, package)
     files = {f"components/{name}": data for name, data in users.items()}
-    files.update(_definitions(source))
+    files.update(_definitions(source, package))
     icon = _icon((source or sources_folder()).parent / "icon.png")
     examples = {f"examples/{Path(name).name}": data for name, data in files.items() if name.endswith(".gh")}
     files[yak_name()] = yak_bytes({**users, **examples, "icon.png": icon})
     return files
 
 
-def build_all(folder: Path, source: Optional[Path] = None) -> list[Path]:
+def build_all(folder: Path, source: Optional[Path] = None, package: Optional[str] = None) -> list[Path]:
     """Write all files below a folder, and return their paths.
 
     Raises
@@ -61,7 +62,7 @@ def build_all(folder: Path, source: Optional[Path] = None) -> list[Path]:
         As :func:`built_files`.
     """
     paths = []
-    for name, data in built_files(source).items():
+    for name, data in built_files(source, package).items():
         path = Path(folder) / name
         with replacing(path) as temporary:
             temporary.write_bytes(data)
@@ -69,8 +70,8 @@ def build_all(folder: Path, source: Optional[Path] = None) -> list[Path]:
     return paths
 
 
-def _definitions(source: Optional[Path]) -> dict[str, bytes]:
-    bundles = {bundle.key: bundle for bundle in read_bundles(source)}
+def _definitions(source: Optional[Path], package: Optional[str]) -> dict[str, bytes]:
+    bundles = {bundle.key: bundle for bundle in with_package(read_bundles(source), package)}
     files = {}
     for definition in EXAMPLES:
         root = definition_archive(definition, bundles)

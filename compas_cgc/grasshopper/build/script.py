@@ -51,7 +51,7 @@ def script_component(bundle: Bundle, instance: str, placement: Optional[Placemen
         item("IconOverride", "gh_drawing_bitmap", bundle.icon),
         item("InstanceGuid", "gh_guid", own_guid(instance)),
         item("MarshGuids", "gh_bool", bundle.marshal_guids),
-        item("MarshInputs", "gh_bool", True),
+        item("MarshInputs", "gh_bool", False),
         item("MarshOutputs", "gh_bool", True),
         item("Name", "gh_string", bundle.name),
         item("NickName", "gh_string", bundle.nickname),
@@ -71,7 +71,7 @@ def _script(bundle: Bundle) -> Chunk:
     text = base64.b64encode(bundle.code.encode("utf-8")).decode("ascii")
     items = [
         item("MarshGuids", "gh_bool", bundle.marshal_guids),
-        item("MarshInputs", "gh_bool", True),
+        item("MarshInputs", "gh_bool", False),
         item("MarshOutputs", "gh_bool", True),
         item("Text", "gh_string", text),
         item("Title", "gh_string", bundle.name),

@@ -8,7 +8,7 @@ from typing import Optional
 
 __all__ = ["run_script", "signature_problems"]
 
-REQUIREMENT = re.compile(r"^# r: compas_cgc>=\d+(\.\d+)+$", re.MULTILINE)
+ENVIRONMENT = re.compile(r"^# venv: compas_cgc$", re.MULTILINE)
 
 
 def signature_problems(code: str, inputs: list[str], outputs: list[str]) -> list[str]:
@@ -28,8 +28,8 @@ def signature_problems(code: str, inputs: list[str], outputs: list[str]) -> list
     problems = []
     if not code.startswith("#! python 3\n"):
         problems.append("code.py must begin with the line '#! python 3'")
-    if not REQUIREMENT.search(code):
-        problems.append("code.py must state the required package in a line '# r: compas_cgc>={{version}}'")
+    if not ENVIRONMENT.search(code):
+        problems.append("code.py must name the environment of the package in a line '# venv: compas_cgc'")
     function = run_script(tree)
     if function is None:
         return [*problems, "code.py must have one class with a method RunScript"]

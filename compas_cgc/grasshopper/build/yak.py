@@ -31,6 +31,7 @@ def manifest() -> str:
             "authors:",
             "- The compas_cgc developers",
             "description: Surfaces of piecewise constant Gaussian curvature on the Grasshopper canvas",
+            "url: https://doi.org/10.1016/j.cad.2021.102992",
             "keywords:",
             "- compas",
             "- Gaussian curvature",

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Measure curvatures at the vertices and show them as colours.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Bake a surface, its regions, creases and supports on layers, with names and user text.
 
 COMPAS CGC {{version}}

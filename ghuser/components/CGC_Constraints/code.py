@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Constrain the positions of vertices, besides the curvature.
 
 COMPAS CGC {{version}}

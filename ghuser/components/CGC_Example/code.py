@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """An example of the paper, with its settings.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Set requirements on the surface besides its curvature, such as rise, volume or clearance, and regions with unknown K.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Convergence of a solve, step by step, for a graph.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Versions of the package, of Python and of the dependencies.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Compute the membrane forces of a surface of constant K under pressure and self-weight.
 
 COMPAS CGC {{version}}

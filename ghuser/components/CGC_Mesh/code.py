@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Create a mesh with supports and creases. Surfaces, SubDs and outlines are meshed.
 
 COMPAS CGC {{version}}

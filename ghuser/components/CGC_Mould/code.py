@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Divide a surface into panels, and report their moulds and their fit.
 
 COMPAS CGC {{version}}

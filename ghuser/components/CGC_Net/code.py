@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Trace construction curves: lines of curvature where K > 0, an asymptotic net of equal sides where K < 0, rulings where K = 0.
 
 COMPAS CGC {{version}}

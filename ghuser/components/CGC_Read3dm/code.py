@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Read a mesh with supports, creases, targets and goals from a .3dm file, in double precision.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Split a CGC mesh into region meshes, creases, open edges and supports.
 
 COMPAS CGC {{version}}

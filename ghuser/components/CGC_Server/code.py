@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Find or start the compute server, so that a solve runs outside Rhino.
 
 COMPAS CGC {{version}}

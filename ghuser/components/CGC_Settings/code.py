@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Set the method and options of a solve. Without settings, Solve chooses the method.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Find the surface whose Gaussian curvature is the target in every region, without blocking the canvas.
 
 COMPAS CGC {{version}}

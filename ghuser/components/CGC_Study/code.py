@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Read the output of compas-cgc study: the surface of a variant, its row of the table, and the best variants.
 
 COMPAS CGC {{version}}

@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Set the target Gaussian curvature, everywhere or region by region.
 
 COMPAS CGC {{version}}

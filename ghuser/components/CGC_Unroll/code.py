@@ -1,5 +1,5 @@
 #! python 3
-# r: compas_cgc>={{version}}
+# venv: compas_cgc
 """Unroll a solved surface into flat pieces on sheets. Regions with K = 0 keep all lengths.
 
 COMPAS CGC {{version}}

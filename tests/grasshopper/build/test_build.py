@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import io
+import re
 import shutil
 import zipfile
+from base64 import b64decode
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ from compas_cgc._version import __version__
 from compas_cgc.cli.main import main
 from compas_cgc.errors import FileError
 from compas_cgc.grasshopper.build import component_manifest as bundle
+from compas_cgc.grasshopper.build.archive import from_bytes
 from compas_cgc.grasshopper.build.archive import read_archive
 from compas_cgc.grasshopper.build.build_all import built_files
 from compas_cgc.grasshopper.build.component_manifest import read_bundles
@@ -56,6 +59,52 @@ def test_the_package_is_what_rhino_expects(files):
         if entry.filename.endswith(".ghuser"):
             assert package.read(entry) == files[f"components/{entry.filename}"]
     assert {f"examples/{path[12:]}" for path in files if path.endswith(".gh")} < set(names)
+
+
+def directives(archive):
+    """Return the lines that Rhino acts on in all scripts of a user object or a definition."""
+    texts = [b64decode(part.get("Text")).decode("utf-8") for part in chunks_of(archive, "Script") if part.get("Text")]
+    return [[line for line in text.splitlines() if line.startswith(("# r:", "# venv:", "# env:"))] for text in texts]
+
+
+def chunks_of(chunk, name):
+    found = [from_bytes(chunk.get("Object"))] if chunk.get("Object") else []
+    inner = [part for own in (*chunk.chunks, *found) for part in chunks_of(own, name)]
+    return [chunk, *inner] if chunk.name == name else inner
+
+
+@pytest.mark.parametrize("package", [None, "https://packages.example.com/wheels", "WHEEL", "FOLDER"])
+def test_one_component_installs_the_package_from_the_source_of_the_office(tmp_path, package):
+    name = f"compas_cgc-{__version__}-py3-none-any.whl"
+    wheel = tmp_path / "our wheels" / name
+    wheel.parent.mkdir()
+    wheel.write_bytes(b"")
+    given = {"WHEEL": str(wheel), "FOLDER": str(wheel.parent)}.get(package, package)
+    wanted = {None: f"compas_cgc=={__version__}", "https://packages.example.com/wheels": f"compas_cgc @ {package}/{name}"}
+    requirement = wanted.get(package, f"compas_cgc @ {wheel.as_uri()}")
+    out = tmp_path / "out"
+    assert main(["grasshopper", "build", "-o", str(out), *(["--package", given] if given else [])]) == 0
+    users = {path.stem: directives(read_archive(path))[0] for path in (out / "components").glob("*.ghuser")}
+    assert users.pop("CGC_Install") == ["# venv: compas_cgc", f"# r: {requirement}"]
+    assert len(users) == 20 and all(own == ["# venv: compas_cgc"] for own in users.values())
+    for path in (out / "definitions").glob("*.gh"):
+        found = directives(read_archive(path))
+        if not path.stem.startswith("hops"):
+            assert found[0] == ["# venv: compas_cgc", f"# r: {requirement}"], "it comes before the components that import the package"
+            assert all(own == ["# venv: compas_cgc"] for own in found[1:]) and len(found) > 2
+
+
+@pytest.mark.parametrize(
+    ("package", "sentence"),
+    [
+        ("nowhere", "there is no wheel .*nowhere"),
+        ("https://packages.example.com/compas_cgc-0.0.1-py3-none-any.whl", "compas_cgc-0.0.1-py3-none-any.whl is not compas_cgc "),
+    ],
+)
+def test_a_package_that_rhino_could_not_install_is_refused(tmp_path, capsys, package, sentence):
+    out = tmp_path / "out"
+    assert main(["grasshopper", "build", "-o", str(out), "--package", package]) != 0
+    assert re.search(sentence, capsys.readouterr().err) and not out.exists()
 
 
 # ----------------------------------------------------------------------

@@ -49,7 +49,9 @@ def test_a_component_tells_its_user_what_it_does(bundle):
         assert parameter.optional, "an unconnected input is answered in a sentence, not by Grasshopper"
         takes = parameter.hint in ("none", "mesh", "point", "curve", "plane") or parameter.name in ("path", "K")
         assert takes or "Defaults to" in parameter.description, f"{parameter.name} must say its default"
-    assert f"# r: compas_cgc>={__version__}\n" in bundle.code and "{{" not in bundle.code
+    assert bundle.code.startswith("#! python 3\n# venv: compas_cgc\n") and "{{" not in bundle.code
+    pinned = [f"# r: compas_cgc=={__version__}"] if bundle.key == "CGC_Install" else []
+    assert [line for line in bundle.code.splitlines() if line.startswith("# r:")] == pinned, "one component installs the package"
 
 
 def test_names_guids_and_icons_tell_the_components_apart():
@@ -113,7 +115,7 @@ def test_metadata_that_are_not_as_they_must_be(tmp_path, path, value, sentence):
     "old, new, sentence",
     [
         ("#! python 3\n", "", "must begin with the line"),
-        ("# r: compas_cgc>={{version}}", "# r: compas", "must state the required package"),
+        ("# venv: compas_cgc", "# venv: other", "must name the environment of the package"),
         ("def RunScript", "def Run", "a method RunScript"),
         ("return out.cgc_mesh, out.problems", "return out.problems, out.cgc_mesh", "RunScript returns"),
         ("return out.cgc_mesh, out.problems", "pass", "returns nothing"),

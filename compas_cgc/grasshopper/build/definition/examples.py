@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .nodes import Button
 from .nodes import Definition
 from .nodes import Group
@@ -22,6 +24,10 @@ FIGURES = ("K", "error", "H", "k_max", "k_min")
 
 def _headline(title: str, steps: str) -> tuple[Node, ...]:
     return Note("title", title, 28.0), Note("steps", steps)
+
+
+# Grasshopper runs components without wires in their order: the package is installed before other components import it.
+INSTALL = Script("install", "CGC_Install")
 
 
 def _solving(mesh: str, settings: str = "", key: str = "solve", **wires: str) -> Script:
@@ -319,4 +325,11 @@ HOPS_REGIONS = Definition(
     rhino=7,
 )
 
-EXAMPLES = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, MESH_INSIDE, HOPS_DOME, HOPS_REGIONS)
+
+def _with_install(definition: Definition) -> Definition:
+    title, steps, *nodes = definition.nodes
+    return replace(definition, nodes=(title, steps, INSTALL, *nodes))
+
+
+_COMPONENTS = (FIRST_DOME, NINE_REGIONS, MOULDS, FLAT_PATTERNS, FORCES, LATHS, TWO_STRATEGIES, OWN_MESH, MESH_INSIDE)
+EXAMPLES = (*map(_with_install, _COMPONENTS), HOPS_DOME, HOPS_REGIONS)

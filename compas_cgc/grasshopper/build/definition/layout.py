@@ -48,6 +48,9 @@ def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, B
     """Return the rectangle of every object except groups."""
     notes = [node for node in definition.nodes if isinstance(node, Note)]
     nodes = {node.key: node for node in definition.nodes if not isinstance(node, (Note, Group))}
+    wired = {wire.partition(".")[0] for node in nodes.values() for wires in sources_of(node).values() for wire in wires}
+    alone = {key: node for key, node in nodes.items() if isinstance(node, Script) and key not in wired and not sources_of(node)}
+    nodes = {key: node for key, node in nodes.items() if key not in alone}
     columns = _columns(nodes)
     boxes: dict[str, Box] = {}
     y = 0.0
@@ -56,9 +59,12 @@ def layout(definition: Definition, bundles: Mapping[str, Bundle]) -> dict[str, B
         boxes[note.key] = Box(0.0, y, 0.62 * note.size * max(map(len, lines)), NOTE_LINE * note.size * len(lines))
         y += boxes[note.key].height + ROW_GAP
     sizes = {key: _size(node, bundles) for key, node in nodes.items()}
-    feeding = {wire.partition(".")[0] for node in nodes.values() for wires in sources_of(node).values() for wire in wires}
-    places = _column_places(columns, sizes, feeding)
+    places = _column_places(columns, sizes, wired)
     top = y + ROW_GAP
+    for key, node in alone.items():
+        # Components without wires are placed to the left of the others.
+        width, height = _size(node, bundles)
+        boxes[key] = _free(Box(-COLUMN_GAP - width, top, width, height), boxes)
     # Objects with inputs are placed beside their sources first, then the sources beside the inputs.
     for key in sorted(columns, key=columns.__getitem__):
         sources = [wire.partition(".")[0] for wires in sources_of(nodes[key]).values() for wire in wires]
