@@ -19,6 +19,7 @@ from ..runtime.component_feedback import add_warning
 from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.headless import is_headless
 from ..runtime.measured import Measured
 from ..runtime.measured import known_measures
 from ..runtime.measured import measure
@@ -92,6 +93,8 @@ def _measured(component: Any, mesh: Any) -> Optional[Measured]:
     if memory is None or memory.mesh is not mesh:
         _MEMORIES.drop(component)
         memory = _MEMORIES.keep(component, Memory(mesh, BackgroundTask(measure(mesh))))
+        if is_headless(component):
+            memory.task.wait(None)
         end = time.monotonic() + MAX_WAIT
         while memory.task.running and memory.task.progress.compiling is None and time.monotonic() < end:
             memory.task.wait(CHECK_INTERVAL)

@@ -32,6 +32,7 @@ from ..runtime.component_feedback import as_list
 from ..runtime.component_feedback import poll
 from ..runtime.component_feedback import reports_errors
 from ..runtime.component_feedback import set_message
+from ..runtime.headless import is_headless
 from ..runtime.local_solve import local_solve
 from ..runtime.measured import Measured
 from ..runtime.measured import measure
@@ -142,8 +143,13 @@ def solve(
     reset: Optional[bool],
     server: Any,
     show: Optional[str] = None,
+    wait: Optional[bool] = None,
 ) -> SolveOutputs:
-    """Solve in the background if `run` is true and the inputs are new; the last result is shown until the next one is available."""
+    """Solve in the background if `run` is true and the inputs are new; the last result is shown until the next one is available.
+
+    If `wait` is true, and in headless documents, the component returns when the surface has been solved and measured.
+    """
+    headless = is_headless(component)
     offer_values(component, "show", FIGURES)
     if reset:
         _MEMORIES.drop(component)
@@ -165,6 +171,10 @@ def solve(
         memory.cancel()
     if run and memory.task is None and memory.answered != memory.fingerprint:
         memory.task = BackgroundTask(_solving(*inputs), lambda: component.OnPingDocument() is not None)
+    if wait or headless:
+        _complete(memory, cgc_mesh, figure)
+    if headless and memory.shown.mesh is None and not run:
+        add_error(component, "run is False, so that there is no surface; set run to True")
     if memory.task is not None:
         return _wait(component, memory, memory.task)
     if memory.measuring is not None:
@@ -199,6 +209,16 @@ def _measuring(result: SolveResult, mesh: PosesProblem) -> Callable[[Report], Me
         return Measurement(f"{result.summary}\n{result.ending}\n{figures}", measure(result.problem)(report))
 
     return measured
+
+
+def _complete(memory: Memory, mesh: PosesProblem, show: str) -> None:
+    """Wait until the surface is solved and measured."""
+    if memory.task is not None:
+        memory.task.wait(None)
+        memory.collect(memory.task, mesh)
+    if memory.measuring is not None:
+        memory.measuring.wait(None)
+    memory.show_measurement(show)
 
 
 def _wait(component: Any, memory: Memory, task: BackgroundTask) -> SolveOutputs:

@@ -55,8 +55,8 @@ class BackgroundTask(Generic[Result]):
         """Request that the function stop, without waiting for it."""
         self._stop.set()
 
-    def wait(self, seconds: float) -> bool:
-        """Wait for the function, at most the given time [s], and return whether it has ended."""
+    def wait(self, seconds: Optional[float]) -> bool:
+        """Wait for the function, at most the given time [s], and return whether it has ended; None waits without a limit."""
         self._thread.join(seconds)
         return not self.running
 

@@ -122,7 +122,7 @@ WIRES = {
     **dict.fromkeys(_AMOUNTS, _NUMBER),
     **dict.fromkeys(("count", "delay", "number", "steps"), Wire(_is_whole, "a whole number")),
     **dict.fromkeys(
-        ("bake", "flip", "keep_edges", "level_edges", "per_sheet", "reset", "rough", "run", "split", "whole", "write"), _SWITCH
+        ("bake", "flip", "keep_edges", "level_edges", "per_sheet", "reset", "rough", "run", "split", "wait", "whole", "write"), _SWITCH
     ),
     **dict.fromkeys(
         ("along", "column", "fix", "key", "layer", "material", "measure", "method", "path", "python", "show", "url", "variant"), _TEXT

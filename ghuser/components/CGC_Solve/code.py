@@ -13,6 +13,8 @@ from compas_cgc.grasshopper.components.solve import solve
 
 
 class Solve(Grasshopper.Kernel.GH_ScriptInstance):
-    def RunScript(self, cgc_mesh, settings, goals: System.Collections.Generic.List[object], run: bool, reset: bool, server, show: str):
-        out = solve(ghenv.Component, cgc_mesh, settings, goals, run, reset, server, show)  # noqa: F821
+    def RunScript(
+        self, cgc_mesh, settings, goals: System.Collections.Generic.List[object], run: bool, reset: bool, server, show: str, wait: bool
+    ):
+        out = solve(ghenv.Component, cgc_mesh, settings, goals, run, reset, server, show, wait)  # noqa: F821
         return out.mesh, out.cgc_mesh, out.status, out.progress, out.report, out.result, out.colours, out.legend
