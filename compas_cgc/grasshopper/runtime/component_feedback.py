@@ -11,7 +11,19 @@ from ...errors import ProblemError
 from .wires import check_wires
 from .wires import single
 
-__all__ = ["add_error", "add_remark", "add_warning", "as_list", "poll", "reports_errors", "run_again", "set_message", "unwrapped"]
+__all__ = [
+]
+    "add_error",
+    "add_remark",
+    "add_warning",
+    "as_list",
+    "poll",
+    "reports_errors",
+    "run_again",
+    "set_message",
+    "unwrapped",
+    "with_nulls",
+]
 
 
 def set_message(component: Any, text: str) -> None:
@@ -124,6 +136,15 @@ def as_list(values: Any) -> list:
     if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
         values = [values]
     return [unwrapped(value) for value in values if value is not None]
+
+
+def with_nulls(values: Any) -> list:
+    """Return the values of a list input with null items as None, for lists that are matched item by item."""
+    if values is None:
+        return []
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        values = [values]
+    return [unwrapped(value) for value in values]
 
 
 def _balloon(component: Any, level: str, text: str) -> None:

@@ -89,3 +89,22 @@ def test_fingerprints_of_different_problems_differ():
     ]
     texts = [problem_fingerprint(each) for each in (own, *others)]
     assert len(set(texts)) == 6 and problem_fingerprint(own.with_targets(np.array(own.targets))) == texts[0]
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_nulls_keep_their_place(seed):
+    rng = np.random.default_rng(seed)
+    given, placed = wire(4), place("Target")
+    size = int(rng.integers(1, 5))
+    regions = [None if rng.random() < 0.3 else int(rng.integers(2)) for _ in range(size)]
+    values = [None if rng.random() < 0.3 else float(rng.integers(1, 9)) / 100 for _ in range(size)]
+    out = placed.run(cgc_mesh=given, K=values, region=regions)["cgc_mesh"]
+    if not any(values):
+        assert placed.said("Error") == ["connect at least one curvature K, in 1 / (model unit)²"]
+        return
+    expected, conflict = [0.01, 0.01], False
+    for place_of in range(2):
+        own = [value for region, value in zip(regions, values) if region == place_of and value is not None]
+        expected[place_of] = own[-1] if own else 0.01
+        conflict = conflict or len(set(own)) > 1
+    assert out.to_problem().region_targets() == expected and bool(placed.said("Warning")) == conflict
