@@ -12,7 +12,6 @@ from .wires import check_wires
 from .wires import single
 
 __all__ = [
-]
     "add_error",
     "add_remark",
     "add_warning",
