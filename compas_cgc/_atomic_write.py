@@ -64,7 +64,7 @@ class _Outputs:
             journal.unlink()
         self.discard()
         if failures:
-            raise PartlyPublished("; ".join(failures) + "; close it in other programs, or choose another name or folder")
+            raise PartlyPublished("; ".join(failures) + "; close these files in other programs, or choose other names or another folder")
 
     def discard(self) -> None:
         """Remove the remaining temporary files."""

@@ -109,7 +109,7 @@ def _drawn(problem: CGCProblem, report: MouldReport, arguments: argparse.Namespa
 
         return moulds_figure(problem, report, f"{Path(arguments.input).stem}: moulds")
     except CGCError as error:
-        raise CGCError(f"{error}; or omit the page with --no-page") from None
+        raise CGCError(f"{error}; or use --no-page to write no page of pictures") from None
 
 
 def _write_report(arguments: argparse.Namespace, report: MouldReport) -> Path:

@@ -49,7 +49,7 @@ def objects_of(value: Any, expected: Optional[type] = None) -> Any:
         return expected.__jsonload__(inner.get("data"), guid=inner.get("guid"), name=inner.get("name"))  # type: ignore[attr-defined]
     known = next((name for name in named if isinstance(name, str) and name in KNOWN_TYPES), None)
     if known is None:
-        raise FileError(f"it names the type {str(value['dtype'])[:60]!r}, which is not read; only meshes and plain geometry of COMPAS are")
+        raise FileError(f"the data contain an object of type {str(value['dtype'])[:60]!r}; only COMPAS meshes and simple geometry are read")
     from compas.data.encoders import cls_from_dtype
 
     kind: Any = cls_from_dtype(known)

@@ -63,7 +63,8 @@ class CurvatureEquations:
         if len(without_ring):
             vertex = int(self.rows[without_ring[0]])
             raise MeshError(
-                f"vertex {vertex} has no closed ring of faces, so its K is not defined; hold the vertex, leave it free or add a dummy ring"
+                f"vertex {vertex} has no closed ring of faces, so its K is not defined; "
+                "make it a support or a free vertex, or add a dummy ring (auxiliary faces outside the edge)"
             )
 
     def measure(self, vertices: Vertices) -> tuple[FloatArray, FloatArray]:

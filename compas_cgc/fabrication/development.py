@@ -269,5 +269,5 @@ def _not_a_disk(name: str, faces: Faces, seam: Edges, mend: str) -> str:
     if loops == 0:
         return f"{name} is closed; give a seam to open it: a path of vertices, or 'auto'"
     if loops == 1:
-        return f"{name} has a handle; give a seam that opens it"
-    return f"{name} has a hole, so it needs a seam: {mend}"
+        return f"{name} has a handle; give a seam that cuts the handle"
+    return f"{name} has a hole and needs a seam: {mend}"

@@ -186,7 +186,7 @@ def _splices(length: float, stations: FloatArray, stock: float) -> tuple[float, 
     while length - start > stock:
         possible = middles[(middles > start) & (middles <= start + stock)]
         if not len(possible):
-            raise CGCError(f"a stock length of {stock:g} does not reach from one side of the net to the next; use longer stock")
+            raise CGCError(f"no splice (middle between two nodes) lies within a stock length of {stock:g} model units; use longer stock")
         start = float(possible[-1])
         found.append(start)
     return tuple(found)

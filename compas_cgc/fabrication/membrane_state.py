@@ -338,7 +338,8 @@ def _folds(V: Vertices, F: Faces, bars: Edges) -> FloatArray:
 def _no_state(rest: float, edge_beams: bool) -> str:
     if not edge_beams:
         return (
-            f"no membrane state leaves the free edges unloaded (residual {100 * rest:.2g} % of the load); support them or give them "
+            f"without edge beams, membrane forces cannot balance this load (residual {100 * rest:.2g} % of the load); "
+            "support the free edges or give them "
             "edge beams (edge_beams=True), whose line loads are reported"
         )
     return (

@@ -186,10 +186,13 @@ def _curvature_of(problem: CGCProblem, panel: Panel, targets: list[Optional[floa
     low, high = float(own[0]), float(own[-1])
     if low < 0.0 < high:
         raise CGCError(
-            f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, but a mould has one sign; divide it where the sign changes"
+            f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, "
+            "but all K on a mould have the same sign; divide the panel where the sign of K changes"
         )
     if high - low > K_TOLERANCE * max(abs(low), abs(high)):
-        raise CGCError(f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, but a mould has one; set a single K̄ per panel")
+        raise CGCError(
+            f"panel {panel.name} has targets K̄ from {low:.4g} to {high:.4g}, but a mould has a single K; set a single K̄ per panel"
+        )
     return high
 
 

@@ -106,7 +106,9 @@ def strain(value: object, what: str) -> float:
     if found is None or rest.strip():
         raise CGCError(f"{what} must be a number such as 0.002 or 0.2%, not {_short(value)}")
     if not percent and found > LARGEST_STRAIN:
-        raise CGCError(f"{what} of {found:g} is {100 * found:g} %, which no sheet survives; for {found:g} % write {found:g}%")
+        raise CGCError(
+            f"{what} of {found:g} means {100 * found:g} %, which breaks any sheet; add a percent sign if {found:g}% was intended"
+        )
     return found * (0.01 if percent else 1.0)
 
 

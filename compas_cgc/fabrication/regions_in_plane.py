@@ -137,7 +137,9 @@ def _ends_of_a_slit(vertices: Vertices, inner: Mask) -> Mask:
 
 
 def _no_seam(region: int) -> str:
-    return f"region {region} has a hole that no given seam opens; run a seam from boundary to boundary, or give no seams"
+    return (
+        f"region {region} has a hole that none of the given seams opens; draw a seam from the hole to the outer boundary, or omit all seams"
+    )
 
 
 def _close_again(faces: IntArray, plane: FloatArray, cuts: Edges, tolerance: float) -> np.ndarray:

@@ -81,9 +81,9 @@ class Cursor:
     def count(self, announced: int, size: int = 1, what: str = "elements") -> int:
         """Return a declared number of elements of at least `size` bytes each, after checking that the file can hold them."""
         if announced < 0:
-            raise ValueError(f"it declares {announced} {what}")
+            raise ValueError(f"the file declares {announced} {what}, but a number cannot be negative")
         if announced * max(1, size) > self.left:
-            raise ValueError(f"it declares {announced} {what}, but only {self.left} bytes follow")
+            raise ValueError(f"the file declares {announced} {what}, but only {self.left} bytes follow")
         self._elements += announced
         if self._elements > self.limits.elements:
             raise ValueError(f"it holds more than {self.limits.elements} elements")

@@ -59,7 +59,8 @@ def read_frd(path: Union[str, os.PathLike], count: int) -> list[FrdStep]:
         steps = [FrdStep(*(_at_corners(own, corners) for own in pair)) for pair in zip(blocks["DISP"], blocks["STRESS"])]
     except KeyError as error:
         raise FileError(
-            f"{path} has no results for element or node {error.args[0]} of this mesh of {count} faces; read the results of its model"
+            f"{path} has no results for element or node {error.args[0]} of this mesh of {count} faces; "
+            "use the results of the .inp file written for this mesh"
         ) from None
     except ValueError:
         raise FileError(f"{path} is damaged; run CalculiX again") from None

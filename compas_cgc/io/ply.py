@@ -182,7 +182,7 @@ def _length(word: str) -> int:
     """Return the length of a list, which some programs write as a float."""
     value = number_of(word)
     if value != int(value):
-        raise ValueError(f"{word!r} is not the length of a list")
+        raise ValueError(f"the number of entries of a list must be an integer, not {word!r}")
     return int(value)
 
 

@@ -126,7 +126,7 @@ class Rows:
         """
         rest = sum(len(words) for _, words in self._rows[self._row :]) - self._word
         if rest > 0:
-            raise ValueError(f"{rest} numbers are left over after all the file declares")
+            raise ValueError(f"the file contains {rest} numbers more than its header declares")
 
     def _end_row(self) -> None:
         if self._word >= len(self._rows[self._row][1]):

@@ -199,7 +199,8 @@ def _refuse_grazing(domain: shapely.Polygon, creases: Sequence[FloatArray], edge
                     what = f"creases[{j - 1}]" if j else "the boundary of the outline or of a hole"
                     raise MeshError(
                         f"creases[{k}] grazes {what} at ({x:.3f}, {y:.3f}), which leaves no room for triangles; "
-                        f"let it end there, cross {'it' if j else 'the boundary'}, or keep {GRAZING_DISTANCE * edge_length:.2g} away"
+                        f"let creases[{k}] end there, cross {f'creases[{j - 1}]' if j else 'the boundary'}, "
+                        f"or keep a distance of {GRAZING_DISTANCE * edge_length:.2g} model units"
                     )
 
 
@@ -232,7 +233,7 @@ def _fault(domain: shapely.Polygon, outline: FloatArray, edge_length: float) -> 
     said = shapely.is_valid_reason(domain)
     at = said.partition("[")[2].rstrip("]").replace(" ", ", ")
     if domain.area < MAX_POINT_DISTANCE * edge_length**2 and np.ptp(outline[:, 2]) > edge_length:
-        return "in plan it has almost no area; draw a vertical outline lying flat, and rotate the mesh afterwards"
+        return "the outline has almost no area in plan; draw a vertical outline in the xy plane, and rotate the mesh afterwards"
     if len(outline) > 2 and np.linalg.matrix_rank(outline[1:, :2] - outline[0, :2], tol=MAX_POINT_DISTANCE * edge_length) < 2:
         return "the points of the outline lie on one line; move one of them off it"
     if said.startswith("Self-intersection"):

@@ -171,7 +171,7 @@ def _remarks(problem: CGCProblem) -> list[Diagnostic]:
     loose = ends[(degree == 1) & np.isin(problem.roles[ends], (CREASE, INTERNAL))]
     loose = loose[~np.isin(loose, [v for loop in boundary_loops(F) for v in loop])]
     if len(loose):
-        text = "so it separates no regions there; run creases from boundary to boundary, or close them"
+        text = "so the mesh is not divided into regions there; run creases from boundary to boundary, or close them"
         remarks.append(f"{_creases_end_at(names[loose])}, inside a region, {text}")
     remarks += turns_about(problem)
     return [Diagnostic(text, fatal=False) for text in remarks]
@@ -193,8 +193,9 @@ def turns_about(problem: CGCProblem) -> list[str]:
     if count > 2 and ((fixed[problem.faces].sum(axis=1) > 1).any() or not _on_one_line(problem.vertices[fixed], problem.vertices)):
         return []
     what = {1: "one point", 2: "two points"}.get(count, f"{count} points on one straight line")
-    about = "them" if count == 2 else "it"
-    return [f"the surface is supported at {what} only and can rotate about {about}; add a support off that line"]
+    about = {1: "this point", 2: "the line through them"}.get(count, "this line")
+    away = "at two points that are not on one line with it" if count == 1 else "that is not on this line"
+    return [f"the surface is supported at {what} only and can rotate about {about}; add {'supports' if count == 1 else 'a support'} {away}"]
 
 
 def _on_one_line(points: FloatArray, around: FloatArray) -> bool:
@@ -254,7 +255,8 @@ def no_saddle(names: IntArray) -> str:
     has, which = ("has", f"vertex {names[0]}") if one else ("have", f"vertices {listed(names)}")
     return (
         f"{which} {has} three faces only, but K̄ < 0 needs angles that add up to more than 2π; remove "
-        f"{'it and merge its three faces' if one else 'them and merge their three faces'}, or flip an opposite edge"
+        f"{'it and merge its three faces' if one else 'them and merge their three faces'}, "
+        "or flip an edge of one of these faces that does not meet the vertex"
     )
 
 

@@ -72,7 +72,7 @@ def chart_of(vertices: FloatArray, faces: IntArray) -> Chart:
         side = side / np.linalg.norm(side)
         return Chart(np.zeros(3), np.array([side, np.cross(normal, side), normal]))
     raise MeshError(
-        "the design does not lie over a plane, such as a roof over its plan or a facade over its elevation; "
+        "the design has overhanging or nearly vertical faces, both in plan and seen along its mean normal; "
         "give a NURBS surface, or divide the design into parts that each lie over a plane"
     )
 

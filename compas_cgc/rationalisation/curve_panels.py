@@ -87,7 +87,7 @@ def curve_panels(surface: SplineSurface, rims: Sequence[FloatArray], seams: Sequ
     vertices = surface.at(uv)
     rim = boundary_vertices(vertices, made.faces)
     if not len(made.faces):
-        raise MeshError("the rims of the design bound no area")
+        raise MeshError("the boundary curves of the design enclose no area; check the outline of the design")
     return Panelling(vertices, made.faces, panels, uv, np.column_stack([rim, rim]))
 
 

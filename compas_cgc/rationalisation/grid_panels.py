@@ -65,7 +65,7 @@ def grid_panels(surface: SplineSurface, lines: tuple[FloatArray, FloatArray], ed
         If a panel has no room for a vertex of its own.
     """
     if edges < 2:
-        raise MeshError(f"a panel needs two edges or more a side, so that it has a vertex inside, not {edges}")
+        raise MeshError(f"edges must be at least 2 mesh edges per panel side, not {edges}; otherwise a panel has no inner vertex")
     fine = [_divided(values, edges) for values in lines]
     nu, nv = len(fine[0]), len(fine[1])
     uv = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -190,7 +190,9 @@ def _assigned(
     """Return the best assignment, for the fewest moulds that keep a distance where their number is open."""
     if moulds is None:
         if within is None:
-            raise CGCError("moulds=None looks for the fewest that keep a distance; give it as within=")
+            raise CGCError(
+                "moulds=None needs within=, the largest distance from the design [L]; the fewest moulds that satisfy it are used"
+            )
         best = None
         for count in range(1, MAX_MOULDS + 1):
             found = assign(moves, Moulds(count, flat=flat), stop.shown)
@@ -203,7 +205,7 @@ def _assigned(
         if not 1 <= moulds:
             raise CGCError(f"moulds must be a number from 1 up, or radii, not {moulds!r}")
         if locked:
-            raise CGCError("panels are locked to moulds that exist; give their radii as moulds=[...]")
+            raise CGCError("locked panels need existing moulds; give the radii of the moulds as moulds=[...]")
         return assign(moves, Moulds(min(int(moulds), moves.panels), flat=flat), stop.shown)
     values = catalogue(moulds)  # type: ignore[arg-type]
     own = None
@@ -211,7 +213,10 @@ def _assigned(
         own = np.full(moves.panels, -1)
         for number, mould in locked.items():
             if not (0 <= number < moves.panels and 0 <= mould < len(values)):
-                raise CGCError(f"locked panel {number} on mould {mould} does not exist: {moves.panels} panels, {len(values)} moulds")
+                raise CGCError(
+                    f"panel {number} cannot be locked to mould {mould}: "
+                    f"there are {moves.panels} panels and {len(values)} moulds, counted from 0"
+                )
             own[number] = mould
     return assign(moves, Moulds(len(values), values, locked=own), stop.shown)
 

@@ -106,7 +106,10 @@ def sample(kind: str, values: Sequence[Values], count: int, seed: int) -> list[t
     if kind == "list":
         columns = [own.all() for own in values]
         if len({len(column) for column in columns}) > 1:
-            raise CGCError(f"all parameters of a list require equally many values, not {', '.join(str(len(column)) for column in columns)}")
+            raise CGCError(
+                "with the sample kind 'list' all parameters need the same number of values, "
+                f"not {', '.join(str(len(column)) for column in columns)}"
+            )
         return list(zip(*columns))
     random = np.random.Generator(np.random.PCG64(seed))
     if kind == "random":

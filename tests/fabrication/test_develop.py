@@ -86,7 +86,7 @@ def test_a_piece_of_a_sphere_is_laid_where_it_was():
 def test_a_cone_unrolls_along_a_seam_and_the_gap_does_not_depend_on_where():
     around = 24
     vertices, faces = pyramid(around, 9)
-    with pytest.raises(ValueError, match="has a hole, so it needs a seam"):
+    with pytest.raises(ValueError, match="has a hole and needs a seam"):
         lay_out(vertices, faces, 0.0)
     with pytest.raises(ValueError, match="the seam from vertex 0 to 30 does not follow an edge"):
         lay_out(vertices, faces, 0.0, seam=[0, 30])

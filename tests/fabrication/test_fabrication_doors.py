@@ -83,7 +83,7 @@ def test_the_command_line_has_every_option_of_sheets(files, tmp_path, capsys):
         (("unroll", "rough.3dm", "-o", "out.dxf", "--rough"), "does not unroll"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--sheet", "large"), "--sheet must be LENGTHxWIDTH"),
         (("unroll", "cone.3dm", "-o", "out.dxf", "--strain", "much"), "--strain must be a number"),
-        (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "no given seam opens"),
+        (("unroll", "cone.3dm", "-o", "out.dxf", "--seam", "0,1"), "none of the given seams opens"),
         (("unroll", "cone.3dm", "-o", "out.pdf"), "patterns are written to .dxf"),
         (("unroll", "cone.3dm", "-o", "new/out.dxf", "--sheet", "3x1.5", "--margin", ".8"), "margins of 0.8 leave no room on a sheet"),
         (("unroll", "cone.3dm", "-o", "new/out.zip", "--sheet", "3x1.5", "--allowance", ".5"), "an allowance of 0.5 leaves no room"),
@@ -194,6 +194,6 @@ def test_the_component_net():
 
 
 def test_a_strain_given_in_percent_without_its_sign_is_refused():
-    with pytest.raises(CGCError, match=r"of 0.5 is 50 %, which no sheet survives; for 0.5 % write 0.5%"):
+    with pytest.raises(CGCError, match=r"of 0.5 means 50 %, which breaks any sheet; add a percent sign if 0.5% was intended"):
         option_values.strain("0.5", "--strain")
     assert option_values.strain("0.5%", "--strain") == option_values.strain("0.005", "--strain") == 0.005

@@ -109,7 +109,7 @@ def test_splices_lie_between_nodes_and_leave_no_part_longer_than_the_stock(net):
         assert np.diff(ends).max() <= 3.0 and (np.diff(ends) > 0.0).all()
         for splice in lath.splices:
             assert np.abs(lath.stations - splice).min() > 0.4
-    with pytest.raises(CGCError, match="a stock length of 0.3 does not reach"):
+    with pytest.raises(CGCError, match="within a stock length of 0.3 model units"):
         lath_schedule(net, stock=0.3)
 
 

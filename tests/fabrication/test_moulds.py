@@ -355,10 +355,10 @@ def test_panels_of_nearly_one_k_share_a_mould_within_a_tolerance():
 def test_what_has_no_mould_is_refused_in_a_sentence(roof):
     label = roof.regions()
     across = Panel("by hand", 3, np.flatnonzero((label == 3) | (label == 4)))
-    with pytest.raises(ValueError, match="panel by hand has targets K̄ from -0.01 to 0.01, but a mould has one sign"):
+    with pytest.raises(ValueError, match="panel by hand has targets K̄ from -0.01 to 0.01, but all K on a mould have the same sign"):
         moulds(roof, [across])
     ring = Panel("ring", 0, np.flatnonzero(label != 4))
-    with pytest.raises(ValueError, match="panel ring has a hole, so it needs a seam"):
+    with pytest.raises(ValueError, match="panel ring has a hole and needs a seam"):
         moulds(roof.with_targets(0.01), [ring], rough=True)
     flat = nine_regions(12)
     with pytest.raises(ValueError, match="the surface is rough"):

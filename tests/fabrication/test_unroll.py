@@ -535,7 +535,7 @@ def crumpled() -> CGCProblem:
     [
         (lambda: unroll(crumpled()), "the surface is rough"),
         (lambda: unroll(crumpled(), rough=True), "does not unroll: gaps of up to"),
-        (lambda: unroll(ring(), seams=[[0, 1]]), "no given seam opens"),
+        (lambda: unroll(ring(), seams=[[0, 1]]), "none of the given seams opens"),
         (lambda: unroll(ring(), seams=[[0, 200]]), "does not follow an edge"),
         (lambda: unroll(ring(), (0.0, 1.0)), "the length and width of a sheet must be positive"),
         (lambda: unroll(ring(), 3.0), "a sheet must have a length and a width, such as .3.0, 1.5., not 3.0"),

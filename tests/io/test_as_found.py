@@ -94,7 +94,7 @@ REFUSED = {
     "missing.obj": ("f 1 2 3\nv 0 0 0\n", "line 1: .*the vertex does not exist; there are 1"),
     "corner.off": (OFF["plain"].replace("3 1 2 4", "3 1 2"), r"row 9: the face declares 3 corners, and 2 numbers follow"),
     "short.off": (OFF["plain"].replace("\n3 3 0 4", ""), "the file ends too early"),
-    "long.off": (OFF["all in one row"] + " 7", "1 numbers are left over"),
+    "long.off": (OFF["all in one row"] + " 7", "1 numbers more than its header declares"),
     "binary.off": ("OFF BINARY\n5 4 0\n", "binary .off"),
     "plane.off": ("nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n", "not three-dimensional"),
     "corner.ply": (PLY["plain"].replace("3 1 2 4", "3 1 2"), "row 17 .*fewer values than the header declares"),

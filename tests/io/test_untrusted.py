@@ -53,7 +53,10 @@ HOSTILE = {
     "lists.json": ("[" * 100_000, "nested too deeply"),
     "objects.json": ('{"a":' * 300 + "1" + "}" * 300, "nested more than 64 levels deep"),
     "type.json": (json.dumps({"dtype": f"{FOREIGN}/X", "data": {}}), "it holds X and no mesh"),
-    "inner_type.json": (json.dumps({**MESH, "data": {"vertex": {"0": {"dtype": "os/system", "data": {}}}}}), "names the type"),
+    "inner_type.json": (
+        json.dumps({**MESH, "data": {"vertex": {"0": {"dtype": "os/system", "data": {}}}}}),
+        "contain an object of type 'os/system'",
+    ),
     "bases.json": (json.dumps({"dtype": f"{FOREIGN}/X", "inheritance": ["os/_Environ"], "data": {}}), "it holds X and no mesh"),
     "no_coordinate.json": (CGCMesh.from_meshgrid(dx=1, nx=1).to_jsonstring().replace('"z": 0.0, ', "", 2), "'z' is missing"),
 }
@@ -97,7 +100,7 @@ def test_compas_data_brings_in_no_foreign_module_by_any_door(tmp_path, monkeypat
     text = json.dumps({"dtype": "foreign_door/X", "data": {}})
     (path := tmp_path / "foreign.json").write_text(text)
     for read in (lambda: read_problem(path), lambda: CGCMesh.from_json(path), lambda: CGCMesh.from_jsonstring(text)):
-        with pytest.raises(CGCError, match="names the type 'foreign_door/X'|it holds X and no mesh"):
+        with pytest.raises(CGCError, match="an object of type 'foreign_door/X'|it holds X and no mesh"):
             read()
     assert "foreign_door" not in sys.modules
 

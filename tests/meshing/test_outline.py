@@ -137,7 +137,7 @@ def test_an_outline_is_closed_however_it_ends(end):
     "outline, edge, sentence",
     [
         (ring((0, 0), (10, 8), (10, 0), (0, 8)), 1.0, "crosses itself or another one at (5, 4)"),
-        (SQUARE[:, [0, 2, 1]], 1.0, "draw a vertical outline lying flat"),
+        (SQUARE[:, [0, 2, 1]], 1.0, "draw a vertical outline in the xy plane"),
         (SQUARE, 0.001, "check that the outline and the edge length have the same unit"),
         (SQUARE, 30.0, "use a shorter edge"),
         (SQUARE, "1 m", "must be a positive number"),
@@ -208,7 +208,9 @@ def test_a_crease_that_grazes_an_edge_is_told_its_place(gap):
 @pytest.mark.parametrize("first", [90, 270])
 def test_a_crease_that_grazes_another_is_told_its_place(first, gap):
     """Triangles between two that touch had an angle of 0 degrees. A closed one may begin at the place."""
-    with pytest.raises(MeshError, match=r"creases\[1\] grazes creases\[0\] at \(6.\d+, 5.\d+\).* let it end there, cross it"):
+    with pytest.raises(
+        MeshError, match=r"creases\[1\] grazes creases\[0\] at \(6.\d+, 5.\d+\).* let creases\[1\] end there, cross creases\[0\]"
+    ):
         CGCMesh.from_outline(SQUARE, 1.2, creases=[line((0, 5), (12, 5.1)), arc(6, 8.05 + gap, 3, first, first + 360)])
     # Those that cross at a narrow angle have room, and so have those that end on each other.
     crossing = CGCMesh.from_outline(SQUARE, 1.2, creases=[line((0, 4), (12, 6.5)), line((0, 6.5), (12, 4)), line((6, 5.25), (6, 12))])

@@ -59,7 +59,7 @@ def test_a_grid_takes_every_combination_and_a_list_one_after_the_other():
     parameters = {"K": [0.01, 0.02], "s": {"from": 0.0, "to": 1.0, "count": 3}}
     assert of(parameters).variants == [(0.01, 0.0), (0.01, 0.5), (0.01, 1.0), (0.02, 0.0), (0.02, 0.5), (0.02, 1.0)]
     assert of({"K": [0.01, 0.02], "s": [0.0, 1.0]}, sample="list").variants == [(0.01, 0.0), (0.02, 1.0)]
-    with pytest.raises(CGCError, match="equally many values"):
+    with pytest.raises(CGCError, match="the same number of values"):
         of(parameters, sample="list").variants  # noqa: B018
 
 

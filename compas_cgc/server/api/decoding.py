@@ -110,7 +110,7 @@ def _check_counts(body: bytes, limits: Limits) -> None:
         raise TooLarge(f"the JSON holds more than {limits.containers} lists and objects; use a coarser mesh")
     names = body.count(b":")
     if names + body.count(b",") > limits.values or 2 * names > limits.values:
-        raise TooLarge(f"the JSON holds more than {limits.values} values, or more than half as many names; {PACK}")
+        raise TooLarge(f"the JSON holds more than {limits.values} values or {limits.values // 2} keys; {PACK}")
 
 
 def _inner(node: object) -> Iterable:

@@ -185,7 +185,7 @@ def test_wrong_orders_are_refused_before_they_are_queued(server, body, sentence)
     [
         ("membrane", DOME, {}, "the load is zero"),
         ("membrane", CONE, {"pressure": 1.0}, "has K = 0"),
-        ("unroll", CONE, {"seams": [[0, 1]]}, "no given seam opens"),
+        ("unroll", CONE, {"seams": [[0, 1]]}, "none of the given seams opens"),
         ("unroll", CONE, {"sheet": "1e"}, "LENGTHxWIDTH"),
         ("unroll", CONE, {"sheet": [0.001, 0.001]}, "use larger sheets"),
         ("net", SADDLE, {"regions": [4]}, "there is no region 4"),
