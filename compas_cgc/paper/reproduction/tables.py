@@ -27,14 +27,15 @@ REMARKS = """\
 * **Example 6.** The paper gives a relative error of 6.031e-4; ours is 2.0e-4. The filter is so small that the result of 500 steps depends
   on the initial surface: domes with heights between 2.2 and 2.5 give errors between 2e-4 and 2e-3, and a flat mesh does not converge.
 * **Example 7, K̄ = 0.** The flow converges slowly, both in the paper and here: after 5000 steps the error is 1e-6.
-* **Table 2.** The text of the paper gives a target of 4.0, which must be a misprint: on a square of side w no surface has K̄ above about 4
-  / w², and μ0 = 100 and d̄ = 5 imply w = 10. With a target of 4.0 the flow diverges. K̄ = 0.01, which is Example 2 scaled by ten, gives
+* **Table 2.** The text of the paper gives a target of 4.0, which must be a misprint: a
+  surface over a square of side w needs K̄ < π / w² (from `K̄ · area < π`), and the step length μ0 = 100 and the filter radius d̄ = 5 imply
+  w = 10. With a target of 4.0 the flow diverges. K̄ = 0.01, which is Example 2 scaled by ten, gives
   errors of the published size.
 * **Counterparts.** The meshes of Examples 5 to 7 are known from text and pictures only. The meshes used here follow the text; the tables
   give both sizes.
-* **Energy.** The line search uses Φ = M - Σ K̄ V, the paper's energy with the opposite sign, because the flow increases the latter
-  according to Eq. 8 of the paper. Every accepted step decreases Φ. Late in a run no trial is accepted, and the shortest step is taken, as
-  in the paper. Φ then increases slightly, because the surface with K = K̄ is near, but not at, the minimum of the discrete Φ. The increase
+* **Energy.** The line search uses Φ = M - Σ K̄ V, where M is the integral of the mean curvature and V the volume below each region. Φ is
+  the paper's energy with the opposite sign: by Eq. 8 of the paper, the flow increases the paper's energy, so it decreases Φ. Every accepted
+  step decreases Φ. Late in a run the line search rejects every step length that it tries, and takes the shortest one, as in the paper. Φ then increases slightly, because the surface with K = K̄ is near, but not at, the minimum of the discrete Φ. The increase
   is less than 1e-5 of Φ per step in Examples 2 and 4, and at most 6e-4 in variant a of Example 4.
 * **Time.** The paper's times were measured on a Core i7-8850H at 2.6 GHz, ours on one core of the machine that computed this page, after
   compilation.
@@ -64,7 +65,10 @@ def report(curves: Sequence[dict], surfaces: Sequence[dict], grids: dict[int, di
     parts = [
         "# The paper's examples\n",
         "`compas-cgc reproduce` computes this page. Columns named *paper* are published values; columns named *ours* are computed "
-        "by this package\nwith the same parameters. n is the number of vertices, n_f of faces, n_i of steps.\n",
+        "by this package\nwith the same parameters. n is the number of vertices, n_f of faces, n_i of steps; "
+        "μ0 is the first step length and d̄ the filter radius.\nS1 (factor s) and S2 (delay of e steps) are the paper's strategies for "
+        "vertices on creases, see the [glossary](glossary.md#the-solve).\nC1 and C2 are the curve flows of Example 1 with the target "
+        "curvatures 0.2 and 1; its internal boundary is a crease in the middle.\n",
         "## Table 1: cost\n",
         _table_1([by_name[name] for name in TABLE_1]),
         "## Table 2: mesh size and error (Example 2 on a square 10 wide, K̄ = 0.01, μ0 = 100, d̄ = 5, 200 steps)\n",
