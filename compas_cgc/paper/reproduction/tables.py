@@ -27,16 +27,16 @@ REMARKS = """\
 * **Example 6.** The paper gives a relative error of 6.031e-4; ours is 2.0e-4. The filter is so small that the result of 500 steps depends
   on the initial surface: domes with heights between 2.2 and 2.5 give errors between 2e-4 and 2e-3, and a flat mesh does not converge.
 * **Example 7, K̄ = 0.** The flow converges slowly, both in the paper and here: after 5000 steps the error is 1e-6.
-* **Table 2.** The text of the paper gives a target of 4.0, which must be a misprint: a
-  surface over a square of side w needs K̄ < π / w² (from `K̄ · area < π`), and the step length μ0 = 100 and the filter radius d̄ = 5 imply
-  w = 10. With a target of 4.0 the flow diverges. K̄ = 0.01, which is Example 2 scaled by ten, gives
-  errors of the published size.
+* **Table 2.** The text of the paper gives a target of 4.0, which must be a misprint: a surface over a square of side w needs K̄ < π / w²
+  (from `K̄ · area < π`), and the step length μ0 = 100 and the filter radius d̄ = 5 imply w = 10. With a target of 4.0 the flow diverges.
+  K̄ = 0.01, which is Example 2 scaled by ten, gives errors of the published size.
 * **Counterparts.** The meshes of Examples 5 to 7 are known from text and pictures only. The meshes used here follow the text; the tables
   give both sizes.
-* **Energy.** The line search uses Φ = M - Σ K̄ V, where M is the integral of the mean curvature and V the volume below each region. Φ is
-  the paper's energy with the opposite sign: by Eq. 8 of the paper, the flow increases the paper's energy, so it decreases Φ. Every accepted
-  step decreases Φ. Late in a run the line search rejects every step length that it tries, and takes the shortest one, as in the paper. Φ then increases slightly, because the surface with K = K̄ is near, but not at, the minimum of the discrete Φ. The increase
-  is less than 1e-5 of Φ per step in Examples 2 and 4, and at most 6e-4 in variant a of Example 4.
+* **Energy.** The line search uses Φ = M - Σ K̄ V, where M is the integral of the mean curvature and V the volume of the pyramids from the
+  origin to the faces of a region. Φ is the paper's energy with the opposite sign: by Eq. 8 of the paper, the flow increases the paper's
+  energy, so it decreases Φ. Every accepted step decreases Φ. Late in a run the line search rejects every step length that it tries, and
+  takes the shortest one, as in the paper. Φ then increases slightly, because the surface with K = K̄ is near, but not at, the minimum of
+  the discrete Φ. The increase is less than 1e-5 of Φ per step in Examples 2 and 4, and at most 6e-4 in variant a of Example 4.
 * **Time.** The paper's times were measured on a Core i7-8850H at 2.6 GHz, ours on one core of the machine that computed this page, after
   compilation.
 """
