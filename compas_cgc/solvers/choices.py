@@ -57,6 +57,8 @@ EDGES_FREE = Choice(
     FREED,
     "edges",
 )
+BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
+SMOOTH = MappingProxyType({"measure": "smooth"})  # towards a straight rim K is bounded, but one principal curvature is not
 DOMED = Choice("projection", "it finds the fairest surface, with creases, on from a dome without them", start="domed")
 LOST = Choice("projection", "from its drawing, smoothed, it arrives", True, MappingProxyType({"keep": "shape", "retry": False}), "meant")
 STALLED = Choice("projection", "from where it stalled, smoothed, it arrives", True, MappingProxyType({"keep": "shape"}), "smoothed")
@@ -75,7 +77,7 @@ def choose(problem: CGCProblem, settings: Optional[Settings] = None) -> list[Cho
     if settings is not None and method_of(settings) != "auto":
         return [Choice(method_of(settings), f"its settings were given ({type(settings).__name__})")]
     choices = _choices(problem)
-    if settings is None or settings.to_dict()["measure"] in ("auto", "defect"):
+    if settings is None or settings.to_dict()["measure"] == "auto":
         return choices
     return [choice for choice in choices if "measure" in METHODS[choice.method].settings.options()]
 
@@ -90,10 +92,10 @@ def _choices(problem: CGCProblem) -> list[Choice]:
     if problem.goals:
         return [Choice("projection", "it alone holds constraints"), *SECOND]
     if (targets < 0).any():
-        first = Choice("projection", "it alone reaches negative K̄")
+        first = Choice("projection", "it moves vertices sideways too")
         # What is drawn knows its shape, and edges turned as it asks keep that; a plan is better laid out anew.
         second = [EDGES, LOST, STALLED, ANEW] if is_drawn(problem) else [ANEW, EDGES, STALLED]
-        return [first, *second, SMOOTHED, EDGES_FREE, *OTHERS]
+        return [BENDING, first, *second, SMOOTHED, EDGES_FREE, *OTHERS]
     strategies = np.isfinite(problem.s) | np.isfinite(problem.e)
     if (strategies & (problem.roles == CREASE)).any():
         return [Choice("flow", "s or e are set on creases, strategies of the flow"), Choice("projection", "it needs no strategy")]
@@ -105,7 +107,7 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         ]
     fairest = Choice("projection", "it finds the fairest surface, with free edges and creases, for any K̄")
     lost = [LOST] if is_drawn(problem) else []
-    return [*([DOMED] if is_held_all_round(problem, folded=True) else []), fairest, *lost, STALLED, *SECOND, FLOW]
+    return [DOMED if is_held_all_round(problem, folded=True) else BENDING, fairest, *lost, STALLED, *SECOND, FLOW]
 
 
 def is_due(choice: Choice, rough: bool) -> bool:

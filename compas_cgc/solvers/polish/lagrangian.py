@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import math
 from typing import NamedTuple
 from typing import Optional
 
@@ -54,10 +56,11 @@ class Model(NamedTuple):
 class Lagrangian:
     r"""Bending, folding and the curvature equations of one problem.
 
-    .. math:: E = \sum_f A_f |S_f|^2 + \frac1\ell \sum_e l_e \vartheta_e^2 + \sum_p \sum_{f \in p} A_f |S_f - L_p|^2, \qquad
+    .. math:: E = \sum_f A_f |S_f|^2 + \frac1\ell \sum_e l_e \vartheta_e^2 + \frac1{d^4} \sum_i A_i u_i^2
+                  + \sum_p \sum_{f \in p} A_f |S_f - L_p|^2, \qquad
               r_p = A_p (K_p - \bar K_p) = \frac{\det T_p}{A_p} - \bar K_p A_p,
 
-    with the folds :math:`\vartheta_e` of crease edges, the linear functions :math:`L_p` fitted to the shape operators about every pair
+    with the folds :math:`\vartheta_e` of crease edges, the moves :math:`u_i` of the vertices and their areas :math:`A_i`, the linear functions :math:`L_p` fitted to the shape operators about every pair
     of vertex and region, and the sums :math:`T_p` of :math:`A_f S_f` and :math:`A_p` of areas over its faces.
 
     Parameters
@@ -74,10 +77,13 @@ class Lagrangian:
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
     """
 
+    waves = math.inf  # d: shorter waves of the drawing are smoothed, longer ones kept [L]
+
     def __init__(
         self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, targets: FloatArray, fold_length: float
     ):  # fmt: skip
         self.mesh, self.drawing = mesh, drawing
+        self._fold_length = fold_length
         self.rows: IntArray = np.flatnonzero(np.isfinite(targets))
         self.targets = targets[self.rows]
         self.free: IntArray = np.concatenate([np.flatnonzero(free), np.arange(len(drawing), mesh.unknowns)])
@@ -87,6 +93,7 @@ class Lagrangian:
         self._fold_weights = 2.0 / fold_length * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
         areas = mesh.at(drawing, np.zeros(len(mesh.angles.ends))).areas
         self.cells: FloatArray = (mesh.incidence @ areas)[self.rows]
+        self.kept: FloatArray = np.zeros(mesh.unknowns)  # second derivatives of the energy that keeps the drawing (u,)
         self.pattern = _Pattern(self)
         self.uneven = self.pattern.unevenness(self, areas)
 
@@ -94,6 +101,24 @@ class Lagrangian:
     def size(self) -> int:
         """Number of free unknowns."""
         return len(self.free)
+
+    @property
+    def has_plan(self) -> bool:
+        """Whether all vertices move along one direction."""
+        return bool((self.mesh.directions == self.mesh.directions[0]).all())
+
+    def keeping(self, waves: float) -> Lagrangian:
+        """Return the same with a drawing that is kept but for waves shorter than a length [L]."""
+        other, n = copy.copy(self), len(self.drawing)
+        areas = self.mesh.at(self.drawing, np.zeros(len(self.mesh.angles.ends))).areas
+        other.waves, other.kept = waves, np.zeros(self.mesh.unknowns)
+        other.kept[:n] = 2.0 / 3.0 * np.bincount(self.mesh.faces.ravel(), np.repeat(areas, 3), n) / waves**4
+        return other
+
+    def on(self, drawing: FloatArray) -> Lagrangian:
+        """Return the energy of another drawing (n, 3) without supports, whose curvature is not prescribed."""
+        nowhere = np.full(len(self.mesh.pairs), np.nan)
+        return Lagrangian(self.mesh, drawing, np.ones(len(drawing), bool), nowhere, self._fold_length)
 
     def vertices(self, unknowns: FloatArray) -> FloatArray:
         """Return the vertices (n, 3) for unknowns (u,)."""
@@ -108,7 +133,7 @@ class Lagrangian:
         folds = self.folds(unknowns)
         S = operators.tensors / operators.areas[:, None]
         uneven = EVENNESS * float(np.einsum("me,e,me->", S, OCCURRENCES, self.uneven @ S))
-        energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2)) + uneven
+        energy = float(operators.bending.sum() + 0.5 * (self._fold_weights @ folds**2 + self.kept @ unknowns**2)) + uneven
         return State(unknowns, operators, energy, determinants(T) / A - self.targets * A)
 
     def folds(self, unknowns: FloatArray) -> FloatArray:
@@ -151,9 +176,9 @@ class Lagrangian:
         return self.pattern.model(self, state, parts)
 
     def fold_terms(self, unknowns: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
-        """Return the derivative of the fold energy by all unknowns (u,), and columns (c, 2) and weights (c,) of its second one."""
+        """Return the derivative by all unknowns (u,) of folding and of what is kept, and columns (c, 2) and weights (c,) of folds."""
         pull = (self._fold_weights * self.folds(unknowns))[:, None] * [1.0, -1.0]
-        gradient = np.bincount(self._fold_columns.ravel(), pull.ravel(), len(unknowns)).astype(np.float64, copy=False)
+        gradient = np.bincount(self._fold_columns.ravel(), pull.ravel(), len(unknowns)) + self.kept * unknowns
         return gradient, self._fold_columns, self._fold_weights
 
 
@@ -262,15 +287,16 @@ class _Pattern:
                 departure = (group.even @ Z.reshape(g, k, -1)).reshape(g, k, 6, -1) * np.sqrt(2.0 * EVENNESS * OCCURRENCES)[:, None]
                 square_root = departure.reshape(g, 6 * k, group.width)
                 C += square_root.transpose(0, 2, 1) @ square_root
-            has = (group.row >= 0)[:, None]
-            curvature = np.where(has[..., None], parts.row_curvature[group.row], 0.0)
-            H += G @ curvature @ G.transpose(0, 2, 1)
-            lines.append(np.where(has, np.einsum("gse,ge->gs", G, parts.rows[group.row]), 0.0).ravel())
+            has = group.row >= 0
+            lines.append(np.zeros((g, group.width)))
+            lines[-1][has] = np.einsum("gse,ge->gs", G[has], parts.rows[group.row[has]])
+            H[has] += G[has] @ parts.row_curvature[group.row[has]] @ G[has].transpose(0, 2, 1)
             plain.append(C.ravel())
             bent.append(H.ravel())
-        line = np.concatenate(lines)
+        line = np.concatenate([one.ravel() for one in lines])
         folding = np.bincount(self.fold, (fold_weights[:, None] * [1.0, 1.0, -1.0, -1.0]).ravel(), entries)
         convex_data = _summed(self.within, np.concatenate(plain), entries) + folding
+        convex_data[self.diagonal[: self.unknowns]] += lagrangian.kept[lagrangian.free]
         below, beside = _summed(self.rows, line, entries), _summed(self.columns, line, entries)
         q = self.unknowns
         start = int(self.indptr[q])

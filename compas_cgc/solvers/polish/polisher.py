@@ -23,11 +23,13 @@ from .lagrangian import State
 from .optimiser import steps
 from .posed import posed
 from .settings import PolishSettings
+from .starts import is_drawn
 from .starts import starts
 
 __all__ = ["polish"]
 
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
+WAVES = 0.1  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
 
 
@@ -72,7 +74,10 @@ def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, ca
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])
     local, frame = problem.without_dummies().local()
+    size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
     lagrangian, moved = posed(local, settings.fold_length), np.flatnonzero(problem.roles != DUMMY)[local.movable]
+    if settings.keep == "shape" or (settings.keep == "auto" and is_drawn(lagrangian)):
+        lagrangian = lagrangian.keeping(WAVES * size)
 
     def to_model(vertices: FloatArray) -> FloatArray:
         result = problem.vertices.copy()
@@ -80,7 +85,6 @@ def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, ca
         return result
 
     recorder = Recorder(settings.steps, callback, frame, to_model)
-    size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
     goal, weights, points = settings.tolerance * local.target_scale, local.face_targets(), _places(lagrangian)
     centre = local.vertices.mean(axis=0)
     best: Optional[State] = None

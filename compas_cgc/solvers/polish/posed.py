@@ -8,7 +8,6 @@ import numpy as np
 
 from ...discrete import edge_faces
 from ...discrete import face_areas
-from ...discrete import vertex_normals
 from ...discrete.arrays import FloatArray
 from ...discrete.arrays import IntArray
 from ...discrete.arrays import Mask
@@ -20,7 +19,7 @@ from .lagrangian import Lagrangian
 
 __all__ = ["held_edges", "move_directions", "pair_targets", "posed"]
 
-FACING = 0.3  # component of every vertex normal along the mean normal, from which a drawing has a plan
+FACING = 0.3  # component of the normals of faces along the mean normal, from which a drawing has a plan
 SMOOTHINGS = 10  # of the normals of a drawing that has none
 
 
@@ -35,21 +34,22 @@ def posed(problem: CGCProblem, fold_length: float) -> Lagrangian:
         Width of a strip that bends as easily as a crease folds, relative to the square root of the area.
     """
     V, F, regions = problem.vertices, problem.faces, problem.regions()
-    mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(V, F))
+    mesh = MidEdgeMesh(F, problem.creases, regions, move_directions(problem))
     size = math.sqrt(float(face_areas(V, F).sum()))
     return Lagrangian(mesh, V, problem.movable, pair_targets(problem, mesh), fold_length * size)
 
 
-def move_directions(vertices: FloatArray, faces: IntArray) -> FloatArray:
+def move_directions(problem: CGCProblem) -> FloatArray:
     """Return the unit vectors (n, 3) along which vertices move: the mean normal over a plan, else smoothed normals."""
-    crosses = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    V, F = problem.vertices, problem.faces
+    crosses = np.cross(V[F[:, 1]] - V[F[:, 0]], V[F[:, 2]] - V[F[:, 0]])
     mean = crosses.sum(axis=0)
     length = float(np.linalg.norm(mean))
-    normals = vertex_normals(vertices, faces)
-    used = np.unique(faces)
-    if length > 0.0 and float((normals[used] @ mean).min()) > FACING * length:
-        return np.tile(mean / length, (len(vertices), 1))
-    return smooth_normals(vertices, faces, SMOOTHINGS)
+    # Supports that were lifted off a plan leave cliffs around them.
+    between = (problem.roles != FIXED)[F].all(axis=1)
+    if length > 0.0 and (crosses @ mean > FACING * between * length * np.linalg.norm(crosses, axis=1)).all():
+        return np.tile(mean / length, (len(V), 1))
+    return smooth_normals(V, F, SMOOTHINGS)
 
 
 def pair_targets(problem: CGCProblem, mesh: MidEdgeMesh) -> FloatArray:

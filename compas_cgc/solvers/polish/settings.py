@@ -33,3 +33,10 @@ class PolishSettings(Settings):
         float,
         above=0,
     )
+    keep: str = option(
+        "auto",
+        "Part of the drawing that the surface keeps. plan: the plan, heights follow from least bending. shape: the drawn shape, "
+        "without its short waves. auto: the shape where that bends far more than its supports make it, else the plan.",
+        str,
+        choices=("auto", "plan", "shape"),
+    )

@@ -14,25 +14,24 @@ from ...linalg import factorise
 from .lagrangian import Lagrangian
 from .lagrangian import State
 
-__all__ = ["starts"]
+__all__ = ["is_drawn", "plate", "starts"]
 
-RELAXATIONS = 2  # linear solves towards the plate without curvature of its own, which pull drawn heights down to it
+SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 DIRECTIONS = 64  # of saddles that are compared
 ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
+FLAT_FACE = 1e-4  # squared curvature of a face times the area of the mesh, below which it is flat
+DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
 FLAT = 1e-9  # K̄, against the largest, that is none
 
 
 class _Plate:
-    """The linear response of the drawing, bent to its supports, to curvature of its own."""
+    """The linear response of the plate over the supports to curvature of its own."""
 
     def __init__(self, lagrangian: Lagrangian):
-        self.lagrangian, self.here = lagrangian, _relaxed(lagrangian)
-        model = lagrangian.model(self.here, np.zeros(len(lagrangian.rows)))
+        self.lagrangian, self.here = lagrangian, plate(lagrangian)
+        stiffness = _stiffness(lagrangian, self.here)
         q = lagrangian.size
-        pattern = lagrangian.pattern
-        size = pattern.size
-        matrix = sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(size, size))[:q, :q]
-        self._solver = factorise(matrix.tocsr(), symmetric=True)
+        self._solver = factorise(_firm(stiffness[:q, :q]), symmetric=True)
 
     def response(self, own: FloatArray) -> FloatArray:
         """Return the step (q,) that curvature of its own (m, 6) [1/L] causes."""
@@ -56,19 +55,22 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
     Where K̄ > 0 the plate wants to bend alike in all directions, to the side of the normals; where K̄ < 0 as a saddle, turned to
     where bending energy is least, up and down; where K̄ = 0 it bends over its supports.
     """
-    plate = _Plate(lagrangian)
+    if np.isfinite(lagrangian.waves):
+        yield _with_even_angles(lagrangian, lagrangian.at(np.zeros(lagrangian.mesh.unknowns)), np.zeros(lagrangian.size))
+        return
+    own = _Plate(lagrangian)
     targets = _face_targets(lagrangian)
     round_, along, across = _tensors(lagrangian)
     scale = FLAT * float(np.abs(targets).max(initial=0.0))
     dome = round_ * np.sqrt(np.maximum(targets, 0.0))[:, None]
     bent = np.sqrt(np.maximum(-targets, 0.0))[:, None]
-    first = plate.response(dome) if (targets > scale).any() else np.zeros(lagrangian.size)
+    first = own.response(dome) if (targets > scale).any() else np.zeros(lagrangian.size)
     if not (targets < -scale).any():
-        yield _with_even_angles(lagrangian, plate.here, first)
+        yield _with_even_angles(lagrangian, own.here, first)
         return
-    steps = [plate.response(bent * along), plate.response(bent * across)]
-    base = plate.mismatch(first, dome) + plate.mismatch(np.zeros(lagrangian.size), -_present(plate.here))
-    parts = [plate.mismatch(step, bent * own) for step, own in zip(steps, (along, across))]
+    steps = [own.response(bent * along), own.response(bent * across)]
+    base = own.mismatch(first, dome) + own.mismatch(np.zeros(lagrangian.size), -_present(own.here))
+    parts = [own.mismatch(step, bent * saddle) for step, saddle in zip(steps, (along, across))]
     turns = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     energies = np.array([float(((base + np.cos(t) * parts[0] + np.sin(t) * parts[1]) ** 2).sum()) for t in turns])
     if np.ptp(energies) <= ROUND * energies.mean():
@@ -77,7 +79,7 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
         lowest = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
         chosen = turns[lowest][np.argsort(energies[lowest], kind="stable")].tolist()
     for t in chosen:
-        yield _with_even_angles(lagrangian, plate.here, first + np.cos(t) * steps[0] + np.sin(t) * steps[1])
+        yield _with_even_angles(lagrangian, own.here, first + np.cos(t) * steps[0] + np.sin(t) * steps[1])
 
 
 def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> State:
@@ -88,17 +90,52 @@ def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> 
     return lagrangian.at(unknowns)
 
 
-def _relaxed(lagrangian: Lagrangian) -> State:
-    """Return the plate over the supports that has no curvature of its own."""
-    here = lagrangian.at(np.zeros(lagrangian.mesh.unknowns))
+def is_drawn(lagrangian: Lagrangian) -> bool:
+    """Return whether the drawing has no plan, or bends in most places and far more than its supports make it."""
+    if not lagrangian.has_plan:
+        return True
+    mesh, V = lagrangian.mesh, lagrangian.drawing
+    at = np.zeros(mesh.unknowns)
+    at[len(V) :] = even_angles(mesh, V)
+    drawn = lagrangian.at(at).operators
+    flat = drawn.bending * drawn.areas.sum() < FLAT_FACE * drawn.areas
+    if float(drawn.areas[flat].sum()) > 0.5 * float(drawn.areas.sum()):
+        return False
+    return float(drawn.bending.sum()) > DRAWN * float(plate(lagrangian).operators.bending.sum())
+
+
+def plate(lagrangian: Lagrangian) -> State:
+    """Return the surface over the supports that bends least, whatever its curvature.
+
+    Over a plan it is a linear plate, whose heights at the supports are those of the drawing. A drawing without a plan stands for itself.
+    """
+    mesh, V, free = lagrangian.mesh, lagrangian.drawing, lagrangian.free
+    heights = np.einsum("ni,ni->n", V, mesh.directions)
+    at = np.zeros(mesh.unknowns)
+    if lagrangian.has_plan:
+        flat = lagrangian.on(V - heights[:, None] * mesh.directions)
+        stiffness = _stiffness(flat, flat.at(at))
+        fixed = np.setdiff1d(np.arange(len(V)), free)
+        level = float(heights[fixed].mean()) if len(fixed) else 0.0
+        lifted = heights[fixed] - level
+        moves = np.zeros(mesh.unknowns)
+        moves[fixed] = lifted
+        if np.abs(lifted).max(initial=0.0) > 0.0:
+            moves[free] = factorise(_firm(stiffness[free][:, free]), symmetric=True).solve(-(stiffness[free][:, fixed] @ lifted))
+        at[free[: lagrangian.moves]] = (level + moves[: len(V)] - heights)[free[: lagrangian.moves]]
+    at[len(V) :] = even_angles(mesh, lagrangian.vertices(at))
+    return lagrangian.at(at)
+
+
+def _stiffness(lagrangian: Lagrangian, here: State) -> sparse.csr_matrix:
+    """Return the second derivatives (q, q) of the energy by the free unknowns, without those that may be negative."""
     pattern, q = lagrangian.pattern, lagrangian.size
-    for _ in range(RELAXATIONS):
-        model = lagrangian.model(here, np.zeros(len(lagrangian.rows)))
-        if not np.abs(model.gradient).max(initial=0.0) > 0.0:
-            break
-        matrix = sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))[:q, :q]
-        here = lagrangian.moved(here, factorise(matrix.tocsr(), symmetric=True).solve(-model.gradient))
-    return here
+    model = lagrangian.model(here, np.zeros(len(lagrangian.rows)))
+    return sparse.csr_matrix((model.convex, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))[:q, :q].tocsr()
+
+
+def _firm(stiffness: sparse.csr_matrix) -> sparse.csr_matrix:
+    return (stiffness + SOFTEST * sparse.diags(stiffness.diagonal())).tocsr()
 
 
 def _present(state: State) -> FloatArray:
