@@ -11,7 +11,7 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from .verdict import Verdict
 
-__all__ = ["FAILED", "STATUSES", "History", "Solution", "SolveState"]
+__all__ = ["FAILED", "STATUSES", "Branch", "History", "Solution", "SolveState"]
 
 STATUSES = ("converged", "step_limit", "stalled", "diverged", "infeasible", "cancelled")
 FAILED = ("diverged", "infeasible")  # statuses without a surface
@@ -53,6 +53,15 @@ class SolveState(NamedTuple):
     vertices: FloatArray  # (n, 3) coordinates, dummy vertices last [L]
 
 
+class Branch(NamedTuple):
+    """One of several surfaces with the same curvature over the same supports."""
+
+    vertices: FloatArray  # (n, 3) [L]
+    energy: float  # bending and folding, dimensionless
+    fair: bool  # by its verdict
+    twin_of: Optional[int] = None  # number of the branch with the same energy that it mirrors
+
+
 class Solution(NamedTuple):
     """Result of a solver, as arrays."""
 
@@ -68,3 +77,4 @@ class Solution(NamedTuple):
     targets: Optional[FloatArray] = None  # (n,) targets including solved unknowns, None if all were given [1/L^2]
     verdict: Optional[Verdict] = None  # of the surface, None if not judged yet
     faces: Optional[IntArray] = None  # (m, 3) if edges were flipped, None if they are those of the problem
+    branches: tuple[Branch, ...] = ()  # that were found, the one returned first

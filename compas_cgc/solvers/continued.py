@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Optional
 
+import numpy as np
+
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
 from ..model.result import Solution
 from ..model.verdict import verdict
+from .choices import Choice
 from .choices import choose
+from .polish.polisher import polish
 from .projection.projector import Projector
 from .projection.projector import ready
 from .projection.symmetry import tears_faces
@@ -20,7 +24,9 @@ from .settings import Settings
 __all__ = ["solved_on"]
 
 
-def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Settings] = None, callback: Callback = None) -> Optional[Solution]:
+def solved_on(
+    problem: CGCProblem, drawn: CGCProblem, method: str = "auto", settings: Optional[Settings] = None, callback: Callback = None
+) -> Optional[Solution]:
     """Return the fair surface that one found before leads on to.
 
     Distances are still measured from the drawing: so the surface does not depend on the way of the targets.
@@ -31,7 +37,7 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
         With its vertices on a surface that was found for other targets.
     drawn
         The same problem over the drawing that was found for.
-    settings
+    method, settings
         As for :func:`compas_cgc.solve`.
     callback
         Called after every step.
@@ -39,22 +45,26 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     Returns
     -------
     Solution or None
-        None where it leads to no fair one, where K is or was negative, or where another method than the projection, or the projection
-        from another start than the drawing, suits it.
+        None where it leads to no fair one, K changes its sign, or another method than bending or the projection is chosen.
     """
     before = problem if problem.origin is None else problem.origin.drawn
-    if (problem.targets < 0.0).any() or (before.targets < 0.0).any():
-        # From a dome no way leads to a saddle: what is come upon is wavy, even if it is fair. From one saddle to the next a way leads
-        # to others than from the drawing, as there are many of nearly the same energy.
+    first = choose(drawn, settings)[0] if method == "auto" else Choice(method, "it was asked for")
+    own = settings_of(METHODS[first.method], settings)
+    if first.method == "bending":
+        if (np.sign(problem.targets) != np.sign(before.targets)).any():
+            # From a dome no way leads to a saddle.
+            return None
+        solution = polish(drawn, settings=own, start=problem.vertices, callback=callback)  # type: ignore[arg-type]
+    elif first.method == "projection" and first.start == "drawn" and not tears_faces(drawn):
+        if (problem.targets < 0.0).any() or (before.targets < 0.0).any():
+            # From one saddle to the next a way leads to others than from the drawing, as there are many of nearly the same energy.
+            return None
+        projector = Projector(drawn, settings=own) if drawn.goals else ready(drawn, own)  # type: ignore[arg-type]
+        solution = projector.solve(problem.targets, problem.vertices, callback=callback)
+    else:
         return None
-    first = choose(drawn, settings)[0]
-    if first.method != "projection" or first.start != "drawn" or tears_faces(drawn):
-        return None
-    own = settings_of(METHODS["projection"], settings)
-    projector = Projector(drawn, settings=own) if drawn.goals else ready(drawn, own)  # type: ignore[arg-type]
-    solution = projector.solve(problem.targets, problem.vertices, callback=callback)
     if solution.status == "cancelled":
-        return solution._replace(method="projection")
+        return solution._replace(method=first.method)
     if solution.status != "converged":
         return None
     if solution.faces is None:
@@ -62,5 +72,5 @@ def solved_on(problem: CGCProblem, drawn: CGCProblem, settings: Optional[Setting
     judged = verdict(
         (drawn if solution.targets is None else drawn.with_targets(solution.targets)).with_vertices(solution.vertices), drawn.vertices
     )
-    message = f"{solution.message}; by the method projection, on from the surface that was found before"
-    return solution._replace(method="projection", verdict=judged, message=message) if judged.fair else None
+    message = f"{solution.message}; by the method {first.method}, on from the surface that was found before"
+    return solution._replace(method=first.method, verdict=judged, message=message) if judged.fair else None

@@ -138,11 +138,11 @@ def solve(
     own = method if chosen is None else method_of(chosen)
     _check_constraints(own, posed)
     told = callback and _RealOnly(callback, posed.roles != DUMMY)
-    drawn = posed.drawn if own in ("auto", "projection") else None
+    drawn = posed.drawn if own in ("auto", "bending", "projection") else None
     surface, posed = posed, posed if drawn is None else drawn
     diagnostics = check(posed)
     refuse(diagnostics)
-    solution = solved_on(surface, posed, chosen, told) if drawn is not None else None
+    solution = solved_on(surface, posed, own, chosen, told) if drawn is not None else None
     if solution is None:
         solution = _run(method, posed, chosen, told)
     mesh = problem if isinstance(problem, CGCMesh) and targets is None else None

@@ -120,7 +120,7 @@ def sensitivity(result: SolveResult) -> Sensitivity:
     Parameters
     ----------
     result
-        A converged result of the method ``projection`` or ``newton``.
+        A converged result of the method ``bending``, ``projection`` or ``newton``.
 
     Returns
     -------
@@ -147,13 +147,18 @@ def sensitivity(result: SolveResult) -> Sensitivity:
         raise CGCError(f"derivatives are those of a solved surface: sensitivity(solve(mesh)), not of {result!r:.60}")
     if not result.converged:
         raise ProblemError([f"the surface is {result.status}, not converged; only of one that meets its K there are derivatives by K"])
-    if result.method not in ("projection", "newton"):
-        raise ProblemError([f"there are no derivatives of a surface by the method {result.method}; solve it by projection or newton"])
+    if result.method not in ("bending", "projection", "newton"):
+        raise ProblemError([f"there are no derivatives of a surface by the method {result.method}; solve it by bending"])
     problem = result.problem
     label = problem.regions()
     numbers = [region for region in range(int(label.max(initial=-1)) + 1) if (problem.region_vertices(region) & problem.asked).any()]
     groups = {region: np.flatnonzero(problem.region_vertices(region) & problem.asked) for region in numbers}
-    found = _by_newton(problem, groups, result.measure == "smooth") if result.method == "newton" else _by_projection(result, groups)
+    if result.method == "bending":
+        found = _by_bending(result, groups)
+    elif result.method == "newton":
+        found = _by_newton(problem, groups, result.measure == "smooth")
+    else:
+        found = _by_projection(result, groups)
     moves = np.array([found[region] for region in numbers]).reshape(-1, len(problem.vertices), 3)
     x, faces = problem.vertices, problem.faces
     level = support_height(problem) if (problem.roles == FIXED).any() else 0.0
@@ -168,6 +173,17 @@ def sensitivity(result: SolveResult) -> Sensitivity:
         float(np.sqrt(measures.area(x, faces))),
         problem.drawing.units,
     )
+
+
+def _by_bending(result: SolveResult, groups: Mapping[int, np.ndarray]) -> dict[int, FloatArray]:
+    """Return dx/dK by region of the surface that bends and folds least."""
+    from .polish.derivatives import moves_by_curvature
+    from .polish.settings import PolishSettings
+
+    if result.start is None:
+        raise ProblemError(["the drawing that the surface was made from is not known; solve it again here"])
+    settings = result.settings if isinstance(result.settings, PolishSettings) else PolishSettings()
+    return moves_by_curvature(result.problem.with_vertices(result.start), settings, result.vertices, groups)
 
 
 def _by_newton(problem: CGCProblem, groups: Mapping[int, np.ndarray], smooth: bool) -> dict[int, FloatArray]:

@@ -175,6 +175,12 @@ class Lagrangian:
         parts = _Parts(gradient, convex, curved, slopes, shape_slopes, rows, multipliers[:, None, None] * row_curvature)
         return self.pattern.model(self, state, parts)
 
+    def area_derivative(self, state: State, weights: FloatArray) -> FloatArray:
+        """Return the derivative (q,) of the areas of the cells of the equations times weights (r,)."""
+        at_faces = self.mesh.incidence[self.rows].T @ weights
+        whole = np.bincount(self.mesh.faces.ravel(), (at_faces[:, None] * state.operators.area_slopes).ravel(), self.mesh.unknowns)
+        return np.asarray(whole[self.free], dtype=np.float64)
+
     def fold_terms(self, unknowns: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
         """Return the derivative by all unknowns (u,) of folding and of what is kept, and columns (c, 2) and weights (c,) of folds."""
         pull = (self._fold_weights * self.folds(unknowns))[:, None] * [1.0, -1.0]

@@ -15,7 +15,7 @@ from .lagrangian import Model
 from .lagrangian import State
 from .saddle import Saddle
 
-__all__ = ["Step", "steps"]
+__all__ = ["Step", "regularisation", "steps"]
 
 LONGEST = 0.25  # move of a vertex in a step, against the size of the mesh
 REGULARISATION = 1e-7  # of multipliers that equations hardly determine, against the area of their cells times the curvature
@@ -36,6 +36,7 @@ class Step(NamedTuple):
     length: float  # part of the full step
     trials: int  # states that were evaluated
     settled: bool  # whether the full step moved nothing any more
+    number: int  # from 1
 
 
 def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float, curvature: float) -> Iterator[Step]:
@@ -69,15 +70,15 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float,
     doi:10.1007/s10107-004-0559-y.
     """
     saddle, here = Saddle(points), start
-    multipliers, weight, share, shift = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0
-    regularisation = REGULARISATION * curvature * lagrangian.cells
+    multipliers, weight, share, shift, number = np.zeros(len(lagrangian.rows)), 0.0, EXACT, 0.0, 0
+    below = regularisation(lagrangian, curvature)
     while True:
         model = lagrangian.model(here, multipliers)
-        found = _factors(lagrangian, model, saddle, regularisation, share, shift)
+        found = _factors(lagrangian, model, saddle, below, share, shift)
         if found is None:
             return
         share, shift = found
-        right = np.concatenate([-model.gradient, -here.residuals - regularisation * multipliers])
+        right = np.concatenate([-model.gradient, -here.residuals - below * multipliers])
         solution = saddle.solve(right)
         step, after = solution[: lagrangian.size], solution[lagrangian.size :]
         if not np.isfinite(solution).all():
@@ -96,13 +97,19 @@ def steps(lagrangian: Lagrangian, start: State, points: FloatArray, size: float,
             continue
         here, length, trials = searched
         multipliers = after
-        yield Step(here, multipliers, length, trials, length == 1.0 and farthest < SETTLED * size)
+        number += 1
+        yield Step(here, multipliers, length, trials, length == 1.0 and farthest < SETTLED * size, number)
         if length == 1.0:
             share, shift = min(EXACT, 4.0 * share) if share > 0.0 else EXACT, 0.0 if shift <= SHIFT else shift / GROW
 
 
+def regularisation(lagrangian: Lagrangian, curvature: float) -> FloatArray:
+    """Return D (r,) for a scale of the curvature [1/L^2]."""
+    return REGULARISATION * curvature * lagrangian.cells
+
+
 def _factors(
-    lagrangian: Lagrangian, model: Model, saddle: Saddle, regularisation: FloatArray, share: float, shift: float
+    lagrangian: Lagrangian, model: Model, saddle: Saddle, below: FloatArray, share: float, shift: float
 ) -> Optional[tuple[float, float]]:
     """Factorise the saddle matrix, and return the share of the exact second derivatives and the shift that give a minimum."""
     wanted, pattern = len(lagrangian.rows), lagrangian.pattern
@@ -110,7 +117,7 @@ def _factors(
     while shift <= MOST:
         hessian = model.convex + share * (model.hessian - model.convex)
         try:
-            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, regularisation)) == wanted:
+            if saddle.factorise(pattern.matrix(model, hessian, shift * scale, below)) == wanted:
                 return share, shift
         except SingularMatrixError:
             pass

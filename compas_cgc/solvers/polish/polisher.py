@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -12,29 +14,44 @@ from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...errors import names_what_was_meant
+from ...model.frame import Frame
 from ...model.measures import MID_EDGE
 from ...model.problem import CGCProblem
 from ...model.recorder import Callback
 from ...model.recorder import Recorder
+from ...model.result import Branch
 from ...model.result import Solution
 from ...model.roles import DUMMY
+from ...model.verdict import verdict
+from ..coarse import laid_out_anew
 from .lagrangian import Lagrangian
 from .lagrangian import State
 from .optimiser import steps
 from .posed import posed
 from .settings import PolishSettings
+from .starts import from_surface
 from .starts import is_drawn
 from .starts import starts
 
-__all__ = ["polish"]
+__all__ = ["Posed", "places", "polish", "posed_as_set"]
 
+MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
+SAME = 1e-6  # distance of two surfaces against the size that is none
+ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
+ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
-WAVES = 0.1  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
+WAVES = 0.3  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
 
 
 @names_what_was_meant()
-def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, callback: Callback = None) -> Solution:
+def polish(
+    problem: CGCProblem,
+    *,
+    settings: Optional[PolishSettings] = None,
+    start: Optional[FloatArray] = None,
+    callback: Callback = None,
+) -> Solution:
     r"""Return the surface that bends and folds least among those with the curvature prescribed.
 
     .. math:: \min \int |II|^2 \, dA + \frac1\ell \int \vartheta^2 \, ds \quad \text{subject to} \quad K = \bar K
@@ -48,6 +65,8 @@ def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, ca
         Vertices, faces, roles, creases and targets. Vertices on free edges stay over their drawn lines.
     settings
         Parameters.
+    start
+        ``(n, 3)`` surface for other targets over the same drawing, to go on from [L]. Default: all starts that are found.
     callback
         Called with a :class:`~compas_cgc.model.result.SolveState` after every step. To cancel,
         return True or raise ``StopIteration``.
@@ -55,7 +74,7 @@ def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, ca
     Returns
     -------
     Solution
-        With the best surface that was found. ``step_length`` in its history is the part of the full step that was taken.
+        With the fair surface of least energy, and all others in its branches. ``step_length`` in its history is the part of the full step that was taken.
 
     Raises
     ------
@@ -73,51 +92,132 @@ def polish(problem: CGCProblem, *, settings: Optional[PolishSettings] = None, ca
     without = np.flatnonzero(problem.asked & ~np.isfinite(problem.targets))
     if len(without):
         raise ProblemError([f"vertex {int(without[0])} has no target; set the K̄ of its region"])
-    local, frame = problem.without_dummies().local()
-    size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
-    lagrangian, moved = posed(local, settings.fold_length), np.flatnonzero(problem.roles != DUMMY)[local.movable]
-    if settings.keep == "shape" or (settings.keep == "auto" and is_drawn(lagrangian)):
-        lagrangian = lagrangian.keeping(WAVES * size)
+    lagrangian, local, frame, size = posed_as_set(problem, settings)
+    moved = np.flatnonzero(problem.roles != DUMMY)[local.movable]
+    kept = bool(np.isfinite(lagrangian.waves))
 
     def to_model(vertices: FloatArray) -> FloatArray:
         result = problem.vertices.copy()
         result[moved] = frame.to_model(vertices[local.movable])
         return result
 
+    def is_fair(state: State) -> bool:
+        return verdict(problem.with_vertices(to_model(lagrangian.vertices(state.unknowns))), problem.vertices).fair
+
     recorder = Recorder(settings.steps, callback, frame, to_model)
-    goal, weights, points = settings.tolerance * local.target_scale, local.face_targets(), _places(lagrangian)
-    centre = local.vertices.mean(axis=0)
-    best: Optional[State] = None
-    status = "stalled"
-    for start in starts(lagrangian):
-        best = start if best is None else best
-        for step in steps(lagrangian, start, points, size, local.target_scale):
-            here, V = step.state, lagrangian.vertices(step.state.unknowns)
-            error = _error(lagrangian, here)
-            recorder.record(energy(V - centre, local.faces, weights), error, error, step.length, step.trials)
-            best = min(best, here, key=lambda state: _error(lagrangian, state))
-            if step.settled and (np.abs(here.residuals) <= np.maximum(goal * lagrangian.cells, _rounding(lagrangian, here))).all():
-                status, best = "converged", here
-            elif len(recorder) == settings.steps:
-                status = "step_limit"
-            if recorder.cancelled(V) and status == "stalled":
-                status = "cancelled"
-            if status != "stalled":
-                break
-        if status != "stalled":
+    search = _Search(lagrangian, local, size, settings, recorder)
+    surfaces = [start] if start is not None else _on_even_triangles(problem, settings, kept, callback)
+    begun = [from_surface(lagrangian, frame.to_local(one)[problem.roles != DUMMY]) for one in surfaces] or starts(lagrangian)
+    ends: list[_End] = []
+    for state in begun:
+        ends.append(search.ended(state))
+        if ends[-1].status == "cancelled" or (ends[-1].arrived and (kept or surfaces) and is_fair(ends[-1].state)):
             break
-    assert best is not None
-    error = _error(lagrangian, best) / frame.scale**2
+    found = _distinct([end for end in ends if end.arrived], lagrangian, size)
+    fair = {id(end): is_fair(end.state) for end in found}
+    found.sort(key=lambda end: not fair[id(end)])
+    best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
+    error = _error(lagrangian, best.state) / frame.scale**2
+    first = [next(k for k, other in enumerate(found) if _alike(end, other)) for end in found]
+    branches = tuple(
+        Branch(to_model(lagrangian.vertices(end.state.unknowns)), end.state.energy, fair[id(end)], twin if twin != k else None)
+        for k, (end, twin) in enumerate(zip(found, first))
+    )
     return Solution(
-        to_model(lagrangian.vertices(best.unknowns)),
-        status,
-        _message(status, len(recorder), error, goal / frame.scale**2),
+        to_model(lagrangian.vertices(best.state.unknowns)),
+        best.status,
+        _message(best.status, len(recorder), error, settings.tolerance * problem.target_scale, branches),
         len(recorder),
         recorder.seconds,
         error,
         recorder.history,
         measure=MID_EDGE,
+        branches=branches,
     )
+
+
+class Posed(NamedTuple):
+    """A problem in its local frame, without dummies, with its energy and equations."""
+
+    lagrangian: Lagrangian
+    problem: CGCProblem
+    frame: Frame
+    size: float  # square root of the area, in the frame
+
+
+def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
+    """Return energy and equations of a problem, with what settings keep of its drawing."""
+    local, frame = problem.without_dummies().local()
+    size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
+    lagrangian = posed(local, settings.fold_length)
+    if settings.keep == "shape" or (settings.keep == "auto" and is_drawn(lagrangian)):
+        lagrangian = lagrangian.keeping(WAVES * size)
+    return Posed(lagrangian, local, frame, size)
+
+
+def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
+    """Return the surfaces (n, 3) found on fewer and even triangles over the same drawing, carried over; none for a small mesh."""
+    if len(problem.vertices) <= MANY or (problem.roles == DUMMY).any():
+        return []
+    coarse = laid_out_anew(problem, COARSE)
+    if coarse is None:
+        return []
+    found = polish(coarse.problem, settings=replace(settings, keep="shape" if kept else "plan"), callback=callback)
+    return [coarse.carried(branch.vertices, anew=not kept) for branch in found.branches]
+
+
+class _End(NamedTuple):
+    """Where a search ended."""
+
+    state: State
+    status: str
+
+    @property
+    def arrived(self) -> bool:
+        return self.status == "converged"
+
+
+class _Search:
+    """From an initial surface to one where energy is least."""
+
+    def __init__(self, lagrangian: Lagrangian, problem: CGCProblem, size: float, settings: PolishSettings, recorder: Recorder):
+        self.lagrangian, self.size, self.settings, self.recorder = lagrangian, size, settings, recorder
+        self.scale, self.faces, self.weights = problem.target_scale, problem.faces, problem.face_targets()
+        self.centre, self.places = problem.vertices.mean(axis=0), places(lagrangian)
+
+    def ended(self, start: State) -> _End:
+        """Return the surface that a start leads to, else the one with the least error of K."""
+        own, best, taken = self.lagrangian, start, 0
+        goal = self.settings.tolerance * self.scale * own.cells
+        for step in steps(own, start, self.places, self.size, self.scale):
+            here, V = step.state, own.vertices(step.state.unknowns)
+            error, taken = _error(own, here), taken + 1
+            self.recorder.record(energy(V - self.centre, self.faces, self.weights), error, error, step.length, step.trials)
+            best = min(best, here, key=lambda state: _error(own, state))
+            status = "stalled"
+            if step.settled and (np.abs(here.residuals) <= np.maximum(goal, _rounding(own, here))).all():
+                best, status = here, "converged"
+            elif taken == self.settings.steps:
+                status = "step_limit"
+            if self.recorder.cancelled(V) and status == "stalled":
+                status = "cancelled"
+            if status != "stalled":
+                return _End(best, status)
+        return _End(best, "stalled")
+
+
+def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_End]:
+    """Return different surfaces by increasing energy."""
+    found: list[_End] = []
+    for end in sorted(ends, key=lambda end: round(end.state.energy, ENERGY_DIGITS)):
+        V = lagrangian.vertices(end.state.unknowns)
+        if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > SAME * size for other in found):
+            found.append(end)
+    return found
+
+
+def _alike(end: _End, other: _End) -> bool:
+    return abs(end.state.energy - other.state.energy) <= ALIKE * other.state.energy
 
 
 def _error(lagrangian: Lagrangian, state: State) -> float:
@@ -132,17 +232,21 @@ def _rounding(lagrangian: Lagrangian, state: State) -> FloatArray:
     return np.asarray(ROUNDING * EPS * curvature[lagrangian.rows])
 
 
-def _places(lagrangian: Lagrangian) -> FloatArray:
+def places(lagrangian: Lagrangian) -> FloatArray:
     """Return the places (q + r, 3) of unknowns and equations on the drawing."""
     V, mesh = lagrangian.drawing, lagrangian.mesh
     unknowns = np.vstack([V, V[mesh.angles.ends].mean(axis=1)])
     return np.vstack([unknowns[lagrangian.free], V[mesh.pairs[lagrangian.rows, 0]]])
 
 
-def _message(status: str, steps: int, error: float, goal: float) -> str:
+def _message(status: str, steps: int, error: float, goal: float, branches: tuple[Branch, ...]) -> str:
     reached = f"largest |K - K̄| {error:.3g} by mid-edge normals"
     if status == "converged":
-        return f"converged in {steps} steps: {reached}"
+        twins = sum(branch.twin_of == 0 for branch in branches)
+        others = len(branches) - 1 - twins
+        kinds = [f"{twins} mirror image{'s' * (twins > 1)} of it"] * bool(twins) + [f"{others} with more energy"] * bool(others)
+        also = f"; result.branches has {' and '.join(kinds)}" if kinds else ""
+        return f"converged in {steps} steps: {reached}{also}"
     if status == "cancelled":
         return f"cancelled after {steps} steps: {reached}"
     if status == "step_limit":

@@ -14,12 +14,12 @@ from ...linalg import factorise
 from .lagrangian import Lagrangian
 from .lagrangian import State
 
-__all__ = ["is_drawn", "plate", "starts"]
+__all__ = ["from_surface", "is_drawn", "plate", "starts"]
 
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 DIRECTIONS = 64  # of saddles that are compared
 ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
-FLAT_FACE = 1e-4  # squared curvature of a face times the area of the mesh, below which it is flat
+FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
 DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
 FLAT = 1e-9  # K̄, against the largest, that is none
 
@@ -56,8 +56,9 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
     where bending energy is least, up and down; where K̄ = 0 it bends over its supports.
     """
     if np.isfinite(lagrangian.waves):
-        yield _with_even_angles(lagrangian, lagrangian.at(np.zeros(lagrangian.mesh.unknowns)), np.zeros(lagrangian.size))
-        return
+        yield from_surface(lagrangian, lagrangian.drawing)
+        if not lagrangian.has_plan:
+            return
     own = _Plate(lagrangian)
     targets = _face_targets(lagrangian)
     round_, along, across = _tensors(lagrangian)
@@ -90,18 +91,32 @@ def _with_even_angles(lagrangian: Lagrangian, here: State, step: FloatArray) -> 
     return lagrangian.at(unknowns)
 
 
+def from_surface(lagrangian: Lagrangian, vertices: FloatArray) -> State:
+    """Return the state whose vertices (n, 3) are as near to a surface as their directions allow."""
+    unknowns = np.zeros(lagrangian.mesh.unknowns)
+    moved = lagrangian.free[: lagrangian.moves]
+    unknowns[moved] = np.einsum("ni,ni->n", vertices - lagrangian.drawing, lagrangian.mesh.directions)[moved]
+    unknowns[len(vertices) :] = even_angles(lagrangian.mesh, lagrangian.vertices(unknowns))
+    return lagrangian.at(unknowns)
+
+
 def is_drawn(lagrangian: Lagrangian) -> bool:
-    """Return whether the drawing has no plan, or bends in most places and far more than its supports make it."""
+    """Return whether the drawing has no plan, or bends in most places far more than its supports make it."""
     if not lagrangian.has_plan:
         return True
     mesh, V = lagrangian.mesh, lagrangian.drawing
     at = np.zeros(mesh.unknowns)
     at[len(V) :] = even_angles(mesh, V)
-    drawn = lagrangian.at(at).operators
-    flat = drawn.bending * drawn.areas.sum() < FLAT_FACE * drawn.areas
-    if float(drawn.areas[flat].sum()) > 0.5 * float(drawn.areas.sum()):
-        return False
-    return float(drawn.bending.sum()) > DRAWN * float(plate(lagrangian).operators.bending.sum())
+    return _typical(lagrangian.at(at)) > max(DRAWN * _typical(plate(lagrangian)), FLAT_FACE)
+
+
+def _typical(state: State) -> float:
+    """Return the median of the squared curvature of faces times the area of the mesh: half of the area bends less."""
+    own = state.operators
+    density = own.bending / own.areas
+    order = np.argsort(density)
+    below = np.cumsum(own.areas[order])
+    return float(density[order[np.searchsorted(below, 0.5 * below[-1])]] * below[-1])
 
 
 def plate(lagrangian: Lagrangian) -> State:
