@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from dataclasses import dataclass
-from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -17,16 +16,14 @@ from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
 from ..model.problem import problem_of
-from ..model.result import Solution
 from ..model.verdict import Verdict
 from .coarse import coarsened
 from .projection.drawing import as_meant
 from .rising import GROWTH
 from .rising import Bracket
-from .rising import Cold
 from .rising import Rising
 
-__all__ = ["Limit", "Raised", "largest_target", "raised"]
+__all__ = ["Limit", "largest_target", "raised"]
 
 FINE = 1200  # vertices above which the search begins on a coarser mesh of the same drawing
 PART = 2 / 3  # of so many, its vertices
@@ -105,14 +102,7 @@ def largest_target(
     """
     tolerance = checked_number(tolerance, "tolerance")
     problem = problem_of(posed, "has limits").without_dummies()
-    return raised(problem, tolerance=tolerance, solves=solves, vertices=vertices, work=work, own=work).limit
-
-
-class Raised(NamedTuple):
-    """What targets that rise step by step come to."""
-
-    limit: Limit
-    surface: Optional[Solution]  # of the largest that are carried on the mesh itself, None without any
+    return raised(problem, tolerance=tolerance, solves=solves, vertices=vertices, work=work, own=work)
 
 
 def raised(
@@ -124,9 +114,8 @@ def raised(
     work: Optional[Work] = None,
     own: Optional[Work] = None,
     most: float = math.inf,
-    cold: Optional[Cold] = None,
-) -> Raised:
-    """Return how large the targets of a problem can be, and the surface for these.
+) -> Limit:
+    """Return how large the targets of a problem can be.
 
     What a coarser mesh carries is looked for again on the mesh itself, from its surface.
 
@@ -137,9 +126,7 @@ def raised(
     work, own
         That the search may take on a coarser mesh, and on its own. Default: any.
     most
-        Factor on the targets that is enough, and is not found from the drawing.
-    cold
-        Returns the surface that is found from the drawing, on the mesh itself.
+        Factor on the targets that is enough.
 
     Raises
     ------
@@ -155,7 +142,7 @@ def raised(
     drawn = as_meant(problem)
     coarse = coarsened(drawn, fewer) if count > vertices else None
     if coarse is None:
-        rising = Rising(problem, tolerance, solves, own or Work(math.inf), most, cold)
+        rising = Rising(problem, tolerance, solves, own or Work(math.inf), most)
         bracket = rising.narrowed(rising.begun())
         if bracket.carried is not None or rising.over:
             return _told(problem, bracket, rising.count)
@@ -167,7 +154,7 @@ def raised(
     bracket = elsewhere.narrowed(elsewhere.begun())
     if bracket.carried is None or count > FINEST:
         return _told(problem, bracket, elsewhere.count, coarser=True)
-    rising = Rising(problem, tolerance, solves, own or Work(math.inf), most, cold)
+    rising = Rising(problem, tolerance, solves, own or Work(math.inf), most)
     falling = sorted(elsewhere.trail, key=lambda one: -one.factor)
     here = rising.near((one.factor, coarse.carried(one.vertices)) for one in falling)
     if here.carried is None:
@@ -176,17 +163,17 @@ def raised(
     return _told(problem, rising.narrowed(here, growth), elsewhere.count + rising.count)
 
 
-def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = False) -> Raised:
+def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = False) -> Limit:
     targets = problem.targets[problem.asked]
     largest = float(targets[np.argmax(np.abs(targets))])
     several = bool((targets * largest < 0).any() or np.ptp(targets) > 0)
     carried, beyond = bracket
     if carried is None:
         least = largest * (beyond or 0.0)
-        return Raised(Limit("none", 0.0, 0.0, least, _none(least), None, solves), None)
+        return Limit("none", 0.0, 0.0, least, _none(least), None, solves)
     message = _found(largest, carried.factor, beyond, several, coarser)
     status = "open" if beyond is None else "found"
-    limit = Limit(
+    return Limit(
         status,
         carried.factor,
         largest * carried.factor,
@@ -196,7 +183,6 @@ def _told(problem: CGCProblem, bracket: Bracket, solves: int, coarser: bool = Fa
         solves,
         coarser,
     )
-    return Raised(limit, None if coarser else carried.solution)
 
 
 def _found(largest: float, factor: float, beyond: Optional[float], several: bool, coarser: bool) -> str:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
@@ -23,16 +20,14 @@ from ..model.goals.places import Level
 from ..model.goals.wholes import Whole
 from ..model.inward_edges import inward_edges
 from ..model.problem import CGCProblem
-from ..model.result import Solution
 from ..model.stepped_edges import stepped_edges
 from ..model.straight_edges import twisted_edges
 from .half_sphere import cap_of_the_rise
 from .limits import raised
 from .projection.plate import relaxed
 from .projection.symmetry import tears_faces
-from .rising import Cold
 
-__all__ = ["Why", "contradiction", "why_not_found", "why_rough"]
+__all__ = ["contradiction", "why_not_found", "why_rough"]
 
 ROUGHLY, FEW, SMALL = 0.1, 16, 500  # tolerance, solves and vertices of a search for what could be carried
 SEARCH = 1.2e7  # right sides times unknowns that it may take on a coarser mesh, under two seconds
@@ -48,45 +43,24 @@ LAYOUT = (
 STEPWISE = "smaller targets lead to a fair surface step by step; leave the settings out, and it is returned"
 
 
-class Why(NamedTuple):
-    """Why there is no fair surface, after a semicolon; or one that smaller targets lead to step by step."""
-
-    text: str = ""
-    surface: Optional[Solution] = None
-
-
-def why_not_found(problem: CGCProblem, status: str, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
-    """Return why no surface was found, or how much of the targets the supports carry; empty where that is not known.
-
-    The columns that are in the way are looked for where supports by themselves contradict nothing.
-    """
+def why_not_found(problem: CGCProblem, status: str) -> str:
+    """Return why no surface was found, or how much of the targets the supports carry; empty where that is not known."""
     whole = bind(problem).whole if problem.goals else False
     if status not in ("stalled", "diverged") and not (status == "infeasible" and whole):
-        return Why()
+        return ""
     if tears_faces(problem):
-        return Why()  # The message blames the mesh: the supports may carry it.
+        return ""  # The message blames the mesh: the supports may carry it.
     if problem.goals and not whole:
-        return _first(columns) or _or_twist(problem, _carried(problem, cold))
+        return _carried(problem) or _twist(problem)
     # That there is none with such a goal has been said, and how much of it can be had.
-    told = _first(partial(contradiction, problem), partial(_step, problem), columns)
-    return told or _or_twist(problem, _carried(problem, cold, None if whole else ""))
+    return contradiction(problem) or _step(problem) or _carried(problem, None if whole else "") or _twist(problem)
 
 
-def why_rough(problem: CGCProblem, columns: Callable[[], str] = str, cold: Optional[Cold] = None) -> Why:
+def why_rough(problem: CGCProblem) -> str:
     """Return why the surface is rough, or how much of the targets the supports carry; empty where not known."""
     asking = list(dict.fromkeys(goal_name(own) for own in problem.goals if isinstance(own, (Bound, Whole, EdgeInPlan, Level))))
-    told = _first(partial(contradiction, problem), partial(_step, problem), columns, partial(cap_of_the_rise, problem))
     nothing = NOTHING.format(listed(asking), "it" if len(asking) == 1 else "them") if asking else ""
-    return told or _or_twist(problem, _carried(problem, cold, nothing, LAYOUT))
-
-
-def _first(*told: Callable[[], str]) -> Optional[Why]:
-    """Return the first sentence that there is."""
-    return next((_after(said) for said in (one() for one in told) if said), None)
-
-
-def _after(said: str) -> Why:
-    return Why(f"; {said}" if said else "")
+    return contradiction(problem) or _step(problem) or cap_of_the_rise(problem) or _twist(problem) or _carried(problem, nothing, LAYOUT)
 
 
 def contradiction(problem: CGCProblem) -> str:
@@ -100,38 +74,31 @@ def _step(problem: CGCProblem) -> str:
     return next(iter(stepped_edges(problem.without_dummies())), "")
 
 
-def _or_twist(problem: CGCProblem, why: Why) -> Why:
-    """Return a reason, or that held edges twist the surface otherwise than K does, where there is no surface after all."""
-    return why if why.surface is not None else _first(lambda: next(iter(twisted_edges(problem.without_dummies())), "")) or why
+def _twist(problem: CGCProblem) -> str:
+    """Return the sentence on held edges that twist the surface otherwise than K does, empty without any."""
+    return next(iter(twisted_edges(problem.without_dummies())), "")
 
 
-def _carried(problem: CGCProblem, cold: Optional[Cold], nothing: Optional[str] = "", enough: str = "") -> Why:
+def _carried(problem: CGCProblem, nothing: Optional[str] = "", enough: str = "") -> str:
     """Return the sentence on the largest targets that are carried, where that is found soon; others where none are, or what is asked.
 
     Where none are and None is to be said of that, nothing is.
-
-    Where these are what is asked on the mesh itself, that surface is returned.
     """
     targets = problem.targets[problem.asked]
     known = len(targets) and np.isfinite(targets).all() and not unknown_regions(problem)
     if not known or (problem.goals and len(problem.vertices) > LARGE):
-        return Why()
+        return ""
     if not targets.any():
-        return Why() if problem.goals else _after(_far_from_developable(problem))
+        return "" if problem.goals else _far_from_developable(problem)
     own = Work((WITH_GOALS if problem.goals else OWN) * 3.0 * max(SMALLEST, len(problem.vertices)))
     real = problem.without_dummies()
     try:
-        found = raised(real, tolerance=ROUGHLY, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0, cold=cold)
+        limit = raised(real, tolerance=ROUGHLY, solves=FEW, vertices=SMALL, work=Work(SEARCH), own=own, most=1.0)
     except ProblemError:  # What the goals name is not on a coarser mesh.
-        return Why()
-    limit = found.limit
+        return ""
     if limit.status == "none":
-        return Why() if nothing is None else _after(nothing or limit.message)
-    if not limit.carries_what_is_asked:
-        return _after(limit.message)
-    if problem.real_faces.all() and found.surface is not None:
-        return Why(f"; {STEPWISE}", found.surface)
-    return _after(enough)
+        return "" if nothing is None else nothing or limit.message
+    return enough if limit.carries_what_is_asked else limit.message
 
 
 def _far_from_developable(problem: CGCProblem) -> str:

@@ -25,14 +25,14 @@ from ..model.verdict import verdict
 from .newton.settings import NewtonSettings
 from .projection.settings import ProjectionSettings
 
-__all__ = ["GROWTH", "Bracket", "Carried", "Cold", "Rising", "is_held_all_round"]
+__all__ = ["GROWTH", "Bracket", "Carried", "Rising", "is_held_all_round"]
 
 LOW = 0.5  # total curvature [rad] to begin with, where targets are of either sign of the largest region
 LEAST = 1 / 64  # of that, below which there is none
 GROWTH = 1.5  # of the targets from one to the next
 FALL = 0.95  # of targets that were carried elsewhere, from one to the next
 HIGH = 8 * np.pi  # total curvature [rad] that is as good as any
-STEPS = 60  # for one solve
+STEPS = 100  # for one solve
 
 
 class Carried(NamedTuple):
@@ -41,10 +41,6 @@ class Carried(NamedTuple):
     factor: float
     vertices: FloatArray  # (n, 3) [L]
     judged: Verdict
-    solution: Optional[Solution] = None  # where the targets lead to it step by step
-
-
-Cold = Callable[[CGCProblem], Optional[tuple[FloatArray, Verdict]]]
 
 
 class Bracket(NamedTuple):
@@ -68,13 +64,11 @@ class Rising:
     work
         That they may take.
     most
-        Factor that is enough, and is not found from the drawing.
-    cold
-        Returns the surface (n, 3) that is found from the drawing, and how fair it is, where none leads on.
+        Factor that is enough.
     """
 
-    def __init__(self, problem: CGCProblem, tolerance: float, solves: int, work: Work, most: float = math.inf, cold: Optional[Cold] = None):
-        self.problem, self._tolerance, self._work, self._most, self._cold = problem, tolerance, work, most, cold
+    def __init__(self, problem: CGCProblem, tolerance: float, solves: int, work: Work, most: float = math.inf):
+        self.problem, self._tolerance, self._work, self._most = problem, tolerance, work, most
         self._solves, self.count = solves, 0
         self.trail: list[Carried] = []
         self._solve = _solver(problem)
@@ -96,7 +90,7 @@ class Rising:
     def tried(self, factor: float, vertices: Optional[FloatArray]) -> Optional[Carried]:
         """Return the fair surface for a factor, from a shape (n, 3) if there is one; None without any."""
         self.count += 1
-        carried = self._led(factor, vertices) or self._found(factor)
+        carried = self._led(factor, vertices)
         if carried is not None:
             self.trail.append(carried)
         return carried
@@ -108,18 +102,11 @@ class Rising:
             return None
         shape = replace(self.problem, targets=factor * self.problem.targets, vertices=solution.vertices)
         judged = verdict(shape, self.problem.vertices)
-        return Carried(factor, solution.vertices, judged, solution._replace(verdict=judged)) if judged.fair else None
-
-    def _found(self, factor: float) -> Optional[Carried]:
-        if self._cold is None or factor >= self._most or self._is_spent:
-            return None
-        with self._work.counted():
-            found = self._cold(replace(self.problem, targets=factor * self.problem.targets))
-        return Carried(factor, *found) if found is not None and found[1].fair else None
+        return Carried(factor, solution.vertices, judged) if judged.fair else None
 
     def begun(self) -> Bracket:
         """Return a gentle surface, or the smallest factor that was not carried."""
-        factor = first = min(1.0, LOW / self._total)
+        factor = first = min(self._most, LOW / self._total)
         carried = self.tried(factor, None)
         while carried is None and factor > LEAST * first and not self.over:
             factor /= 4.0
@@ -173,6 +160,15 @@ def _solver(problem: CGCProblem) -> Callable[[float, Optional[FloatArray]], Solu
             return newton(own, settings=NewtonSettings(steps=STEPS))._replace(method="newton")
 
         return by_newton
+    if not problem.goals:
+        from .polish.polisher import polish
+        from .polish.settings import PolishSettings
+
+        def by_bending(factor: float, vertices: Optional[FloatArray]) -> Solution:
+            own = replace(problem, targets=factor * problem.targets)
+            return polish(own, settings=PolishSettings(steps=STEPS), start=vertices)._replace(method="bending")
+
+        return by_bending
     from .projection.projector import Projector
 
     cold = Projector(problem, settings=ProjectionSettings(steps=2 * STEPS))

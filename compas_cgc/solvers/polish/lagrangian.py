@@ -60,8 +60,9 @@ class Lagrangian:
                   + \sum_p \sum_{f \in p} A_f |S_f - L_p|^2, \qquad
               r_p = A_p (K_p - \bar K_p) = \frac{\det T_p}{A_p} - \bar K_p A_p,
 
-    with the folds :math:`\vartheta_e` of crease edges, the moves :math:`u_i` of the vertices and their areas :math:`A_i`, the linear functions :math:`L_p` fitted to the shape operators about every pair
-    of vertex and region, and the sums :math:`T_p` of :math:`A_f S_f` and :math:`A_p` of areas over its faces.
+    with the folds :math:`\vartheta_e` of crease edges, the moves :math:`u_i` of the vertices and their areas :math:`A_i`, the linear
+    functions :math:`L_p` fitted to the shape operators about every pair of vertex and region, and the sums :math:`T_p` of
+    :math:`A_f S_f` and :math:`A_p` of areas over its faces.
 
     Parameters
     ----------

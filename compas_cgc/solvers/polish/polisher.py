@@ -74,7 +74,8 @@ def polish(
     Returns
     -------
     Solution
-        With the fair surface of least energy, and all others in its branches. ``step_length`` in its history is the part of the full step that was taken.
+        With the fair surface of least energy, and all others in its branches. ``step_length`` in its history is the part of the
+        full step that was taken.
 
     Raises
     ------
@@ -116,6 +117,9 @@ def polish(
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
     fair = {id(end): is_fair(end.state) for end in found}
     found.sort(key=lambda end: not fair[id(end)])
+    # Of mirror twins the one that rises along the normals comes first.
+    twins = {id(end) for end in found if _alike(end, found[0]) and fair[id(end)] == fair[id(found[0])]}
+    found.sort(key=lambda end: (id(end) not in twins, -_rise(lagrangian, end.state) if id(end) in twins else 0.0))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
     error = _error(lagrangian, best.state) / frame.scale**2
     first = [next(k for k, other in enumerate(found) if _alike(end, other)) for end in found]
@@ -214,6 +218,12 @@ def _distinct(ends: list[_End], lagrangian: Lagrangian, size: float) -> list[_En
         if all(float(np.abs(V - lagrangian.vertices(other.state.unknowns)).max()) > SAME * size for other in found):
             found.append(end)
     return found
+
+
+def _rise(lagrangian: Lagrangian, state: State) -> float:
+    """Return the volume under the moves of the vertices along their directions."""
+    moves = state.unknowns[: len(lagrangian.drawing)][lagrangian.mesh.faces].mean(axis=1)
+    return float(np.einsum("m,m->", moves, state.operators.areas))
 
 
 def _alike(end: _End, other: _End) -> bool:

@@ -19,6 +19,7 @@ __all__ = ["from_surface", "is_drawn", "plate", "starts"]
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 DIRECTIONS = 64  # of saddles that are compared
 ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
+MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
 FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
 DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
 FLAT = 1e-9  # K̄, against the largest, that is none
@@ -107,16 +108,17 @@ def is_drawn(lagrangian: Lagrangian) -> bool:
     mesh, V = lagrangian.mesh, lagrangian.drawing
     at = np.zeros(mesh.unknowns)
     at[len(V) :] = even_angles(mesh, V)
-    return _typical(lagrangian.at(at)) > max(DRAWN * _typical(plate(lagrangian)), FLAT_FACE)
+    typical, mean = _density(lagrangian.at(at))
+    return typical > max(MOST_PLACES * mean, FLAT_FACE) and typical > DRAWN * _density(plate(lagrangian))[0]
 
 
-def _typical(state: State) -> float:
-    """Return the median of the squared curvature of faces times the area of the mesh: half of the area bends less."""
+def _density(state: State) -> tuple[float, float]:
+    """Return the median and the mean of the squared curvature of faces times the area of the mesh: half of the area bends less."""
     own = state.operators
     density = own.bending / own.areas
     order = np.argsort(density)
     below = np.cumsum(own.areas[order])
-    return float(density[order[np.searchsorted(below, 0.5 * below[-1])]] * below[-1])
+    return float(density[order[np.searchsorted(below, 0.5 * below[-1])]] * below[-1]), float(own.bending.sum())
 
 
 def plate(lagrangian: Lagrangian) -> State:
