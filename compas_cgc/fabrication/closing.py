@@ -6,10 +6,13 @@ from dataclasses import replace
 from typing import Optional
 
 import numpy as np
+from scipy import sparse
 
 from ..discrete import boundary_vertices
+from ..discrete import vertex_areas
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import Vertices
+from ..discrete.laplacian import cotangent_laplacian
 from ..discrete.space_form import SpaceFormEquations
 from ..discrete.space_form import sliding_ease
 from ..linalg import SingularMatrixError
@@ -17,12 +20,14 @@ from ..linalg import factorise
 from ..meshing.even_triangles import even_triangles
 from ..model.problem import CGCProblem
 
-__all__ = ["closed", "closed_anew"]
+__all__ = ["closed", "closed_anew", "unrollable"]
 
 STEPS, HALVINGS = 30, 6
 REMESHING_ROUNDS = 4  # rounds with new triangles
 CLOSING_TOLERANCE = 1e-12  # norm of the deviations of vertex angle sums from 2 pi [rad]
 ROUNDING_FACTOR = 1e3  # factor on the tolerance that rounding requires on large meshes
+SMOOTH = 0.1  # length relative to the size: shorter waves of a move are avoided
+MAX_MOVE = 0.01  # move to the surface that unrolls, relative to the size, above which the surface was not solved for K = 0
 MAX_STEP = 0.5  # largest step of a vertex relative to the mean edge length
 
 
@@ -49,6 +54,38 @@ def closed_anew(problem: CGCProblem) -> Optional[CGCProblem]:
         if arrived:
             return problem
     return None
+
+
+def unrollable(problem: CGCProblem) -> CGCProblem:
+    """Return the nearest surface on which triangles close around every vertex with target K = 0.
+
+    Without the measure ``exact`` a solve meets K = 0 to second order in the edge length, and the surface moves by as much. It moves
+    smoothly, by least second differences. Where it would move far, or where there is no such surface, it is returned as it is.
+    """
+    rows, columns = np.flatnonzero(problem.asked & (problem.targets == 0.0)), np.flatnonzero(problem.movable)
+    equations = SpaceFormEquations(problem.faces, np.zeros(len(problem.vertices)), rows, columns)
+    here, rest = problem.vertices, equations.residual(problem.vertices)
+    size = float(np.linalg.norm(np.ptp(here, axis=0)))
+    L, area = cotangent_laplacian(here, problem.faces), vertex_areas(here, problem.faces)
+    second = L.T @ sparse.diags(1.0 / area) @ L + sparse.diags(area / (SMOOTH * size) ** 4)
+    metric = sparse.kron(second[columns][:, columns], np.eye(3))
+    for _ in range(STEPS):
+        if float(np.linalg.norm(rest)) <= CLOSING_TOLERANCE:
+            break
+        J = equations.jacobian(here)
+        saddle = sparse.bmat([[metric, J.T], [J, None]]).tocsr()
+        try:
+            solution = factorise(saddle).solve(np.concatenate([np.zeros(3 * len(columns)), -rest]))
+        except SingularMatrixError:
+            return problem
+        there = here.copy()
+        there[columns] += solution[: 3 * len(columns)].reshape(-1, 3)
+        left = equations.residual(there)
+        if not float(np.linalg.norm(left)) < float(np.linalg.norm(rest)):
+            break
+        here, rest = there, left
+    near = float(np.linalg.norm(here - problem.vertices, axis=1).max(initial=0.0)) <= MAX_MOVE * size
+    return problem.with_vertices(here) if near and float(np.linalg.norm(rest)) <= ROUNDING_FACTOR * CLOSING_TOLERANCE else problem
 
 
 def _slid(problem: CGCProblem) -> tuple[CGCProblem, bool]:

@@ -68,7 +68,7 @@ class Development(NamedTuple):
     --------
     >>> import compas_cgc
     >>> from compas_cgc.fabrication import develop
-    >>> laid = develop(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))))
+    >>> laid = develop(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")), settings={"measure": "exact"}))
     >>> laid.K, laid.gap < 1e-9
     (0.0, True)
     """
@@ -139,7 +139,7 @@ def develop(
     Examples
     --------
     >>> import compas_cgc
-    >>> laid = develop(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm"))), 0)
+    >>> laid = develop(compas_cgc.solve(compas_cgc.read(compas_cgc.get("vault.3dm")), settings={"measure": "exact"}), 0)
     >>> laid.points.shape, laid.edge_error < 1e-9
     ((221, 3), True)
     """

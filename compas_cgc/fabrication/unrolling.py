@@ -17,6 +17,7 @@ from ..meshing import path_edges
 from ..model.given import checked_number
 from ..model.problem import CGCProblem
 from ..model.problem import PosesProblem
+from .closing import unrollable
 from .figures import in_mm
 from .figures import metres
 from .flattening import flatten
@@ -67,7 +68,8 @@ def unroll(
 ) -> Patterns:
     """Return a surface as flat pieces that fit on sheets.
 
-    Regions of K = 0 are unrolled without strain. Others are cut into panels and flattened at least distortion.
+    Regions of K = 0 are unrolled without strain, after a small move to triangles that close around every vertex. Others are cut into
+    panels and flattened at least distortion.
 
     Parameters
     ----------
@@ -117,7 +119,7 @@ def unroll(
     (18, 14)
     """
     kept = seams is not None if whole is None else truth(whole, "whole")
-    problem = solved_problem(surface, rough)
+    problem = unrollable(solved_problem(surface, rough))
     stock = stock_of(sheet, spacing, margin, allowance)
     _check_scale(problem, stock)
     if rulings is not None and checked_number(rulings, "rulings") < 0:

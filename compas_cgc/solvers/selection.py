@@ -9,6 +9,9 @@ from types import MappingProxyType
 from typing import Any
 from typing import Optional
 
+import numpy as np
+
+from ..discrete.space_form import EXACT
 from ..model.problem import CGCProblem
 from ..model.recorder import Callback
 from ..model.recorder import show_arrived
@@ -68,6 +71,10 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     callback
         Called after every step of every method that is tried.
     """
+    measure = "auto" if settings is None else settings.to_dict().get("measure", "auto")
+    if settings is not None and method_of(settings) == "auto" and measure in EXACT:
+        found = run_auto(problem, settings=replace(settings, measure="auto"), callback=callback)  # type: ignore[type-var]
+        return _closed(problem, found, settings, callback)
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
@@ -108,6 +115,19 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     with allowed.for_reasons().counted():
         why = reasons()
     return _told(best if why else with_half_a_sphere(problem, best), choice, tried, why)
+
+
+def _closed(problem: CGCProblem, found: Solution, settings: Settings, callback: Callback) -> Solution:
+    """Return the nearest surface to one that was found whose triangles are congruent to those of its moulds."""
+    if found.status != "converged":
+        return found
+    asked = problem if found.targets is None else problem.with_targets(found.targets)
+    method, options = METHODS["projection"], {"keep": "shape"}
+    own = run_method(method, asked.with_vertices(found.vertices), settings=settings, options=options, callback=callback)
+    judged = verdict(asked.with_vertices(own.vertices), problem.vertices)
+    moved = float(np.linalg.norm(own.vertices - found.vertices, axis=1).max())
+    message = f"{own.message}; the last step to congruent triangles moved vertices by up to {moved:.3g}; before that: {found.message}"
+    return own._replace(message=message, verdict=judged, targets=found.targets, branches=found.branches)
 
 
 def _told(solution: Solution, choice: Choice, tried: list[tuple[Solution, Choice]], why: str = "") -> Solution:
