@@ -62,7 +62,10 @@ def unrollable(problem: CGCProblem) -> CGCProblem:
     Without the measure ``exact`` a solve meets K = 0 to second order in the edge length, and the surface moves by as much. It moves
     smoothly, by least second differences. Where it would move far, or where there is no such surface, it is returned as it is.
     """
-    rows, columns = np.flatnonzero(problem.asked & (problem.targets == 0.0)), np.flatnonzero(problem.movable)
+    flat = problem.asked & (problem.targets == 0.0) & ~boundary_vertices(problem.vertices, problem.faces)
+    rows, columns = np.flatnonzero(flat), np.flatnonzero(problem.movable)
+    if not len(rows):
+        return problem
     equations = SpaceFormEquations(problem.faces, np.zeros(len(problem.vertices)), rows, columns)
     here, rest = problem.vertices, equations.residual(problem.vertices)
     size = float(np.linalg.norm(np.ptp(here, axis=0)))

@@ -13,6 +13,7 @@ import numpy as np
 from ..model.goals.binding import held_by_newton
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
+from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
 from .rising import is_held_all_round
@@ -30,13 +31,13 @@ class Choice(NamedTuple):
     from_dome: bool = False  # whether the search begins at the dome without folds
 
 
-SMOOTH = MappingProxyType({"measure": "smooth"})  # of second order beside a straight rim, where one principal curvature is unbounded
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
+DRAWN = Choice("projection", "the drawing has a shape, which is kept")
 GOALS = Choice("projection", "it alone meets goals")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
-RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0", SMOOTH)
-FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", SMOOTH, from_dome=True)
+RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0")
+FOLDED_RIM = Choice("projection", "the whole rim is fixed, and K̄ > 0", from_dome=True)
 ONE_UNKNOWN = Choice("newton", "the whole rim is fixed, and one goal determines one unknown K")
 
 
@@ -68,4 +69,4 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [RIM, BENDING, DRAWN_IN]
     if is_held_all_round(problem, folded=True):
         return [FOLDED_RIM, BENDING]
-    return [BENDING, DRAWN_IN]
+    return [DRAWN, BENDING] if keeps_shape(problem) else [BENDING, DRAWN_IN]

@@ -68,8 +68,7 @@ def test_where_the_surface_leads_to_no_fair_one_the_drawing_is_solved_anew():
 
 
 @pytest.mark.parametrize("creases", [(), ([10 * 21 + k for k in range(21)],)], ids=["plain", "creased"])
-def test_a_saddle_is_solved_from_its_drawing_whatever_was_found_before(creases):
-    """On from its last surface it came to another, up to a quarter of its size away."""
+def test_a_saddle_does_not_depend_on_what_was_found_before(creases):
     mesh = CGCMesh.from_meshgrid(dx=10.0, nx=20)
     for vertex in mesh.vertices():
         x, y, _ = mesh.vertex_coordinates(vertex)
@@ -78,7 +77,7 @@ def test_a_saddle_is_solved_from_its_drawing_whatever_was_found_before(creases):
     mesh.set_creases(list(creases))
     mesh.set_target(-0.02)
     there = solve(solve(mesh), targets=-0.0212)
-    assert there.converged and np.array_equal(there.vertices, solve(mesh, targets=-0.0212).vertices)
+    assert there.converged and np.abs(there.vertices - solve(mesh, targets=-0.0212).vertices).max() < 1e-6
 
 
 def test_over_a_fixed_edge_the_drawing_is_solved_by_newtons_method():

@@ -119,7 +119,7 @@ def test_without_targets_there_is_nothing_to_look_for():
 
 def test_a_solve_that_stalls_says_how_much_could_be_had():
     result = solve(roof(9.0))
-    assert result.status != "converged"
+    assert not result.verdict.fair
     assert "these supports carry K̄ up to" in result.message and "9 is asked" in result.message
 
 
@@ -166,7 +166,7 @@ def test_a_small_mesh_may_take_the_work_of_four_hundred_vertices_and_a_larger_on
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
-    work = Work(2e5)
+    work = Work(2e4)
     short, long = largest_target(roof(1.0), work=work), largest_target(roof(1.0))
     assert work.spent and short.solves < long.solves and 0.0 < short.target <= long.target
 

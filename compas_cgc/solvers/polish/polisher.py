@@ -33,14 +33,14 @@ from .starts import from_surface
 from .starts import is_drawn
 from .starts import starts
 
-__all__ = ["Posed", "places", "polish", "posed_as_set"]
+__all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
 SAME = 1e-6  # distance of two surfaces against the size that is none
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
-WAVES = 0.3  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
+WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
 
 
@@ -157,6 +157,15 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
     if settings.keep == "shape" or (settings.keep == "auto" and is_drawn(lagrangian)):
         lagrangian = lagrangian.keeping(WAVES * size)
     return Posed(lagrangian, local, frame, size)
+
+
+def keeps_shape(problem: CGCProblem) -> bool:
+    """Return whether a drawing has a shape that is kept: it bends in most places far more than its supports make it."""
+    local = problem.without_dummies().local()[0]
+    heights = local.vertices - local.vertices.mean(axis=0)
+    if float(np.linalg.svd(heights, compute_uv=False)[2]) <= ROUNDING * EPS:
+        return False
+    return is_drawn(posed(local, PolishSettings().fold_length))
 
 
 def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
