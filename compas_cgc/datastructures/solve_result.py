@@ -24,6 +24,7 @@ from ..model.measures import measured_curvature
 from ..model.problem import CGCProblem
 from ..model.problem import Origin
 from ..model.result import FAILED
+from ..model.result import Branch
 from ..model.result import History
 from ..model.result import Solution
 from ..model.roles import DUMMY
@@ -87,9 +88,12 @@ class SolveResult:
     start
         ``(n, 3)`` vertices before the solve [L]; None if unknown.
     measure
-        Measure of K in the errors: ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
+        Measure of K in the errors: ``mid-edge``, ``defect``, ``smooth``, ``exact`` or ``exact-arc``.
     turned
         Number of faces that differ from the input: edges of triangles too slender for K < 0 were flipped.
+    branches
+        Surfaces with this curvature that the method ``bending`` found, the one returned first: vertices, energy, verdict, mirror twin.
+        On large meshes the others come from a coarser one; solve on from them: ``solve(problem.with_vertices(branch.vertices))``.
 
     Examples
     --------
@@ -113,6 +117,7 @@ class SolveResult:
     start: Optional[FloatArray] = None
     measure: str = "defect"
     turned: int = 0
+    branches: tuple[Branch, ...] = ()
 
     @classmethod
     def from_solution(
@@ -143,6 +148,7 @@ class SolveResult:
             start=before.vertices,
             measure=solution.measure,
             turned=turned,
+            branches=solution.branches,
         )
         if solution.verdict is not None:
             # The choice of the method has judged it already.

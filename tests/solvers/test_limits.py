@@ -172,7 +172,7 @@ def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
 
 
 def test_a_developable_that_cannot_be_is_told_how_far_its_supports_are_from_one():
-    vertices, faces = shapes.grid(10)
+    vertices, faces = shapes.grid(20)
     rim = boundary_vertices(vertices, faces)
     x, y = 2 * vertices[:, :2].T - 1
     vertices[:, 2] = np.where(rim, 0.3 * (x**3 * y + y**2), 0.0)

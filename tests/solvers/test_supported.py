@@ -58,4 +58,4 @@ def test_what_is_found_step_by_step_is_found_with_settings_too(settings):
     problem = CGCProblem(vertices, faces).with_supports("corners").with_targets(-2.0)
     result = solve(problem, settings=settings)
     assert result.converged and result.verdict.fair, result.message
-    assert result.measure == settings.get("measure", "defect")
+    assert result.measure == settings.get("measure", "mid-edge")

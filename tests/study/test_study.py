@@ -313,7 +313,7 @@ def test_a_file_that_is_no_study_is_told_by_its_name(tmp_path):
 
 
 def test_variants_between_two_on_one_branch_are_those_solved_alone(monkeypatch):
-    mesh, study = grid("corners"), of({"K": {"from": 0.004, "to": 0.01, "count": 40}})
+    mesh, study = grid("corners"), of({"K": {"from": 0.004, "to": 0.01, "count": 40}}, method="projection")
     count = []
     monkeypatch.setattr(variants, "solve", lambda *args, **more: count.append(1) or solve(*args, **more))
     plan = Plan(study, mesh.to_problem())

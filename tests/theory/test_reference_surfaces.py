@@ -75,7 +75,7 @@ def noise_and_turn(kind: str, count: int, problem: CGCProblem, vertices: np.ndar
 def test_no_wrinkles_are_left(kind, count):
     problem = wavy(kind, count)
     result = solve(problem)
-    assert result.converged and result.measure == "smooth" and result.verdict.fair, result.message
+    assert result.converged and result.measure in ("smooth", "mid-edge") and result.verdict.fair, result.message
     noise, turn = noise_and_turn(kind, count, problem, result.vertices)
     assert noise <= 1e-3 and turn <= 0.05
 
@@ -87,7 +87,7 @@ def test_a_rim_that_a_saddle_has_may_be_held_all_round(kind, count, layout):
     """Angle defects leave no room there for what the layout of the mesh makes of them."""
     problem = wavy(kind, count, layout=layout)
     result = solve(problem)
-    assert result.converged and result.measure == "smooth" and result.verdict.fair, result.message
+    assert result.converged and result.measure in ("smooth", "mid-edge") and result.verdict.fair, result.message
     drawn, found = (noise_and_turn(kind, count, problem, vertices, layout)[0] for vertices in (problem.vertices, result.vertices))
     assert found <= LEFT[layout] * drawn
     # Triangles that grow by five leave something between two readings.

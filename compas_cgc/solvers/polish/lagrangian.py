@@ -78,13 +78,14 @@ class Lagrangian:
         ℓ: a strip of this width beside a crease bends as easily as the crease folds [L].
     """
 
+    side = 1.0  # to which domes rise first: 1 along the directions, -1 against them
     waves = math.inf  # d: shorter waves of the drawing are smoothed, longer ones kept [L]
 
     def __init__(
         self, mesh: MidEdgeMesh, drawing: FloatArray, free: Mask, targets: FloatArray, fold_length: float
     ):  # fmt: skip
         self.mesh, self.drawing = mesh, drawing
-        self._fold_length = fold_length
+        self._posed = free, targets, fold_length
         self.rows: IntArray = np.flatnonzero(np.isfinite(targets))
         self.targets = targets[self.rows]
         self.free: IntArray = np.concatenate([np.flatnonzero(free), np.arange(len(drawing), mesh.unknowns)])
@@ -119,7 +120,13 @@ class Lagrangian:
     def on(self, drawing: FloatArray) -> Lagrangian:
         """Return the energy of another drawing (n, 3) without supports, whose curvature is not prescribed."""
         nowhere = np.full(len(self.mesh.pairs), np.nan)
-        return Lagrangian(self.mesh, drawing, np.ones(len(drawing), bool), nowhere, self._fold_length)
+        return Lagrangian(self.mesh, drawing, np.ones(len(drawing), bool), nowhere, self._posed[2])
+
+    def over(self, drawing: FloatArray, side: float) -> Lagrangian:
+        """Return the same problem over another drawing (n, 3), and the side to which domes rise, 1 or -1."""
+        other = Lagrangian(self.mesh, drawing, *self._posed)
+        other.side = side
+        return other
 
     def vertices(self, unknowns: FloatArray) -> FloatArray:
         """Return the vertices (n, 3) for unknowns (u,)."""

@@ -14,6 +14,7 @@ from ...discrete import face_areas
 from ...discrete.arrays import FloatArray
 from ...errors import ProblemError
 from ...errors import names_what_was_meant
+from ...linalg.work import until_spent
 from ...model.frame import Frame
 from ...model.measures import MID_EDGE
 from ...model.problem import CGCProblem
@@ -21,6 +22,7 @@ from ...model.recorder import Callback
 from ...model.recorder import Recorder
 from ...model.result import Branch
 from ...model.result import Solution
+from ...model.result import SolveState
 from ...model.roles import DUMMY
 from ...model.verdict import verdict
 from ..coarse import laid_out_anew
@@ -30,7 +32,8 @@ from .optimiser import steps
 from .posed import posed
 from .settings import PolishSettings
 from .starts import from_surface
-from .starts import is_drawn
+from .starts import is_kept
+from .starts import over_its_plate
 from .starts import starts
 
 __all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set"]
@@ -39,6 +42,7 @@ MANY, COARSE = 1000, 600  # vertices from which branches are found on even trian
 SAME = 1e-6  # distance of two surfaces against the size that is none
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
+RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the local frame
 ROUNDING = 64.0  # roundings of a coordinate, times the curvature, that residuals are at least
 WAVES = 0.2  # length against the square root of the area: shorter waves of a drawing that is kept are smoothed
 EPS = float(np.finfo(float).eps)
@@ -112,14 +116,16 @@ def polish(
     ends: list[_End] = []
     for state in begun:
         ends.append(search.ended(state))
-        if ends[-1].status == "cancelled" or (ends[-1].arrived and (kept or surfaces) and is_fair(ends[-1].state)):
+        # Where K̄ >= 0 the first side is the one that the drawing or its normals say.
+        enough = kept or bool(surfaces) or float(lagrangian.targets.min(initial=0.0)) >= 0.0
+        if ends[-1].status == "cancelled" or (ends[-1].arrived and enough and is_fair(ends[-1].state)):
             break
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
     fair = {id(end): is_fair(end.state) for end in found}
     found.sort(key=lambda end: not fair[id(end)])
     # Of mirror twins the one that rises along the normals comes first.
     twins = {id(end) for end in found if _alike(end, found[0]) and fair[id(end)] == fair[id(found[0])]}
-    found.sort(key=lambda end: (id(end) not in twins, -_rise(lagrangian, end.state) if id(end) in twins else 0.0))
+    found.sort(key=lambda end: (id(end) not in twins, -round(_rise(lagrangian, end.state), RISE_DIGITS) if id(end) in twins else 0.0))
     best = found[0] if found else min(ends, key=lambda end: _error(lagrangian, end.state))
     error = _error(lagrangian, best.state) / frame.scale**2
     first = [next(k for k, other in enumerate(found) if _alike(end, other)) for end in found]
@@ -154,18 +160,20 @@ def posed_as_set(problem: CGCProblem, settings: PolishSettings) -> Posed:
     local, frame = problem.without_dummies().local()
     size = math.sqrt(float(face_areas(local.vertices, local.faces).sum()))
     lagrangian = posed(local, settings.fold_length)
-    if settings.keep == "shape" or (settings.keep == "auto" and is_drawn(lagrangian)):
+    if settings.keep == "shape" or (settings.keep == "auto" and is_kept(lagrangian)):
         lagrangian = lagrangian.keeping(WAVES * size)
+    else:
+        lagrangian = over_its_plate(lagrangian)
     return Posed(lagrangian, local, frame, size)
 
 
 def keeps_shape(problem: CGCProblem) -> bool:
-    """Return whether a drawing has a shape that is kept: it bends in most places far more than its supports make it."""
+    """Return whether a drawing has a shape that is kept."""
     local = problem.without_dummies().local()[0]
     heights = local.vertices - local.vertices.mean(axis=0)
     if float(np.linalg.svd(heights, compute_uv=False)[2]) <= ROUNDING * EPS:
         return False
-    return is_drawn(posed(local, PolishSettings().fold_length))
+    return is_kept(posed(local, PolishSettings().fold_length))
 
 
 def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool, callback: Callback) -> list[FloatArray]:
@@ -175,7 +183,13 @@ def _on_even_triangles(problem: CGCProblem, settings: PolishSettings, kept: bool
     coarse = laid_out_anew(problem, COARSE)
     if coarse is None:
         return []
-    found = polish(coarse.problem, settings=replace(settings, keep="shape" if kept else "plan"), callback=callback)
+
+    def carried(state: SolveState) -> object:
+        assert callback is not None and coarse is not None
+        return callback(state._replace(vertices=coarse.carried(state.vertices, anew=not kept)))
+
+    own = replace(settings, keep="shape" if kept else "plan")
+    found = polish(coarse.problem, settings=own, callback=None if callback is None else carried)
     return [coarse.carried(branch.vertices, anew=not kept) for branch in found.branches]
 
 
@@ -202,7 +216,7 @@ class _Search:
         """Return the surface that a start leads to, else the one with the least error of K."""
         own, best, taken = self.lagrangian, start, 0
         goal = self.settings.tolerance * self.scale * own.cells
-        for step in steps(own, start, self.places, self.size, self.scale):
+        for step in until_spent(steps(own, start, self.places, self.size, self.scale)):
             here, V = step.state, own.vertices(step.state.unknowns)
             error, taken = _error(own, here), taken + 1
             self.recorder.record(energy(V - self.centre, self.faces, self.weights), error, error, step.length, step.trials)

@@ -11,9 +11,12 @@ from scipy.sparse.linalg import splu
 from ...discrete.arrays import FloatArray
 from ...linalg import SingularMatrixError
 from ...linalg.ordering import elimination_order
+from ...linalg.work import rights
+from ...linalg.work import spend
 
 __all__ = ["Saddle"]
 
+FACTORS = 30.0  # right sides that factors take as long as
 PANEL = 4  # columns that SuperLU works on together
 PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
 
@@ -46,6 +49,7 @@ class Saddle:
             permuted.sort_indices()
             self._gather, self._pattern = permuted.data, (permuted.indices, permuted.indptr)
         self._matrix = matrix
+        spend(rights(FACTORS, matrix.shape[0]))
         own = sparse.csc_matrix((matrix.data[self._gather], *self._pattern), shape=matrix.shape)
         try:
             self._factors = splu(own, permc_spec="NATURAL", diag_pivot_thresh=0.0, panel_size=PANEL, options={"SymmetricMode": True})

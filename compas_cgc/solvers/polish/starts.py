@@ -7,19 +7,23 @@ from collections.abc import Iterator
 import numpy as np
 from scipy import sparse
 
+from ...discrete import edge_faces
 from ...discrete.arrays import FloatArray
 from ...discrete.measured_curvature import even_angles
 from ...discrete.mid_edge import OCCURRENCES
+from ...discrete.mid_edge import TRACE
 from ...linalg import factorise
 from .lagrangian import Lagrangian
 from .lagrangian import State
 
-__all__ = ["from_surface", "is_drawn", "plate", "starts"]
+__all__ = ["from_surface", "is_kept", "over_its_plate", "plate", "starts"]
 
 SOFTEST = 1e-10  # stiffness against motions that bend nothing, such as turns about supports in line, against that of bending
 DIRECTIONS = 64  # of saddles that are compared
 ROUND = 1e-6  # variation of the energy with the direction, against its mean, below which all directions are alike
 MOST_PLACES = 0.02  # median of the squared curvature of a drawing, against its mean, below which it bends beside its supports alone
+PULLED = 2.0  # slope of a drawing beside its supports, against that elsewhere, above which supports were pulled out of it
+SAID = 0.05  # bending of a drawing, or its volume over the plate, against that of a dome, that says the side
 FLAT_FACE = 1e-8  # squared curvature times the area of the mesh, below which a drawing is flat
 DRAWN = 3.0  # bending of a drawing that is kept, against that of the plate over its supports
 FLAT = 1e-9  # K̄, against the largest, that is none
@@ -53,7 +57,7 @@ class _Plate:
 def starts(lagrangian: Lagrangian) -> Iterator[State]:
     """Return initial surfaces that do not depend on the triangles, the likeliest first.
 
-    Where K̄ > 0 the plate wants to bend alike in all directions, to the side of the normals; where K̄ < 0 as a saddle, turned to
+    Where K̄ > 0 the plate wants to bend alike in all directions, first to one side; where K̄ < 0 as a saddle, turned to
     where bending energy is least, up and down; where K̄ = 0 it bends over its supports.
     """
     if np.isfinite(lagrangian.waves):
@@ -68,7 +72,9 @@ def starts(lagrangian: Lagrangian) -> Iterator[State]:
     bent = np.sqrt(np.maximum(-targets, 0.0))[:, None]
     first = own.response(dome) if (targets > scale).any() else np.zeros(lagrangian.size)
     if not (targets < -scale).any():
-        yield _with_even_angles(lagrangian, own.here, first)
+        yield _with_even_angles(lagrangian, own.here, lagrangian.side * first)
+        if first.any():
+            yield _with_even_angles(lagrangian, own.here, -lagrangian.side * first)
         return
     steps = [own.response(bent * along), own.response(bent * across)]
     base = own.mismatch(first, dome) + own.mismatch(np.zeros(lagrangian.size), -_present(own.here))
@@ -101,10 +107,42 @@ def from_surface(lagrangian: Lagrangian, vertices: FloatArray) -> State:
     return lagrangian.at(unknowns)
 
 
-def is_drawn(lagrangian: Lagrangian) -> bool:
-    """Return whether the drawing has no plan, or bends in most places far more than its supports make it."""
+def over_its_plate(lagrangian: Lagrangian) -> Lagrangian:
+    """Return the problem over the plate through its supports, so that heights of the drawing say nothing but the side of domes.
+
+    A drawing lies on the other side where most of it bends away from the normals, or where its volume over the plate says so. The
+    volume says nothing where supports were pulled out of a sheet.
+    """
+    mesh, V = lagrangian.mesh, lagrangian.drawing
+    if not lagrangian.has_plan or np.ptp(np.einsum("ni,ni->n", V, mesh.directions)) <= FLAT_FACE:
+        return lagrangian
+    here, drawn = plate(lagrangian), from_surface(lagrangian, V)
+    K = np.maximum(_face_targets(lagrangian), 0.0)
+    trace = [own.operators.tensors @ TRACE / own.operators.areas for own in (drawn, here)]
+    areas = here.operators.areas
+    against = float(areas[trace[0] - trace[1] < -SAID * 2.0 * np.sqrt(K)].sum()) > 0.5 * float(areas.sum()) if K.any() else False
+    edges = edge_faces(mesh.faces)[:, :2]
+    fixed = np.ones(len(V), bool)
+    fixed[lagrangian.free[: lagrangian.moves]] = False
+    step = V[edges[:, 1]] - V[edges[:, 0]]
+    slope = np.abs(np.einsum("ex,ex->e", step, mesh.directions[edges[:, 0]])) / np.linalg.norm(step, axis=1)
+    beside = fixed[edges].any(axis=1)
+    pulled = slope[beside].max(initial=0.0) > PULLED * slope[~beside].max(initial=0.0)
+    under = float(np.einsum("m,m->", here.unknowns[mesh.faces].mean(axis=1), areas))
+    against = against or (not pulled and under > SAID * float(np.sqrt(K) @ areas) * float(areas.sum()) / 4.0)
+    return lagrangian.over(lagrangian.vertices(here.unknowns), -1.0 if against else 1.0)
+
+
+def is_kept(lagrangian: Lagrangian) -> bool:
+    """Return whether the shape of a drawing is kept.
+
+    It is where the drawing has no plan, or bends in most places far more than its supports make it. Over a plan with K̄ > 0 the
+    supports alone determine the dome, and the drawing says its side.
+    """
     if not lagrangian.has_plan:
         return True
+    if (lagrangian.targets > 0.0).all():
+        return False
     mesh, V = lagrangian.mesh, lagrangian.drawing
     at = np.zeros(mesh.unknowns)
     at[len(V) :] = even_angles(mesh, V)

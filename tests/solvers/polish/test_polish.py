@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial import Delaunay
 
 from compas_cgc import CGCMesh
+from compas_cgc import sensitivity
 from compas_cgc import solve
 from compas_cgc.model.problem import CGCProblem
 from compas_cgc.solvers.polish.polisher import polish
@@ -150,3 +151,52 @@ def test_it_is_a_method_of_every_door():
 def test_cancelling_returns_the_surface_so_far():
     solution = polish(_on_corners(8, 1.0), callback=lambda state: state.step == 2)
     assert (solution.status, solution.iterations) == ("cancelled", 2)
+
+
+@pytest.mark.parametrize("K, lines", [(1.0, ()), (1.0, (1 / 3, 2 / 3)), (-1.0, ())])
+def test_derivatives_by_curvature_are_those_of_neighbouring_surfaces(K, lines):
+    result, h = solve(_on_corners(8, K, lines=lines)), 1e-4
+    assert result.method == "bending"
+    found = sensitivity(result)
+    ahead, behind = (solve(result, targets=K + sign * h).vertices for sign in (1, -1))
+    difference = (ahead - behind) / (2 * h)
+    assert np.abs(found.moves.sum(axis=0) - difference).max() < 1e-4 * np.abs(difference).max()
+
+
+def test_a_slider_follows_its_branch_and_ends_where_a_cold_solve_does():
+    """Up from next to nothing to K = 2.6 and down: heights grow with the root of K."""
+    problem, values = _on_corners(16, 1.0), np.linspace(0.2, 1.6, 8) ** 2
+    cold = [solve(problem.with_targets(K)) for K in values]
+    assert all(one.converged and one.verdict.fair for one in cold)
+    last, up = cold[0], []
+    for K in values:
+        last = solve(last, targets=K)
+        up.append(last)
+    for K in values[::-1]:
+        last = solve(last, targets=K)
+    apart = max(np.abs(one.vertices - other.vertices).max() for one, other in zip(cold, up))
+    assert apart < 1e-6 and np.abs(last.vertices - up[0].vertices).max() < 1e-6
+
+
+def test_branches_are_listed_with_their_twins():
+    result = solve(_on_corners(16, -1.2, lift=0.6))
+    first, second = result.branches
+    assert first.fair and second.fair and second.twin_of == 0 and first.energy == pytest.approx(second.energy, rel=1e-6)
+    assert np.abs(first.vertices - result.vertices).max() == 0.0
+    assert np.abs(first.vertices - second.vertices).max() > 0.1
+
+
+def test_a_large_mesh_takes_its_branch_from_even_triangles():
+    steps = []
+    large = solve(_on_corners(40, 1.0, jitter=0.3), callback=lambda state: steps.append(len(state.vertices)))
+    assert large.verdict.fair and steps.count(41**2) <= 6
+    assert _middle(large.vertices) == pytest.approx(0.2907, abs=2e-4)
+
+
+def test_heights_of_a_plan_say_nothing_but_the_side_of_a_dome():
+    problem = _on_corners(12, 1.0)
+    x, y, _ = problem.vertices.T
+    bump = np.column_stack([0 * x, 0 * x, np.sin(np.pi * x) * np.sin(np.pi * y)])
+    flat, low, high, below = (solve(problem.with_vertices(problem.vertices + a * bump)) for a in (0.0, 0.1, 0.2, -0.1))
+    assert np.abs(low.vertices - flat.vertices).max() < 1e-6 and np.abs(high.vertices - flat.vertices).max() < 1e-6
+    assert np.abs(below.vertices - flat.vertices * [1, 1, -1]).max() < 1e-6

@@ -39,7 +39,7 @@ def lifted(heights, target=0.01, relief=0.0, width=(10.0, 10.0), cells=N) -> CGC
 @pytest.mark.parametrize("target", [0.005, 0.012, -0.012])
 def test_a_lifted_canopy_bulges_up(heights, target):
     problem = lifted(heights, target, width=(11.0, 15.0))
-    result = solve(problem)
+    result = solve(problem, method="projection")
     assert result.converged and result.verdict.fair
     x, y, z = result.vertices.T
     plane = np.linalg.lstsq(np.column_stack([x, y, np.ones_like(x)])[CORNERS], z[CORNERS], rcond=None)[0]
@@ -162,7 +162,6 @@ def test_heads_that_a_dome_passes_through_with_tips_carry_a_bowl():
     ]
     result = solve(canopy(outline, heads, 0.006))
     assert result.converged and result.verdict.fair, result.message
-    assert "bulging to the other side it is fairer" in result.message
     middle = result.vertices[np.argmin(np.hypot(*(result.vertices[:, :2] - np.mean(outline, axis=0)).T)), 2]
     assert middle < min(head[2] for head in heads)
 
@@ -174,7 +173,7 @@ def test_petals_that_dip_under_their_edge_are_told_with_the_goal_that_keeps_them
     star = CGCMesh.from_outline([*rim, rim[0]], 0.8, creases=[[[0, 0, 0], rim[k]] for k in range(1, 10, 2)])
     star.set_supports("boundary")
     star.set_target(0.008)
-    dipping = solve(star)
+    dipping = solve(star, method="projection")
     assert "below its boundary (goals=[Above(0)] prevents this)" in dipping.message
     kept = solve(star, goals=[Above(0)])
     assert kept.converged and kept.verdict.fair and "below its boundary" not in kept.message
