@@ -89,8 +89,11 @@ def solve(
             One unknown per vertex along its normal; for K̄ > 0 over fixed edges, or from
             a start near the target; creases are held. The fastest on large meshes.
         ``"projection"``
-            The surface that bends least, for K̄ of any sign, with free edges and
-            creases and with constraints.
+            The surface that bends least by angle defects, for K̄ of any sign, with
+            free edges that draw in, creases and goals.
+        ``"bending"``
+            The surface that bends and folds least, for K̄ of any sign, with curvature of second
+            order by mid-edge normals and free edges over their drawn lines.
     settings
         :class:`FlowSettings`, :class:`NewtonSettings` or :class:`ProjectionSettings`, or options
         by name; with ``"auto"`` settings of one method choose it.

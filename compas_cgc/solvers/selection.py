@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -29,6 +30,7 @@ from .reasons import why_not_found
 from .reasons import why_rough
 from .registry import METHODS
 from .registry import method_of
+from .registry import settings_for
 from .registry import settings_of
 from .rising import is_held_all_round
 from .settings import Settings
@@ -73,8 +75,8 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
     """
     measure = "auto" if settings is None else settings.to_dict().get("measure", "auto")
     if settings is not None and method_of(settings) == "auto" and measure in EXACT:
-        found = run_auto(problem, settings=replace(settings, measure="auto"), callback=callback)  # type: ignore[type-var]
-        return _closed(problem, found, settings, callback)
+        general = settings_for("auto", {**settings.to_dict(), "measure": "auto"})
+        return _closed(problem, run_auto(problem, settings=general, callback=callback), settings, callback)
     tried: list[tuple[Solution, Choice]] = []
     rough: list[tuple[float, Solution, Choice]] = []  # that arrived
     allowed = Allowance(problem, settings)
@@ -85,14 +87,15 @@ def run_auto(problem: CGCProblem, *, settings: Optional[Settings] = None, callba
         if below and (choice.method == "newton" or choice.from_dome):
             posed, choice = problem.flipped(), choice._replace(reason=f"{choice.reason}; {BELOW}")
         method = METHODS[choice.method]
+        run: Callable[[], Optional[Solution]]
         if choice.from_dome:
             run = partial(solved_from_dome, posed, _own_settings(method, settings, choice.options), callback)
         else:
             run = partial(run_method, method, posed, settings=settings, options=choice.options, callback=callback)
-        found = allowed.solved(run)
-        if found is None:
+        arrived = allowed.solved(run)
+        if arrived is None:
             continue
-        solution = found
+        solution = arrived
         tried.append((solution, choice))
         if solution.status == "converged":
             asked = problem if solution.targets is None else problem.with_targets(solution.targets)
