@@ -62,7 +62,8 @@ def unrollable(problem: CGCProblem) -> CGCProblem:
     Without the measure ``exact`` a solve meets K = 0 to second order in the edge length, and the surface moves by as much. It moves
     smoothly, by least second differences. Where it would move far, or where there is no such surface, it is returned as it is.
     """
-    flat = problem.asked & (problem.targets == 0.0) & ~boundary_vertices(problem.vertices, problem.faces)
+    used = np.bincount(problem.faces.ravel(), minlength=len(problem.vertices)) > 0
+    flat = problem.asked & (problem.targets == 0.0) & used & ~boundary_vertices(problem.vertices, problem.faces)
     rows, columns = np.flatnonzero(flat), np.flatnonzero(problem.movable)
     if not len(rows):
         return problem

@@ -10,9 +10,11 @@ from typing import Optional
 
 import numpy as np
 
+from ..discrete import boundary_vertices
 from ..model.goals.binding import held_by_newton
 from ..model.problem import CGCProblem
 from ..model.roles import CREASE
+from ..model.roles import FIXED
 from .polish.polisher import keeps_shape
 from .registry import METHODS
 from .registry import method_of
@@ -34,6 +36,7 @@ class Choice(NamedTuple):
 BENDING = Choice("bending", "it bends and folds least, with the curvature prescribed up to creases and free edges")
 DRAWN_IN = Choice("projection", "free edges leave their drawn lines where no fair surface stays over them")
 DRAWN = Choice("projection", "the drawing has a shape, which is kept")
+HELD = Choice("projection", "the whole rim is fixed, which leaves no freedom to bend")
 GOALS = Choice("projection", "it alone meets goals")
 FLOW = Choice("flow", "s or e are set on creases, strategies of the flow")
 RIM = Choice("newton", "the whole rim is fixed, there are no creases, and K̄ > 0")
@@ -69,4 +72,6 @@ def _choices(problem: CGCProblem) -> list[Choice]:
         return [RIM, BENDING, DRAWN_IN]
     if is_held_all_round(problem, folded=True):
         return [FOLDED_RIM, BENDING]
+    if (problem.roles[boundary_vertices(problem.vertices, problem.faces)] == FIXED).all() and not len(problem.creases):
+        return [HELD, BENDING]
     return [DRAWN, BENDING] if keeps_shape(problem) else [BENDING, DRAWN_IN]

@@ -71,7 +71,7 @@ def test_the_main_job_as_the_readme_says(tmp_path):
     assert [region["target"] for region in written["regions"]] == [0.01] * 4 + [0.04] + [0.01] * 4
     # The solve meets K to rounding; measured on the vertices alone, K is of second order in the length of the edges.
     assert "largest |K - K̄|" in written["message"] and written["verdict"]["fair"]
-    assert max(region["rms_error"] for region in written["regions"]) <= 0.05 * 0.04
+    assert max(region["rms_error"] for region in written["regions"]) <= 0.1 * 0.04
 
     import rhino3dm
 
@@ -82,7 +82,7 @@ def test_the_main_job_as_the_readme_says(tmp_path):
     faces = np.array([mesh.Faces[i][:3] for i in range(len(mesh.Faces))])
     K = gaussian_curvature(vertices, faces)
     inner = np.abs(vertices[:, :2] - 7.5).max(axis=1) < 2.0
-    assert np.median(K[inner]) == pytest.approx(0.04, rel=0.05)
+    assert np.median(K[inner]) == pytest.approx(0.04, rel=0.1)
     assert model.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Meters
 
 

@@ -166,7 +166,7 @@ def test_a_small_mesh_may_take_the_work_of_four_hundred_vertices_and_a_larger_on
 
 
 def test_a_limit_is_looked_for_with_so_much_work_and_no_more():
-    work = Work(2e4)
+    work = Work(2e6)
     short, long = largest_target(roof(1.0), work=work), largest_target(roof(1.0))
     assert work.spent and short.solves < long.solves and 0.0 < short.target <= long.target
 

@@ -142,7 +142,7 @@ def strategic():
 CHOICES = [
     (dome, None, ["newton", "bending", "projection"]),
     (vault, None, ["bending", "projection"]),
-    (lambda: dome(0.0), None, ["bending", "projection"]),
+    (lambda: dome(0.0), None, ["projection", "bending"]),
     (negative, None, ["bending", "projection"]),
     (strategic, None, ["flow", "bending"]),
     (vault, FlowSettings(), ["flow"]),

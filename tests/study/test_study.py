@@ -322,7 +322,7 @@ def test_variants_between_two_on_one_branch_are_those_solved_alone(monkeypatch):
     again = Plan(study, mesh.to_problem()).measured(9)
     assert again.row == rows[9].row and np.array_equal(again.vertices, rows[9].vertices), "whatever came before"
     for variant in (1, 9, 14):
-        alone = plan.measured(variant).vertices - solve(plan.problem(variant)).vertices
+        alone = plan.measured(variant).vertices - solve(plan.problem(variant), method="projection").vertices
         assert np.abs(alone).max() <= 1e-9 * np.ptp(mesh.to_problem().vertices[:, 0])
 
 

@@ -118,7 +118,7 @@ def polish(
         ends.append(search.ended(state))
         # Where K̄ >= 0 the first side is the one that the drawing or its normals say.
         enough = kept or bool(surfaces) or float(lagrangian.targets.min(initial=0.0)) >= 0.0
-        if ends[-1].status == "cancelled" or (ends[-1].arrived and enough and is_fair(ends[-1].state)):
+        if ends[-1].status in ("cancelled", "step_limit") or (ends[-1].arrived and enough and is_fair(ends[-1].state)):
             break
     found = _distinct([end for end in ends if end.arrived], lagrangian, size)
     fair = {id(end): is_fair(end.state) for end in found}

@@ -16,7 +16,7 @@ from ...linalg.work import spend
 
 __all__ = ["Saddle"]
 
-FACTORS = 30.0  # right sides that factors take as long as
+FACTORS = 25.0  # right sides that factors take as long as
 PANEL = 4  # columns that SuperLU works on together
 PRECISE, REFINEMENTS = 1e-12, 3  # relative residual of solutions, and rounds of refinement towards it
 

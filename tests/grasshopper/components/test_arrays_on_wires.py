@@ -40,6 +40,7 @@ def milliseconds(work, repeats=5):
 
 
 @pytest.mark.parametrize("inputs", [{"K": [0.02]}, {"K": [0.02], "region": [1]}, {"K": [0.02, 0.03]}], ids=["all", "one", "each"])
+@pytest.mark.nightly
 def test_target_blocks_the_interface_for_at_most_5_ms(inputs):
     given, placed = wire(100), place("Target")
     assert milliseconds(lambda: placed.run(cgc_mesh=given, **inputs)) <= 5.0
