@@ -48,7 +48,11 @@ def two_sided_supports(problem: CGCProblem) -> list[str]:
     region. A support between two or three others in plan decides which: a dome if it lies higher than they do, a bowl if it
     lies lower. If it lies level with them, neither is possible.
     """
-    return [said for region in range(int(problem.regions().max(initial=-1)) + 1) for said in _of_region(problem, region)]
+    label = problem.regions()
+    fixed = (problem.roles == FIXED)[problem.faces]
+    pairs = np.unique(np.column_stack([np.broadcast_to(label[:, None], fixed.shape)[fixed], problem.faces[fixed]]), axis=0)
+    regions = np.flatnonzero(np.bincount(pairs[:, 0]) >= 3)
+    return [sentence for region in regions.tolist() for sentence in _of_region(problem, region)]
 
 
 def _of_region(problem: CGCProblem, region: int) -> Iterator[str]:

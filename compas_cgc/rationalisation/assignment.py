@@ -9,6 +9,8 @@ from typing import NamedTuple
 from typing import Optional
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator
+from scipy.sparse.linalg import lsqr
 
 from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
@@ -17,8 +19,10 @@ from .clusters import nearest_values
 from .linear_search import Assignment
 from .linear_search import best_values
 from .linear_search import distance_norm
+from .linear_search import promising_panels
 from .linear_search import search
 from .normal_moves import NormalMoves
+from .normal_moves import Sensitivities
 
 __all__ = ["Moulds", "Placed", "assign", "catalogue", "nearest_surface"]
 
@@ -26,6 +30,8 @@ STEPS = 3  # of Newton's method after K has changed
 FINISHING, DONE = 12, 1e-11  # steps to rounding, and the deviation of K times the area that is rounding
 ROUNDS = 10  # linearisations from every start
 STARTS = 3  # clusterings that are improved, the nearest to the design
+ACTIVE = 200  # panels that may change their mould in one round
+KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
 EVENING, LEAST = 8, 0.3  # rounds of weights, and the weight of no distance against that of the largest
 ENOUGH = 0.97  # of the norm, from which a round is not worth another
@@ -38,7 +44,7 @@ class Placed(NamedTuple):
 
     assigned: Assignment
     moves: FloatArray  # (c,) along the normals of the design [L]
-    norm: float  # of the distances [L]
+    norm: float  # of distances and folds [L]
 
     @property
     def distance(self) -> float:
@@ -71,9 +77,7 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
         for taken in range(ROUNDS):
             if not here.norm:
                 break
-            linear = moves.linearised(here.moves, here.assigned.K)
-            tried = search(linear, moves.mass, here.assigned, trust)
-            there = _solved(moves, tried, linear.at(tried.K))
+            there = _improved(moves, here, trust)
             gain = there.norm / here.norm
             if gain < 1.0:
                 here = there
@@ -87,12 +91,45 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
     return best
 
 
+def _improved(moves: NormalMoves, here: Placed, trust: int) -> Placed:
+    """Return the surface after some panels, at most so many, have moved to other moulds.
+
+    Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
+    """
+    sensitivities = moves.sensitivities(here.moves, here.assigned.K)
+    own = here.assigned
+    panels = promising_panels(sensitivities, moves, own, ACTIVE)
+    staying = np.ones(moves.panels, bool)
+    staying[panels] = False
+    moulds, group = np.unique(own.classes[staying], return_inverse=True)
+    groups = np.empty(moves.panels, np.int64)
+    groups[panels], groups[staying] = np.arange(len(panels)), len(panels) + group
+    classes = np.concatenate([own.classes[panels], moulds])
+    locked = np.concatenate([own.locked[panels], np.ones(len(moulds), bool)])
+    linear = sensitivities.linear(groups)
+    found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust)
+    tried = replace(own, values=found.values, classes=found.classes[groups])
+    return _solved(moves, tried, linear.at(found.K))
+
+
 def nearest_surface(moves: NormalMoves) -> FloatArray:
     """Return the K (p,) of the panels of the surface nearest to the design where every panel has its own [1/L^2]."""
-    K = moves.mean_curvatures(np.zeros(len(moves.columns)))
-    linear = moves.linearised(np.zeros(len(moves.columns)), K)
-    weighted = linear.by_panel * np.sqrt(moves.mass)[:, None]
-    return np.linalg.lstsq(weighted, -np.sqrt(moves.mass) * linear.constant, rcond=1e-6)[0]
+    nothing = np.zeros(len(moves.columns))
+    return _nearest(moves.sensitivities(nothing, moves.mean_curvatures(nothing)), moves.mass)
+
+
+def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
+    """Return the K (p,) of least rms distance, to first order, by the method of Paige and Saunders, doi:10.1145/355984.355989."""
+    root = np.sqrt(mass)
+    own = LinearOperator(
+        (len(mass), sensitivities.panels),
+        matvec=lambda K: root * sensitivities.forward(np.ravel(K)),
+        rmatvec=lambda w: sensitivities.adjoint((root * np.ravel(w))[:, None])[:, 0],
+        dtype=np.float64,
+    )
+    start = sensitivities.K
+    away = sensitivities.constant() + sensitivities.forward(start)
+    return start + lsqr(own, -root * away, atol=1e-6, btol=1e-6, iter_lim=KRYLOV_STEPS)[0]
 
 
 def finished(moves: NormalMoves, placed: Placed) -> Placed:
@@ -102,7 +139,7 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
         if moves.error(here, placed.assigned.K) <= DONE:
             break
         here = moves.step(here, placed.assigned.K)
-    return Placed(placed.assigned, here, float(distance_norm(here, moves.mass)))
+    return Placed(placed.assigned, here, _norm(moves, here))
 
 
 def evened(moves: NormalMoves, placed: Placed) -> Placed:
@@ -123,7 +160,7 @@ def evened(moves: NormalMoves, placed: Placed) -> Placed:
         kept = here.assigned.kept[used]
         own = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
         values = here.assigned.values.copy()
-        values[used] = best_values(linear, moves.mass, own).values
+        values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, own).values
         tried = _solved(stressing, replace(here.assigned, values=values), linear.at(values[used]))
         if not tried.norm < here.norm:
             break
@@ -143,9 +180,8 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
     """Return the surfaces of several clusterings."""
     areas = moves.panel_areas()
     nothing = np.zeros(len(moves.columns))
-    linear = moves.linearised(nothing, design)
-    weighted = linear.by_panel * np.sqrt(moves.mass)[:, None]
-    nearest = np.linalg.lstsq(weighted, -np.sqrt(moves.mass) * linear.constant, rcond=1e-6)[0]
+    sensitivities = moves.sensitivities(nothing, design)
+    nearest, constant = _nearest(sensitivities, moves.mass), sensitivities.constant()
     locked = np.zeros(moves.panels, bool) if moulds.locked is None else moulds.locked >= 0
     if moulds.values is not None:
         given = [(moulds.values, np.ones(len(moulds.values), bool))]
@@ -160,12 +196,14 @@ def _starts(moves: NormalMoves, moulds: Moulds, design: FloatArray) -> list[Plac
             if moulds.locked is not None:
                 own = np.where(locked, moulds.locked, own)
             assigned = Assignment(values, own, kept, locked)
-            found.append(_solved(moves, assigned, linear.at(assigned.K)))
+            found.append(_solved(moves, assigned, constant + sensitivities.forward(assigned.K)))
     return found
 
 
 def _solved(moves: NormalMoves, assigned: Assignment, near: FloatArray) -> Placed:
-    for _ in range(STEPS):
-        near = moves.step(near, assigned.K)
-    norm = float(distance_norm(near, moves.mass)) if np.isfinite(near).all() else np.inf
-    return Placed(assigned, near, norm)
+    near = moves.newton(near, assigned.K, STEPS)
+    return Placed(assigned, near, _norm(moves, near) if np.isfinite(near).all() else np.inf)
+
+
+def _norm(moves: NormalMoves, own: FloatArray) -> float:
+    return float(distance_norm(moves.criteria(own), moves.criteria_mass))

@@ -11,13 +11,16 @@ from ..discrete.arrays import FloatArray
 from ..discrete.arrays import IntArray
 from ..discrete.arrays import Mask
 from .normal_moves import LinearMoves
+from .normal_moves import NormalMoves
+from .normal_moves import Sensitivities
 
-__all__ = ["Assignment", "best_values", "distance_norm", "search"]
+__all__ = ["Assignment", "best_values", "distance_norm", "promising_panels", "search"]
 
-POWER = 8  # of the norm: near the largest distance, and smooth
+POWER = 8  # of the norm, a power of two: near the largest distance, and smooth
 CANDIDATES = 40  # single moves of panels that are evaluated, the best by their second-order estimates
 GAIN = 1e-4  # part of the norm's power that a move of a panel has to bring
 REFIT = 4  # moves of panels after which the K of the moulds follow
+PROBES = 15  # random vectors that estimate the curvature of the norm
 NEWTON_STEPS, SHORTEST = 6, 1e-3
 
 
@@ -50,8 +53,11 @@ class Assignment:
 
 def distance_norm(moves: FloatArray, mass: FloatArray) -> FloatArray:
     """Return the power mean of distances: of moves (c,) or of several (c, r), weighted by masses (c,) that sum to one [L]."""
-    largest = np.abs(moves).max(axis=0, initial=1e-300)
-    return largest * (mass @ (np.abs(moves) / largest) ** POWER) ** (1.0 / POWER)
+    largest = np.maximum(moves.max(axis=0, initial=0.0), -moves.min(axis=0, initial=0.0)) + 1e-300
+    power = moves / largest
+    for _ in range(POWER.bit_length() - 1):
+        power = np.multiply(power, power, out=power)
+    return largest * (mass @ power) ** (1.0 / POWER)
 
 
 def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, steps: int = NEWTON_STEPS) -> Assignment:
@@ -84,6 +90,30 @@ def best_values(linear: LinearMoves, mass: FloatArray, assigned: Assignment, ste
         if gain <= 1e-6 * norm:
             break
     return replace(assigned, values=values)
+
+
+def promising_panels(sensitivities: Sensitivities, over: NormalMoves, assigned: Assignment, most: int) -> IntArray:
+    """Return the panels whose move to another mould promises the largest decrease of the distance, at most so many.
+
+    Slopes come from one adjoint substitution, curvatures of the norm from a few with random signs.
+
+    References
+    ----------
+    Bekas, Kokiopoulou, Saad, *An estimator for the diagonal of a matrix*, 2007, doi:10.1016/j.apnum.2007.01.003.
+    """
+    panels = len(assigned.classes)
+    if panels <= most:
+        return np.arange(panels)
+    own = over.criteria(sensitivities.moves)
+    weight = over.criteria_mass * (np.abs(own) / np.abs(own).max(initial=1e-300)) ** (POWER - 2)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(own), PROBES))
+    weights = np.column_stack([weight * own, np.sqrt(weight)[:, None] * signs])
+    derivatives = sensitivities.adjoint(over.criteria_transposed(weights))
+    slope, second = derivatives[:, 0], (POWER - 1) * (derivatives[:, 1:] ** 2).mean(axis=1)
+    changes = assigned.values[None, :] - assigned.K[:, None]
+    changes[assigned.locked] = 0.0
+    estimate = (slope[:, None] * changes + 0.5 * second[:, None] * changes**2).min(axis=1)
+    return np.sort(np.argsort(estimate, kind="stable")[:most])
 
 
 def search(linear: LinearMoves, mass: FloatArray, assigned: Assignment, most: int) -> Assignment:

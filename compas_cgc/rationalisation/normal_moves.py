@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 from typing import NamedTuple
 from typing import Optional
@@ -9,6 +10,7 @@ from typing import Optional
 import numpy as np
 from scipy import sparse
 
+from ..discrete import edge_faces
 from ..discrete import vertex_areas
 from ..discrete import vertex_normals
 from ..discrete.arrays import FloatArray
@@ -19,12 +21,14 @@ from ..discrete.space_form import exact_equations
 from ..linalg import LinearSolver
 from ..linalg import factorise
 from ..solvers.projection.metric import bending_matrix
+from ..solvers.projection.metric import slope_jumps
 from .panelling import Panelling
 from .panelling import vertex_panels
 
-__all__ = ["LinearMoves", "NormalMoves", "Weights"]
+__all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 
 PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
+FOLD_LENGTH = 0.5  # of the width of a panel, by which angles of folds count as distances
 CORRECTIONS = 2  # of the multipliers
 
 
@@ -44,6 +48,10 @@ class LinearMoves(NamedTuple):
     def at(self, K: FloatArray) -> FloatArray:
         """Return the moves (c,) for the K (p,) of the panels [L]."""
         return self.constant + self.by_panel @ K
+
+    def of(self, criteria: Callable[[FloatArray], FloatArray]) -> LinearMoves:
+        """Return linear criteria of the moves, to first order."""
+        return LinearMoves(criteria(self.constant), criteria(self.by_panel))
 
 
 class NormalMoves:
@@ -87,6 +95,12 @@ class NormalMoves:
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
         self._bending = ((weights.smoothness * self.size) ** 4 / areas.sum() * bending).tocsr()
         self._nearness = self.mass
+        seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
+        width = FOLD_LENGTH * self.size / np.sqrt(self.panels)
+        self._criteria = sparse.vstack([sparse.identity(len(self.columns)), width * jumps[:, self.columns]]).tocsr()
+        own = np.linalg.norm(V[seam_edges[:, 1]] - V[seam_edges[:, 0]], axis=1)
+        shares = [self.mass / self.mass.sum(), own / max(own.sum(), 1e-300)]
+        self.criteria_mass = np.concatenate(shares) / 2.0
 
     def stressing(self, nearness: FloatArray) -> NormalMoves:
         """Return the same surfaces where moves of vertices count by other weights (c,) in the energy."""
@@ -99,6 +113,14 @@ class NormalMoves:
         shape = self.vertices.copy()
         shape[self.columns] += moves[:, None] * self.normals[self.columns]
         return shape
+
+    def criteria(self, moves: FloatArray) -> FloatArray:
+        """Return what the search keeps small, distances and changes of the folds at seams times the width of panels, of (c,) or (c, r) [L]."""
+        return self._criteria @ moves
+
+    def criteria_transposed(self, weights: FloatArray) -> FloatArray:
+        """Return the derivatives (c, r) of sums of criteria with weights (d, r) by the moves."""
+        return self._criteria.T @ weights
 
     def mean_curvatures(self, moves: FloatArray) -> FloatArray:
         """Return the mean K of every panel (p,) [1/L^2]."""
@@ -122,6 +144,14 @@ class NormalMoves:
         system = self._linearised(moves, K)
         return moves - system.solved(system.residual[:, None])[:, 0]
 
+    def newton(self, moves: FloatArray, K: FloatArray, steps: int) -> FloatArray:
+        """Return the moves (c,) after steps to the K (p,) of the panels, all with the factors of the first."""
+        system = self._linearised(moves, K)
+        for taken in range(steps):
+            residual = system.residual if not taken else self._measured(moves, K)[0]
+            moves = moves - system.solved(residual[:, None])[:, 0]
+        return moves
+
     def linearised(self, moves: FloatArray, K: FloatArray, groups: Optional[IntArray] = None) -> LinearMoves:
         """Return the moves for other K, to first order about moves (c,) and the K (p,) of the panels.
 
@@ -134,15 +164,11 @@ class NormalMoves:
         groups
             ``(p,)`` group of every panel; the columns are then those of groups, the K of which change together.
         """
-        system = self._linearised(moves, K)
-        of_row = self.panel_of_row if groups is None else groups[self.panel_of_row]
-        count = self.panels if groups is None else int(groups.max()) + 1
-        right = np.zeros((len(self.rows), count + 1))
-        right[np.arange(len(self.rows)), of_row] = system.areas
-        right[:, -1] = system.jacobian @ moves - system.residual
-        found = system.solved(right)
-        own = K if groups is None else _of_groups(K, groups, count)
-        return LinearMoves(found[:, -1] - found[:, :-1] @ own, found[:, :-1])
+        return self.sensitivities(moves, K).linear(groups)
+
+    def sensitivities(self, moves: FloatArray, K: FloatArray) -> Sensitivities:
+        """Return the derivatives of the moves by the K of the panels, about moves (c,) and the K (p,) of the panels."""
+        return Sensitivities(self._linearised(moves, K), self.panel_of_row, self.panels, moves, K)
 
     def _measured(self, moves: FloatArray, K: FloatArray) -> tuple[FloatArray, FloatArray]:
         self._equations.targets = np.zeros(len(self.vertices))
@@ -171,6 +197,57 @@ class _Linearised(NamedTuple):
             missing = right - self.jacobian @ found
             found = found + self.factor.solve(self.jacobian.T @ (self.penalties[:, None] * missing))
         return found
+
+    def adjoint(self, weights: FloatArray) -> FloatArray:
+        """Return the transpose of :meth:`solved` times weights (c, r): (k, r)."""
+        found = np.zeros((self.jacobian.shape[0], weights.shape[1]))
+        for _ in range(CORRECTIONS):
+            missing = weights - self.jacobian.T @ found
+            found = found + self.penalties[:, None] * (self.jacobian @ self.factor.solve(missing))
+        return found
+
+
+class Sensitivities(NamedTuple):
+    """Derivatives of the moves by the K of the panels, behind one factorisation."""
+
+    system: _Linearised
+    panel_of_row: IntArray  # (k,)
+    panels: int
+    moves: FloatArray  # (c,) [L]
+    K: FloatArray  # (p,) [1/L^2]
+
+    def linear(self, groups: Optional[IntArray] = None) -> LinearMoves:
+        """Return the moves to first order, by panel or by groups (p,) of panels with one K; one substitution for each."""
+        of_row = self.panel_of_row if groups is None else groups[self.panel_of_row]
+        count = self.panels if groups is None else int(groups.max()) + 1
+        right = np.zeros((len(of_row), count + 1))
+        right[np.arange(len(of_row)), of_row] = self.system.areas
+        right[:, -1] = self.system.jacobian @ self.moves - self.system.residual
+        found = self.system.solved(right)
+        own = self.K if groups is None else _of_groups(self.K, groups, count)
+        return LinearMoves(found[:, -1] - found[:, :-1] @ own, found[:, :-1])
+
+    def constant(self) -> FloatArray:
+        """Return the moves (c,) for K = 0 in all panels, to first order [L]."""
+        right = self.system.jacobian @ self.moves - self.system.residual - self.system.areas * self.K[self.panel_of_row]
+        return self.system.solved(right[:, None])[:, 0]
+
+    def forward(self, K: FloatArray) -> FloatArray:
+        """Return the moves (c,) by K (p,), to first order [L]."""
+        return self.system.solved((self.system.areas * K[self.panel_of_row])[:, None])[:, 0]
+
+    def adjoint(self, weights: FloatArray) -> FloatArray:
+        """Return the derivatives (p, r) of sums of moves with weights (c, r) by the K of every panel; one substitution for each sum."""
+        by_row = self.system.areas[:, None] * self.system.adjoint(weights)
+        gathered = sparse.csr_matrix((np.ones(len(by_row)), (self.panel_of_row, np.arange(len(by_row)))), shape=(self.panels, len(by_row)))
+        return gathered @ by_row
+
+
+def _on_seams(faces: IntArray, panels: IntArray) -> Mask:
+    """Mark the inner edges between two panels, among those of edge_faces with two faces."""
+    edges = edge_faces(faces)
+    inner = edges[edges[:, 3] >= 0]
+    return panels[inner[:, 2]] != panels[inner[:, 3]]
 
 
 def _of_groups(K: FloatArray, groups: IntArray, count: int) -> FloatArray:

@@ -16,7 +16,7 @@ from ...discrete.arrays import IntArray
 from ...linalg import LinearSolver
 from ...linalg import factorise
 
-__all__ = ["Metric", "MetricAcross", "bending_matrix"]
+__all__ = ["Metric", "MetricAcross", "bending_matrix", "slope_jumps"]
 
 WIDE = 0.15  # width of a sheet that bends as easily as a crease of stiffness 1/2 folds, against the distance of creases and edge
 SLENDER = 1e-3  # a hinge between faces smaller than this part of the mean counts as if they were larger
@@ -73,6 +73,34 @@ def bending_matrix(vertices: FloatArray, faces: IntArray, creases: NDArray[np.bo
     rows = np.tile(np.arange(len(u)), 4)
     jumps = sparse.csr_matrix((values.ravel(), (rows, np.concatenate([u, v, p, q]))), shape=(len(u), len(vertices)))
     return (jumps.T @ jumps).tocsr()
+
+
+def slope_jumps(vertices: FloatArray, faces: IntArray, hinges: IntArray) -> tuple[IntArray, sparse.csr_matrix]:
+    """Return edges (h, 2), and the matrix (h, n) of the changes of the angles across them by moves along the normals, to first order.
+
+    Parameters
+    ----------
+    vertices
+        ``(n, 3)`` coordinates [L].
+    faces
+        ``(m, 3)`` vertex indices.
+    hinges
+        ``(h,)`` positions among the edges with two faces.
+
+    References
+    ----------
+    Bergou, Wardetzky, Harmon, Zorin, Grinspun, doi:10.2312/SGP/SGP06/227-230.
+    """
+    edges = edge_faces(faces)
+    u, v, left, right = edges[edges[:, 3] >= 0][hinges].T
+    p, q = faces[left].sum(axis=1) - u - v, faces[right].sum(axis=1) - u - v
+    along = vertices[v] - vertices[u]
+    _, cot_up, cot_vp = _cotangents(vertices, along, u, v, p)
+    _, cot_uq, cot_vq = _cotangents(vertices, along, u, v, q)
+    values = np.array([cot_vp + cot_vq, cot_up + cot_uq, -(cot_up + cot_vp), -(cot_uq + cot_vq)]) / np.linalg.norm(along, axis=1)
+    rows = np.tile(np.arange(len(u)), 4)
+    matrix = sparse.csr_matrix((values.ravel(), (rows, np.concatenate([u, v, p, q]))), shape=(len(u), len(vertices)))
+    return np.column_stack([u, v]), matrix
 
 
 def _cotangents(vertices: FloatArray, along: FloatArray, u: IntArray, v: IntArray, apex: IntArray) -> tuple[FloatArray, ...]:
