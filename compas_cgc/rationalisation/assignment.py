@@ -143,24 +143,25 @@ def finished(moves: NormalMoves, placed: Placed) -> Placed:
 
 
 def evened(moves: NormalMoves, placed: Placed) -> Placed:
-    """Return an assignment with a surface whose largest distances are less: where they are large, nearness counts more.
+    """Return an assignment with a surface whose largest distances and folds are less: where they are large, they count more.
 
     References
     ----------
     Lawson's iteratively reweighted least squares, see Rice and Usow, doi:10.1090/S0025-5718-1968-0231111-3.
     """
-    here, weights = placed, np.ones(len(moves.columns))
+    here, weights = placed, np.ones(len(moves.criteria_mass))
     used = np.unique(placed.assigned.classes)
     groups = np.searchsorted(used, placed.assigned.classes)
     for _ in range(EVENING):
-        weights = weights * (LEAST + np.abs(here.moves) / max(here.distance, 1e-300))
-        weights = weights / float(moves.mass @ weights)
+        own = np.abs(moves.criteria(here.moves))
+        weights = weights * (LEAST + own / max(float(own.max(initial=0.0)), 1e-300))
+        weights = weights / float(moves.criteria_mass @ weights)
         stressing = moves.stressing(weights)
         linear = stressing.linearised(here.moves, here.assigned.K, groups)
         kept = here.assigned.kept[used]
-        own = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
+        grouped = Assignment(here.assigned.values[used], np.arange(len(used)), kept, np.ones(len(used), bool))
         values = here.assigned.values.copy()
-        values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, own).values
+        values[used] = best_values(linear.of(moves.criteria), moves.criteria_mass, grouped).values
         tried = _solved(stressing, replace(here.assigned, values=values), linear.at(values[used]))
         if not tried.norm < here.norm:
             break

@@ -28,7 +28,7 @@ from .panelling import vertex_panels
 __all__ = ["LinearMoves", "NormalMoves", "Sensitivities", "Weights"]
 
 PENALTY = 1e4  # of squared deviations of K, against squared moves, in lengths of the design; multipliers remove what it leaves
-FOLD_LENGTH = 0.5  # of the width of a panel, by which angles of folds count as distances
+FOLD_LENGTH = 1.0  # in widths of a panel, times the angle of a fold: what counts as much as a distance of that size
 CORRECTIONS = 2  # of the multipliers
 
 
@@ -57,8 +57,9 @@ class LinearMoves(NamedTuple):
 class NormalMoves:
     r"""The surfaces ``x + w n`` over a panelled design, with K of every panel constant in the exact measure.
 
-    Moves along normals are distances from the design, on the rim and on seams too, and nothing can slide along it unseen. Of all
-    surfaces with given K the one of least energy :math:`\\frac12 w^T (M + \\beta Q) w` is taken, with masses M and the bending energy
+    Moves along normals are distances from the design, on the rim and on seams too, and nothing can slide along it unseen. Criteria C w
+    are the moves and the changes of the folds at seams, times the width of a panel. Of all surfaces with given K the one of least
+    energy :math:`\\frac12 w^T (C^T M C + \\beta Q) w` is taken, with masses M of the criteria and the bending energy
     Q of the moves. A linearisation is one sparse positive definite system, with K held by a penalty and multipliers.
 
     Parameters
@@ -94,18 +95,18 @@ class NormalMoves:
         seams[panelling.seams.ravel()] = True
         bending = bending_matrix(V, F, seams, weights.crease_stiffness)[self.columns][:, self.columns]
         self._bending = ((weights.smoothness * self.size) ** 4 / areas.sum() * bending).tocsr()
-        self._nearness = self.mass
         seam_edges, jumps = slope_jumps(V, F, np.flatnonzero(_on_seams(F, panelling.panels)))
         width = FOLD_LENGTH * self.size / np.sqrt(self.panels)
         self._criteria = sparse.vstack([sparse.identity(len(self.columns)), width * jumps[:, self.columns]]).tocsr()
         own = np.linalg.norm(V[seam_edges[:, 1]] - V[seam_edges[:, 0]], axis=1)
         shares = [self.mass / self.mass.sum(), own / max(own.sum(), 1e-300)]
         self.criteria_mass = np.concatenate(shares) / 2.0
+        self._closeness = 2.0 * self.criteria_mass
 
-    def stressing(self, nearness: FloatArray) -> NormalMoves:
-        """Return the same surfaces where moves of vertices count by other weights (c,) in the energy."""
+    def stressing(self, weights: FloatArray) -> NormalMoves:
+        """Return the same surfaces where criteria count by other weights (d,) in the energy."""
         other = copy(self)
-        other._nearness = self.mass * nearness
+        other._closeness = 2.0 * self.criteria_mass * weights
         return other
 
     def shape(self, moves: FloatArray) -> FloatArray:
@@ -115,7 +116,7 @@ class NormalMoves:
         return shape
 
     def criteria(self, moves: FloatArray) -> FloatArray:
-        """Return what the search keeps small, distances and changes of the folds at seams times the width of panels, of (c,) or (c, r) [L]."""
+        """Return the distances and the changes of folds times the width of a panel (d,) or (d, r) for moves (c,) or (c, r) [L]."""
         return self._criteria @ moves
 
     def criteria_transposed(self, weights: FloatArray) -> FloatArray:
@@ -179,7 +180,11 @@ class NormalMoves:
         residual, areas = self._measured(moves, K)
         jacobian = self._equations.jacobian(self.shape(moves), self.normals[self.columns])
         penalties = PENALTY * self.size**4 / areas
-        matrix = sparse.diags(self._nearness) + self._bending + jacobian.T @ sparse.diags(penalties) @ jacobian
+        matrix = (
+            self._criteria.T @ sparse.diags(self._closeness) @ self._criteria
+            + self._bending
+            + jacobian.T @ sparse.diags(penalties) @ jacobian
+        )
         return _Linearised(factorise(matrix.tocsr(), symmetric=True, refine=False), jacobian, residual, areas, penalties)
 
 

@@ -56,7 +56,7 @@ def panels_figure(found: Rationalised) -> Figure:
     count = len(found.curvatures)
     shades = colours.ListedColormap([PALETTE[k % len(PALETTE)] for k in range(count)])
     limit = limit_above(found.distance.signed)
-    unit = found.design.drawing.units
+    unit = (found.design.drawing.units or "L").replace("Meters", "m").replace("Millimeters", "mm").replace("Centimeters", "cm")
     for k in range(2):
         axes = figure.add_subplot(1, 2, k + 1)
         axes.set_aspect("equal")
@@ -66,11 +66,12 @@ def panels_figure(found: Rationalised) -> Figure:
             drawn = axes.tripcolor(triangles, facecolors=values, cmap=shades, vmin=-0.5, vmax=count - 0.5)
             bar = figure.colorbar(drawn, ax=axes, ticks=range(count), shrink=0.7)
             bar.ax.set_yticklabels([f"{K:.3g}" for K in found.curvatures])
-            axes.set_title("K of the mould" + (f" [1/{unit.casefold()}²]" if unit else ""), fontsize=10)
+            bar.set_label(f"K of the mould [1/{unit}²]")
+            axes.set_title(f"{len(found.classes)} panels on {count} moulds", fontsize=10)
         else:
             field = axes.tripcolor(triangles, found.distance.signed, cmap=diverging_map(), vmin=-limit, vmax=limit, shading="gouraud")
-            figure.colorbar(field, ax=axes, shrink=0.7)
-            axes.set_title("distance from the design" + (f" [{unit.casefold()}]" if unit else ""), fontsize=10)
+            figure.colorbar(field, ax=axes, shrink=0.7).set_label(f"distance [{unit}]")
+            axes.set_title("distance from the design", fontsize=10)
         drawn_lines = matplotlib_module("collections").LineCollection(lines, colors="#1a1a1a", linewidths=0.5)
         # Snapped to pixels, single segments of a smooth seam would jump.
         drawn_lines.set_snap(False)

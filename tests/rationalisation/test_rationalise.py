@@ -97,6 +97,40 @@ def test_moves_by_the_linear_model_are_those_of_the_solve():
     assert np.abs(solved - base - predicted).max() < 0.02 * np.abs(predicted).max()
 
 
+def test_adjoint_sensitivities_are_the_transpose_of_the_columns():
+    panelling = panels_of(read_design(DESIGN), 2.0, 4)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    nothing = np.zeros(len(moves.columns))
+    own = moves.sensitivities(nothing, moves.mean_curvatures(nothing))
+    weights = np.random.default_rng(0).normal(size=(len(moves.criteria_mass), 2))
+    columns = moves.criteria(own.linear().by_panel)
+    expected = columns.T @ weights
+    found_by_adjoint = own.adjoint(moves.criteria_transposed(weights))
+    assert np.abs(found_by_adjoint - expected).max() < 1e-7 * np.abs(expected).max()
+
+
+def test_fold_criteria_are_the_changes_of_the_angles_at_seams():
+    from compas_cgc.rationalisation.distance import folds_at_seams
+
+    panelling = panels_of(read_design(DESIGN), 2.0, 4)
+    moves = NormalMoves(panelling, np.zeros(len(panelling.vertices), bool))
+    move = 1e-6 * np.random.default_rng(0).normal(size=len(moves.columns))
+    folds = folds_at_seams(panelling, moves.shape(move))
+    width = moves.size / np.sqrt(moves.panels)
+    changes = np.abs(moves.criteria(move)[len(move) :]) / width
+    clear = folds.design > 0.1
+    assert clear.sum() > 50
+    assert np.abs(changes - np.abs(np.radians(folds.change())))[clear].max() < 0.01 * changes.max()
+
+
+def test_panels_that_promise_little_stay_on_their_moulds(monkeypatch):
+    from compas_cgc.rationalisation import assignment
+
+    monkeypatch.setattr(assignment, "ACTIVE", 8)
+    few = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=3)
+    assert few.result.converged and few.distance.largest < 1.5 * found().distance.largest
+
+
 def test_a_promise_is_kept_or_refused_with_a_suggestion():
     kept = compas_cgc.rationalise(DESIGN, panel=2.0, edges=4, moulds=None, within=0.02)
     assert kept.status == "kept" and kept.distance.largest <= 0.02 and 1 < len(kept.curvatures) < 6
