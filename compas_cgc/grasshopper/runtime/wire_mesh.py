@@ -45,6 +45,12 @@ class WireMesh:
         """Return the problem, with the changes that scripts made in the mesh."""
         return self.mesh.to_problem() if "mesh" in self.__dict__ else self.problem
 
+    def __getstate__(self) -> dict[str, CGCProblem]:
+        return {"problem": self.to_problem()}
+
+    def __setstate__(self, state: dict[str, CGCProblem]) -> None:
+        self.problem = state["problem"]
+
     def __repr__(self) -> str:
         return repr(self.problem)
 
