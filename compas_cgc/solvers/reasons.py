@@ -40,7 +40,6 @@ LAYOUT = (
     "by steps from smaller targets these supports carry what is asked with a fair surface on a coarser mesh; "
     "so mesh the drawing anew with fewer, even triangles, or draw it nearer to the surface"
 )
-STEPWISE = "smaller targets lead to a fair surface step by step; leave the settings out, and it is returned"
 
 
 def why_not_found(problem: CGCProblem, status: str) -> str:

@@ -39,7 +39,7 @@ from .starts import starts
 __all__ = ["Posed", "keeps_shape", "places", "polish", "posed_as_set"]
 
 MANY, COARSE = 1000, 600  # vertices from which branches are found on even triangles first, and their vertices
-SAME = 1e-6  # distance of two surfaces against the size that is none
+SAME = 1e-6  # distance relative to the size, up to which two surfaces are the same
 ALIKE = 1e-3  # relative difference of the energies of mirror twins on irregular triangles
 ENERGY_DIGITS = 9  # of energies that are compared, so that rounding does not order mirror twins
 RISE_DIGITS = 6  # of the volumes under mirror twins that are compared, in the local frame

@@ -143,10 +143,7 @@ def is_kept(lagrangian: Lagrangian) -> bool:
         return True
     if (lagrangian.targets > 0.0).all():
         return False
-    mesh, V = lagrangian.mesh, lagrangian.drawing
-    at = np.zeros(mesh.unknowns)
-    at[len(V) :] = even_angles(mesh, V)
-    typical, mean = _density(lagrangian.at(at))
+    typical, mean = _density(from_surface(lagrangian, lagrangian.drawing))
     return typical > max(MOST_PLACES * mean, FLAT_FACE) and typical > DRAWN * _density(plate(lagrangian))[0]
 
 
