@@ -34,7 +34,7 @@ ACTIVE = 200  # panels that may change their mould in one round
 KRYLOV_STEPS = 100  # of LSQR for the nearest surface
 TRUST = 0.15  # part of the panels that may change their mould in one round, at first
 EVENING, LEAST = 8, 0.3  # rounds of weights, and the weight of no distance against that of the largest
-ENOUGH = 0.97  # of the norm, from which a round is not worth another
+ENOUGH = 0.97  # of the norm of the best surface, below which a round has to promise to come
 
 Watch = Callable[[int, int, float], bool]  # rounds done, rounds at most, largest distance [L]; true cancels
 
@@ -66,33 +66,44 @@ def assign(moves: NormalMoves, moulds: Moulds, watch: Optional[Watch] = None) ->
 
     From the best of several clusterings, rounds of: linearise the surface in the K of every panel, move a few panels to other moulds
     and fit the K of the moulds on that model, solve the surface, and accept it if its true distance is less; else move fewer panels.
+    A start is given up when its model no longer promises to beat the best surface so far.
     """
     design = moves.mean_curvatures(np.zeros(len(moves.columns)))
     starts = sorted(_starts(moves, moulds, design), key=lambda placed: placed.norm)[:STARTS]
-    best, done, total = starts[0], 0, ROUNDS * len(starts)
-    if watch is not None and watch(done, total, best.distance):
-        return best
-    for number, start in enumerate(starts):
-        here, trust = start, max(1, round(TRUST * moves.panels))
-        for taken in range(ROUNDS):
-            if not here.norm:
-                break
-            there = _improved(moves, here, trust)
-            gain = there.norm / here.norm
-            if gain < 1.0:
-                here = there
-            else:
-                trust //= 3
-            best = here if here.norm < best.norm else best
-            if watch is not None and watch(number * ROUNDS + taken + 1, total, best.distance):
+    racers = [_Racer(start, max(1, round(TRUST * moves.panels))) for start in starts]
+    best, done, total = starts[0], 0, ROUNDS * len(racers)
+    for _ in range(ROUNDS):
+        for racer in racers:
+            if watch is not None and watch(done, total, best.distance):
                 return best
-            if trust < 1 or ENOUGH < gain < 1.0:
-                break
+            racer.advance(moves)
+            best = racer.here if racer.here.norm < best.norm else best
+            done += 1
+        racers = [racer for racer in racers if racer.trust and racer.promise < ENOUGH * best.norm]
+    if watch is not None:
+        watch(total, total, best.distance)
     return best
 
 
-def _improved(moves: NormalMoves, here: Placed, trust: int) -> Placed:
-    """Return the surface after some panels, at most so many, have moved to other moulds.
+class _Racer:
+    """One of the assignments that are improved at the same time."""
+
+    def __init__(self, start: Placed, trust: int):
+        self.here = start
+        self.trust = trust  # panels that may change their mould in the next round
+        self.promise = start.norm  # by the linear model of the last round [L]
+
+    def advance(self, moves: NormalMoves) -> None:
+        """Move some panels to other moulds if the solved surface is nearer to the design; else allow fewer moves next time."""
+        there, changed, self.promise = _improved(moves, self.here, self.trust)
+        if there.norm < self.here.norm:
+            self.here = there
+        else:
+            self.trust = changed // 3
+
+
+def _improved(moves: NormalMoves, here: Placed, trust: int) -> tuple[Placed, int, float]:
+    """Return the surface after at most so many panels have moved to other moulds, how many have, and the norm the model predicts.
 
     Panels that promise little stay, together with all others of their mould, so that few columns of sensitivities are needed.
     """
@@ -109,7 +120,8 @@ def _improved(moves: NormalMoves, here: Placed, trust: int) -> Placed:
     linear = sensitivities.linear(groups)
     found = search(linear.of(moves.criteria), moves.criteria_mass, Assignment(own.values, classes, own.kept, locked), trust)
     tried = replace(own, values=found.values, classes=found.classes[groups])
-    return _solved(moves, tried, linear.at(found.K))
+    predicted = linear.at(found.K)
+    return _solved(moves, tried, predicted), int((found.classes != classes).sum()), _norm(moves, predicted)
 
 
 def nearest_surface(moves: NormalMoves) -> FloatArray:
@@ -129,7 +141,7 @@ def _nearest(sensitivities: Sensitivities, mass: FloatArray) -> FloatArray:
     )
     start = sensitivities.K
     away = sensitivities.constant() + sensitivities.forward(start)
-    return start + lsqr(own, -root * away, atol=1e-6, btol=1e-6, iter_lim=KRYLOV_STEPS)[0]
+    return start + lsqr(own, -root * away, atol=1e-3, btol=1e-3, iter_lim=KRYLOV_STEPS)[0]
 
 
 def finished(moves: NormalMoves, placed: Placed) -> Placed:
