@@ -38,6 +38,8 @@ COMMANDS = {
     "reproduce": "run all of the paper's examples and tables",
     "bench": "measure the speed on this machine",
     "serve": "run the compute server",
+    "backup": "copy the jobs of a server, which may be running",
+    "restore": "put a backup in the place of the jobs of a stopped server",
     "warm": "compile all numerical kernels in advance",
     "grasshopper": "build and install the Grasshopper components",
 }

@@ -15,6 +15,7 @@ from typing import Union
 
 from flask import Flask
 from flask import Response
+from flask import current_app
 from flask import g
 from flask import request
 from werkzeug.exceptions import HTTPException
@@ -40,16 +41,20 @@ from .jobs.store import Store
 from .keys import Keys
 from .keys import Throttle
 from .limits import Limits
+from .operation.logs import begin_request
+from .operation.logs import log_request
+from .operation.logs import request_id
+from .operation.metrics import Metrics
+from .operation.readiness import Readiness
+from .operation.routes import operation
 from .page import index
 from .page import page
 from .page import wants_page
-from .security import client_name
 from .security import guard
 
 __all__ = ["create_app"]
 
 log = logging.getLogger(__name__)
-audit = logging.getLogger("compas_cgc.server.requests")  # who sent which request, by the name of the key
 
 SENTENCES = {
     404: "there is nothing at this address; GET /openapi.json lists the available addresses",
@@ -105,10 +110,13 @@ def create_app(
     pool = executor or WorkerPool(workers or max(1, (os.cpu_count() or 2) - 1), warm_up, limits.grace, limits.reserved)
     readers, writers = WorkerPool(1, warm_up_io, limits.grace), WorkerPool(1, warm_up_io, limits.grace)
     solve = partial(solve_job, readers={**READERS, "hops": read_hops_request})
-    app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
+    jobs = app.extensions["jobs"] = Jobs(pool, stored, solve, limits, readers, writers)
+    app.extensions["readiness"] = Readiness(jobs.problems)
+    app.extensions["metrics"] = Metrics(jobs)
     app.extensions["bodies"] = ByteBudget(limits.bodies, limits.blocking)
     app.extensions["throttle"] = Throttle()
     app.extensions["wait_slots"] = BoundedSemaphore(limits.streams)
+    app.before_request(begin_request)
     app.before_request(guard)
     app.before_request(_refuse_compressed)
     app.after_request(_finish)
@@ -119,6 +127,7 @@ def create_app(
     app.register_blueprint(api)
     app.register_blueprint(hops)
     app.register_blueprint(page)
+    app.register_blueprint(operation)
     app.add_url_rule("/", view_func=_root)
     return app
 
@@ -137,7 +146,9 @@ def _refuse_compressed() -> None:
 
 
 def _finish(response: Response) -> Response:
-    audit.info("%s %s %s: %d", client_name(), request.method, request.path, response.status_code)
+    seconds = log_request(response)
+    address = "none" if request.url_rule is None else request.url_rule.rule
+    current_app.extensions["metrics"].count(request.method, address, response.status_code, seconds)
     response.headers["X-Content-Type-Options"] = "nosniff"
     response.headers.setdefault("Cache-Control", "no-store")
     response.headers.setdefault("Content-Security-Policy", "default-src 'none'; frame-ancestors 'none'")
@@ -166,7 +177,7 @@ def _no_room(error: sqlite3.DatabaseError) -> Response:
 
 def _bug(error: Exception) -> Response:
     log.exception("%s %s failed", request.method, request.path)
-    return _error("the request failed because of an error in the server; see its log", 500)
+    return _error(f"the request failed because of an error in the server; see the request {request_id()} in its log", 500)
 
 
 def _error(message: str, status: int, headers: Optional[dict] = None) -> Response:

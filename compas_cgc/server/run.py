@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import socket
 import sys
@@ -57,6 +58,8 @@ def serve(
     names: tuple[str, ...] = (),
     trusted_proxy: Optional[str] = None,
     executor: Optional[str] = None,
+    prefix: str = "",
+    log: Optional[str] = None,
 ) -> None:
     """Run the server until it is interrupted.
 
@@ -80,11 +83,15 @@ def serve(
         Address of the proxy in front of the server; the last address in its X-Forwarded-For header is the client's.
     executor
         Address of the executor of the solves instead of worker processes, such as ``dask://scheduler:8786``.
+    prefix
+        Path under which the proxy publishes the server, such as ``/cgc``. Requests are answered with and without it.
+    log
+        ``"text"`` or ``"json"`` to log requests and jobs to standard error. Default: warnings only.
 
     Raises
     ------
     CGCError
-        If a required key is missing, the port is in use or the kind of executor is unknown.
+        If a required key is missing, the port is in use, or the prefix or kind of executor is invalid.
 
     Examples
     --------
@@ -96,6 +103,8 @@ def serve(
     names = tuple(hostname(name.split("//")[-1]) for name in names)
     if not all(names):
         raise CGCError("--name must be a host name, such as studio-pc")
+    if not re.fullmatch(r"(/[A-Za-z0-9._~-]+)*", prefix):
+        raise CGCError(f"the prefix must be a path such as /cgc, not {prefix!r:.60}")
     limits = limits or Limits()
     remote = None if executor is None else executor_at(executor, limits.reserved)
     give_back()
@@ -110,9 +119,11 @@ def serve(
     from waitress.server import create_server
 
     from .app import create_app
+    from .operation.logs import log_to_stderr
     from .waitress_channel import channel_class
     from .waitress_threads import Threads
 
+    log_to_stderr(log)
     own_names = () if host in ("0.0.0.0", "::") else (host.lower(),)
     app = create_app(store or default_store(port), keys, workers, limits, (*names, *own_names), remote)
     server: Any = create_server(
@@ -130,6 +141,7 @@ def serve(
         # Closes connections with incomplete requests.
         channel_timeout=30,
         ident=None,
+        url_prefix=prefix,
         clear_untrusted_proxy_headers=True,
         **({"trusted_proxy": trusted_proxy, "trusted_proxy_headers": {"x-forwarded-for"}} if trusted_proxy else {}),
     )

@@ -29,6 +29,8 @@ __all__ = ["description"]
 
 OPERATIONS = {
     ("get", "/health"): "health",
+    ("get", "/ready"): "ready",
+    ("get", "/metrics"): "metrics",
     ("get", "/version"): "version",
     ("get", "/api/v1/methods"): "listMethods",
     ("get", "/api/v1/tasks"): "listTasks",
@@ -58,6 +60,11 @@ _EVENT = {
     },
 }
 EVENTS = {"description": "events", "content": {"text/event-stream": {"schema": _EVENT}}}
+READY = {
+    "type": "object",
+    "required": ["ready", "problems"],
+    "properties": {"ready": {"type": "boolean"}, "problems": {"type": "array", "items": {"type": "string"}}},
+}
 _ID = {"name": "id", "in": "path", "required": True, "schema": {"type": "string"}}
 
 
@@ -82,6 +89,16 @@ def _description() -> dict:
         "info": {"title": "compas_cgc", "version": __version__, "description": "Surfaces of piecewise constant Gaussian curvature"},
         "paths": {
             "/health": {"get": _operation("Check whether the server is running", {"200": _json({"$ref": "#/components/schemas/Health"})})},
+            "/ready": {
+                "get": _operation("Check whether the server can accept jobs", {"200": _json(READY), "503": _json(READY, "the reasons")})
+            },
+            "/metrics": {
+                "get": _operation(
+                    "Return the metrics of the server for Prometheus",
+                    {"200": {"description": "metrics", "content": {"text/plain": {"schema": {"type": "string"}}}}},
+                    *("401", "403"),
+                ),
+            },
             "/version": {
                 "get": _operation("Return name and version of the program", {"200": _json({"$ref": "#/components/schemas/Version"})}),
             },

@@ -1,4 +1,4 @@
-"""Routes of the job API, health, version and the OpenAPI description."""
+"""Routes of the job API, version and the OpenAPI description."""
 
 from __future__ import annotations
 
@@ -60,14 +60,6 @@ api = Blueprint("api", __name__)
 LONGEST_WAIT = 25.0  # seconds
 SMALL = 2**19  # size of a result encoded in this process instead of a worker [bytes]; about 4,000 vertices
 SMALL_PACKED = 2**21  # the same for packed arrays; about 14,000 vertices
-
-
-@api.get("/health")
-def health() -> Response:
-    """Return the state of the server and its workers, without waiting."""
-    executor: Any = jobs().executor
-    workers: dict = executor.health() if hasattr(executor, "health") else {}
-    return respond({"status": "starting" if workers.get("starting") == workers.get("workers", -1) else "ok", **workers})
 
 
 @api.get("/version")
@@ -271,7 +263,8 @@ def _stream(id: str, with_surface: bool = False) -> Response:
                 with suppress(RequestError):
                     yield b"event: result\ndata: " + moved(engine.result(id)) + b"\n\n"
 
-    answer = Response(stream(), mimetype="text/event-stream")
+    # A proxy such as nginx would otherwise collect the events.
+    answer = Response(stream(), mimetype="text/event-stream", headers={"X-Accel-Buffering": "no"})
     # Called at the end, even if the stream was never started.
     answer.call_on_close(_wait_slots().release)
     return answer

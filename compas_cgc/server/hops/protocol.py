@@ -48,7 +48,8 @@ def uri_of(body: dict) -> str:
             pointer = None
     if not isinstance(pointer, str) or not pointer:
         raise NotFound(f"the request does not name a function; the functions are {', '.join(endpoints())}")
-    return known(_path(pointer))
+    # The path may begin with the prefix under which a proxy publishes the server.
+    return known("/".join(_path(pointer).strip("/").split("/")[-2:]))
 
 
 def known(path: str) -> str:

@@ -11,7 +11,7 @@ from typing import Optional
 
 from ..._atomic_write import replacing
 
-__all__ = ["Blobs"]
+__all__ = ["Blobs", "blob_name"]
 
 
 class Blobs:
@@ -32,32 +32,32 @@ class Blobs:
     def put(self, kind: str, id: str, content: bytes) -> None:
         """Write content, which is on the disk when this returns."""
         if self.folder is None:
-            self._memory[_name(kind, id)] = content
+            self._memory[blob_name(kind, id)] = content
             return
-        with replacing(self.folder / _name(kind, id)) as temporary:
+        with replacing(self.folder / blob_name(kind, id)) as temporary:
             temporary.write_bytes(content)
 
     def get(self, kind: str, id: str) -> Optional[bytes]:
         """Return content, None if it is not there."""
         if self.folder is None:
-            return self._memory.get(_name(kind, id))
+            return self._memory.get(blob_name(kind, id))
         try:
-            return (self.folder / _name(kind, id)).read_bytes()
+            return (self.folder / blob_name(kind, id)).read_bytes()
         except FileNotFoundError:
             return None
 
     def delete(self, kind: str, id: str) -> None:
         """Delete content, if it is there."""
-        self._memory.pop(_name(kind, id), None)
+        self._memory.pop(blob_name(kind, id), None)
         if self.folder is not None:
             with suppress(OSError):
-                (self.folder / _name(kind, id)).unlink()
+                (self.folder / blob_name(kind, id)).unlink()
 
     def keep_only(self, known: Iterable[tuple[str, str]]) -> None:
         """Delete all content but that of these kinds and ids, as a server that was killed may leave some."""
         if self.folder is None:
             return
-        names = {_name(kind, id) for kind, id in known}
+        names = {blob_name(kind, id) for kind, id in known}
         for entry in os.scandir(self.folder):
             if entry.is_file() and entry.name not in names:
                 with suppress(OSError):
@@ -74,5 +74,6 @@ class Blobs:
         return total
 
 
-def _name(kind: str, id: str) -> str:
+def blob_name(kind: str, id: str) -> str:
+    """Return the name of the file of content."""
     return f"{hashlib.sha256(id.encode()).hexdigest()[:40]}.{kind}"

@@ -10,6 +10,7 @@ import secrets
 import sqlite3
 import threading
 import time
+from collections import Counter
 from collections import deque
 from collections.abc import Iterator
 from collections.abc import Sequence
@@ -78,6 +79,13 @@ class Jobs:
         Limits on the size and number of requests.
     readers, writers
         Read the files of clients, and write files for them, apart from the solves. Default: the executor.
+
+    Attributes
+    ----------
+    finished
+        Number of jobs that ended, by state.
+    seconds
+        Total running time of the jobs that ended [s].
     """
 
     def __init__(
@@ -100,6 +108,8 @@ class Jobs:
         # Deleted jobs that could not be removed from the store yet.
         self._forgotten: set[str] = set()
         self._took: deque[float] = deque(maxlen=50)  # durations of the last jobs [s]
+        self.finished: Counter[str] = Counter()
+        self.seconds = 0.0
         self._change = threading.Condition(threading.RLock())
         self._closed = False
         for job in store.unfinished():
@@ -382,8 +392,24 @@ class Jobs:
             if self._running.get(id) is not running:
                 return
             del self._running[id]
+            self._count(id, state, running)
             self.store.finish(id, state, message, running.progress)
             self._change.notify_all()
+
+    def _count(self, id: str, state: str, running: RunningJob) -> None:
+        """Count a job that ended, and log it."""
+        seconds = 0.0 if running.since is None else time.monotonic() - running.since
+        if running.since is not None:
+            self._took.append(seconds)
+        self.finished[state] += 1
+        self.seconds += seconds
+        log.info("job %s %s after %.3g s", id, state, seconds, extra={"fields": {"job": id, "state": state, "seconds": round(seconds, 3)}})
+
+    def unfinished(self) -> dict[str, int]:
+        """Return the number of queued and of running jobs."""
+        with self._change:
+            started = sum(bool(running.progress) for running in self._running.values())
+            return {"queued": len(self._running) - started, "running": started}
 
     def _pause(self, ahead: int = 0) -> float:
         """Return the estimated time until a job with `ahead` jobs before it is finished [s], from the durations of earlier jobs."""
@@ -480,12 +506,11 @@ class Jobs:
             if self._closed or self._running.get(job.id) is not running:
                 return
             del self._running[job.id]
-            if running.since is not None:
-                self._took.append(time.monotonic() - running.since)
             # Break the reference cycle between the task and its listeners, which would keep request and result in memory.
             running.task = None
             try:
                 state, message, content, figures = outcome_of(task)
+                self._count(job.id, state, running)
                 running.progress = {**job.progress, **running.progress, **(figures or {})}
                 self.store.finish(job.id, state, message, running.progress, content)
                 self._tidy(job.id)

@@ -21,7 +21,7 @@ from ...errors import FileError
 from ..errors import Gone
 from .blobs import Blobs
 
-__all__ = ["Job", "Store", "owned_id"]
+__all__ = ["INLINE", "REQUEST", "RESULT", "Job", "Store", "locked", "owned_id", "siblings"]
 
 INLINE = 2**16  # bytes up to which content is kept in the tables; larger content is in files
 REQUEST, RESULT = "request", "result"
@@ -96,7 +96,9 @@ class Store:
         self._path = None if str(path) == ":memory:" else Path(path)
         self.notice: Optional[str] = None
         try:
-            self._owner = None if self._path is None else _owned(self._path)
+            self._owner = None if self._path is None else locked(self._path)
+            if self._path is not None:
+                self._path.touch(mode=0o600)  # meshes are confidential
             self._open()
         except (sqlite3.Error, OSError) as error:
             raise FileError(f"jobs cannot be stored in {path} ({error}); move the file away, or choose another with --store") from None
@@ -133,7 +135,7 @@ class Store:
         self._base.executescript(_TABLES)
         if tuple(row[1] for row in self._base.execute("PRAGMA table_info(jobs)")) != Job._fields:
             raise OSError("its tables belong to another program or version")
-        self.blobs = Blobs(None if self._path is None else self._path.with_name(f"{self._path.name}-files"))
+        self.blobs = Blobs(None if self._path is None else siblings(self._path, "-files"))
 
     def _set_aside(self, reason: str) -> None:
         assert self._path is not None
@@ -192,18 +194,6 @@ class Store:
                 # execute() would take a single step, which frees one page.
                 self._base.executescript("PRAGMA incremental_vacuum")
             self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-
-    def backup(self, folder: Path) -> None:
-        """Copy tables and files into a folder, while the server runs."""
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with self._lock:
-            copy = sqlite3.connect(folder / "jobs.sqlite")
-            try:
-                self._base.backup(copy)
-            finally:
-                copy.close()
-            if self.blobs.folder is not None:
-                shutil.copytree(self.blobs.folder, folder / "jobs.sqlite-files", dirs_exist_ok=True)
 
     def _put(self, kind: str, id: str, content: bytes) -> bytes:
         """Write large content to a file; return what goes into the table."""
@@ -401,10 +391,9 @@ class Store:
             base.execute(query, values)
 
 
-def _owned(path: Path) -> sqlite3.Connection:
+def locked(path: Path) -> sqlite3.Connection:
     """Lock the file for this process, so that no two servers run the same jobs. The lock ends with the process."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    path.touch(mode=0o600)  # meshes are confidential
     owner = sqlite3.connect(f"{path}-owner", timeout=0, check_same_thread=False, isolation_level=None)
     try:
         owner.execute("BEGIN EXCLUSIVE")
@@ -412,3 +401,8 @@ def _owned(path: Path) -> sqlite3.Connection:
         owner.close()
         raise OSError("another server is using it") from None
     return owner
+
+
+def siblings(path: Path, ending: str) -> Path:
+    """Return the path of what belongs to a store beside its file."""
+    return path.with_name(f"{path.name}{ending}")

@@ -21,7 +21,7 @@ from ...support.shapes import grid
 ANNA, BEN, OPERATOR = "the-key-of-anna", "the-key-of-ben", "the-key-of-the-operator"
 FILE = f'[anna]\nkey = "{ANNA}"\n[ben]\nkey = "{BEN}"\nrole = "user"\n[chief]\nkey = "{OPERATOR}"\nrole = "operator"\n'
 ID = "roof-of-2026"
-OPEN = ("/health", "/version", "/openapi.json")
+OPEN = ("/health", "/ready", "/version", "/openapi.json")
 
 
 def body(**more):

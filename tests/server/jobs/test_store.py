@@ -181,14 +181,3 @@ def test_a_budget_is_counted_by_owner_and_old_jobs_go_by_age(tmp_path):
     own.tidy(10, 10**6, 10, days=2.0)
     assert [one.id for one in own.all()] == ["ben:b", "anna:a"]
     own.close()
-
-
-def test_a_backup_is_a_store_with_everything(tmp_path):
-    own = Store(tmp_path / "jobs.sqlite")
-    own.add(job("a"), "json", {}, large := 300_000 * b"b")
-    finish(own, "b", 200_000)
-    own.backup(tmp_path / "backup")
-    own.close()
-    copy = Store(tmp_path / "backup" / "jobs.sqlite")
-    assert copy.body("a") == large and len(copy.result("b")) == 200_000
-    copy.close()

@@ -27,17 +27,17 @@ export class Api {
 
   /** @returns {Promise<import('./types.js').Method[]>} the methods, each option as a JSON schema */
   async methods() {
-    return (await this.json('/api/v1/methods')).methods;
+    return (await this.json('api/v1/methods')).methods;
   }
 
   /** @returns {Promise<{name: string, title: string, text: string}[]>} */
   async examples() {
-    return (await this.json('/api/v1/examples')).examples;
+    return (await this.json('api/v1/examples')).examples;
   }
 
   /** @param {string} name */
   example(name) {
-    return this.json(`/api/v1/examples/${encodeURIComponent(name)}`);
+    return this.json(`api/v1/examples/${encodeURIComponent(name)}`);
   }
 
   /**
@@ -48,7 +48,7 @@ export class Api {
   model(file, kind, edge) {
     const name = file.name.replace(/\.[^.]*$/, '');
     const length = edge ? `&edge_length=${edge}` : '';
-    return this.json(`/api/v1/models?kind=${kind}&name=${encodeURIComponent(name)}${length}`, { method: 'POST', body: file });
+    return this.json(`api/v1/models?kind=${kind}&name=${encodeURIComponent(name)}${length}`, { method: 'POST', body: file });
   }
 
   /**
@@ -58,7 +58,7 @@ export class Api {
    * @returns {Promise<import('./draw/plan.js').Plan>}
    */
   async plan(file, kind) {
-    const { unit, lines, columns, notes } = await this.json(`/api/v1/plans?kind=${kind}`, { method: 'POST', body: file });
+    const { unit, lines, columns, notes } = await this.json(`api/v1/plans?kind=${kind}`, { method: 'POST', body: file });
     const flat = lines.map(({ points, circle, ...line }) => ({ ...line, points: points.map(([x, y]) => [x, y]), held: [], ...(circle && { circle }) }));
     return { unit, edge: null, lines: flat, columns, notes };
   }
@@ -68,12 +68,12 @@ export class Api {
    * @param {object} sketch
    */
   drawing(sketch) {
-    return this.json('/api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
+    return this.json('api/v1/drawings', { method: 'POST', body: JSON.stringify(sketch) });
   }
 
   /** @returns {Promise<import('./types.js').Method[]>} what is built of solved surfaces */
   async tasks() {
-    return (await this.json('/api/v1/tasks')).tasks;
+    return (await this.json('api/v1/tasks')).tasks;
   }
 
   /**
@@ -86,7 +86,7 @@ export class Api {
     const { id } = await this.submit(job, signal);
     try {
       for (;;) {
-        const status = await this.json(`/api/v1/jobs/${id}?wait=20`, { signal });
+        const status = await this.json(`api/v1/jobs/${id}?wait=20`, { signal });
         if (status.has_result) return { ...(await this.result(id, signal)), id };
         if (['succeeded', 'failed', 'cancelled'].includes(status.state)) throw new Refusal(422, status.message);
       }
@@ -101,7 +101,7 @@ export class Api {
    * @param {AbortSignal} signal
    */
   submit(job, signal) {
-    return this.json('/api/v1/jobs', { method: 'POST', body: JSON.stringify(job), signal });
+    return this.json('api/v1/jobs', { method: 'POST', body: JSON.stringify(job), signal });
   }
 
   /**
@@ -109,12 +109,12 @@ export class Api {
    * @param {AbortSignal} [signal]
    */
   status(id, signal) {
-    return this.json(`/api/v1/jobs/${id}`, { signal });
+    return this.json(`api/v1/jobs/${id}`, { signal });
   }
 
   /** @param {string} id */
   cancel(id) {
-    return this.json(`/api/v1/jobs/${id}/cancel`, { method: 'POST' });
+    return this.json(`api/v1/jobs/${id}/cancel`, { method: 'POST' });
   }
 
   /**
@@ -122,7 +122,7 @@ export class Api {
    * @param {string} id
    */
   async forget(id) {
-    await this.request(`/api/v1/jobs/${id}`, { method: 'DELETE', keepalive: true });
+    await this.request(`api/v1/jobs/${id}`, { method: 'DELETE', keepalive: true });
   }
 
   /**
@@ -130,7 +130,7 @@ export class Api {
    * @param {AbortSignal} [signal]
    */
   result(id, signal) {
-    return this.json(`/api/v1/jobs/${id}/result?format=arrays`, { signal });
+    return this.json(`api/v1/jobs/${id}/result?format=arrays`, { signal });
   }
 
   /**
@@ -139,7 +139,7 @@ export class Api {
    * @param {AbortSignal} [signal]
    */
   async solved(id, signal) {
-    return surfaceOf(await this.json(`/api/v1/jobs/${id}/result?format=packed`, { signal }));
+    return surfaceOf(await this.json(`api/v1/jobs/${id}/result?format=packed`, { signal }));
   }
 
   /**
@@ -150,7 +150,7 @@ export class Api {
    */
   async download(id, format, beside) {
     const options = beside ? { method: 'POST', body: beside } : {};
-    return (await this.request(`/api/v1/jobs/${id}/result?format=${format}`, options)).blob();
+    return (await this.request(`api/v1/jobs/${id}/result?format=${format}`, options)).blob();
   }
 
   /**
@@ -159,7 +159,7 @@ export class Api {
    * @returns {Promise<?Float32Array>} null where nothing moves
    */
   async surface(id, signal) {
-    const answer = await this.request(`/api/v1/jobs/${id}/surface`, { signal });
+    const answer = await this.request(`api/v1/jobs/${id}/surface`, { signal });
     return answer.status === 204 ? null : new Float32Array(await answer.arrayBuffer());
   }
 
@@ -171,7 +171,7 @@ export class Api {
    * @returns {AsyncGenerator<{status?: import('./types.js').Status, arrived?: Float64Array, judged?: import('./types.js').Judged, result?: import('./types.js').Result}>}
    */
   async *solving(job, signal) {
-    const answer = await this.request('/api/v1/jobs?follow=true', { method: 'POST', body: JSON.stringify(job), signal });
+    const answer = await this.request('api/v1/jobs?follow=true', { method: 'POST', body: JSON.stringify(job), signal });
     if (!answer.headers.get('Content-Type').startsWith('text/event-stream')) return;
     for await (const { event, data } of eventsOf(answer)) yield toldBy(event, data);
   }

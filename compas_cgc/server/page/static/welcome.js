@@ -64,7 +64,7 @@ export class Welcome {
     const card = document.createElement('button');
     const [picture, head, words] = ['img', 'strong', 'span'].map((tag) => document.createElement(tag));
     Object.assign(card, { type: 'button', className: 'example' });
-    Object.assign(picture, { src: `/page/examples/${name}.png`, alt: '', width: 320, height: 200 });
+    Object.assign(picture, { src: `page/examples/${name}.png`, alt: '', width: 320, height: 200 });
     card.dataset.example = name;
     head.textContent = title;
     words.textContent = text;

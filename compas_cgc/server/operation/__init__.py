@@ -1,0 +1,1 @@
+"""What operators of a server need: readiness, metrics, logs, configuration, and backup of the store."""
