@@ -47,7 +47,7 @@ INSIDE = {
         {"security"},
         {"jobs"},
         {"api"},
-        {"hops", "page"},
+        {"hops", "operation", "page"},
         {"waitress_channel", "waitress_threads", "app"},
         {"run"},
     ],
